@@ -1,0 +1,14 @@
+"""The commands, as a table: the module of a command is imported when it is called.
+
+A command is a module with ``configure(parser)``, which adds its arguments, and
+``run(arguments) -> int``, which does the work and returns the exit status.
+"""
+
+from __future__ import annotations
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "check": ("fuzzyarm.cli.check", "find mistakes and doubts in rule bases and tables"),
+    "fmt": ("fuzzyarm.cli.fmt", "rewrite rule bases in canonical form"),
+    "demo": ("fuzzyarm.cli.demo", "the whole story on a shipped rule base"),
+}
+"""Name → (module, one-line summary), in the order of the help page."""
