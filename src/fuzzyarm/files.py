@@ -8,14 +8,14 @@ from pathlib import Path
 
 
 def write_atomically(path: str | Path, content: str | bytes) -> None:
-    """Write `content` to `path` so that a reader sees the old file or the new one.
+    r"""Write `content` to `path` so that a reader sees the old file or the new one.
 
     Parameters
     ----------
     path : str or Path
         Where to write; the folder must exist.
     content : str or bytes
-        Text is written as UTF-8 with ``\\n`` line ends.
+        Text is written as UTF-8 with ``\n`` line ends.
 
     Raises
     ------

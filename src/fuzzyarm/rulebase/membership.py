@@ -157,7 +157,7 @@ def spike(x: float, centre: float, width: float) -> float:
 
 
 def arc(x: float, zero: float, one: float) -> float:
-    """A quarter of an ellipse: 0 at `zero`, 1 at `one`, constant beyond."""
+    """Follow a quarter of an ellipse: 0 at `zero`, 1 at `one`, constant beyond."""
     if zero == one:
         return 1.0 if x >= one else 0.0
     t = min(1.0, max(0.0, (x - one) / (zero - one)))

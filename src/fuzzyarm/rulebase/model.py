@@ -150,7 +150,7 @@ class Output(Variable):
 
 @dataclass(frozen=True, slots=True)
 class Hedge:
-    """A modifier of a membership: ``very`` (square), ``power(1.3)``, ``not`` …
+    """A modifier of a membership: ``very`` (square), ``power(1.3)``, ``not``, …, as a word of the language.
 
     Attributes
     ----------
@@ -326,9 +326,10 @@ class RuleBase:
 
     def variable(self, name: str) -> Input | Output:
         """Return the input or output called `name`; raise KeyError where there is none."""
-        for variable in (*self.inputs, *self.outputs):
-            if variable.name == name:
-                return variable
+        found: Input | Output
+        for found in (*self.inputs, *self.outputs):
+            if found.name == name:
+                return found
         raise KeyError(name)
 
     def output(self, name: str) -> Output:

@@ -114,9 +114,7 @@ _KINDS = (
     ShapeKind("spike", ("centre", "width"), "exp(-|10 (x - centre) / width|)"),
     ShapeKind("arc", ("zero", "one"), "a quarter of an ellipse from 0 to 1"),
     ShapeKind("semi-ellipse", ("start", "end"), "half an ellipse between start and end"),
-    ShapeKind(
-        "linear", (), "consequent: a sum of inputs times numbers, plus a number", fuzzy=False
-    ),
+    ShapeKind("linear", (), "consequent: inputs times numbers, plus a number", fuzzy=False),
     ShapeKind("formula", (), "consequent or term: an arithmetic expression", fuzzy=False),
 )
 
