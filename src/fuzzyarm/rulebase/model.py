@@ -150,7 +150,7 @@ class Output(Variable):
 
 @dataclass(frozen=True, slots=True)
 class Hedge:
-    """A modifier of a membership: ``very`` (square), ``power(1.3)``, ``not``, …, as a word of the language.
+    """A modifier of a membership: ``very`` (square), ``power(1.3)``, ``not`` and so on.
 
     Attributes
     ----------
@@ -326,10 +326,10 @@ class RuleBase:
 
     def variable(self, name: str) -> Input | Output:
         """Return the input or output called `name`; raise KeyError where there is none."""
-        found: Input | Output
-        for found in (*self.inputs, *self.outputs):
-            if found.name == name:
-                return found
+        variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
+        for variable in variables:
+            if variable.name == name:
+                return variable
         raise KeyError(name)
 
     def output(self, name: str) -> Output:
