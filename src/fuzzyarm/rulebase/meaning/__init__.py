@@ -1,0 +1,1 @@
+"""From the syntax tree to the RuleBase: names resolved, numbers judged."""

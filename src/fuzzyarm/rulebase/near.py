@@ -1,0 +1,29 @@
+"""Guess what was meant; only ever as a hint."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def nearest(word: str, choices: Iterable[str]) -> str | None:
+    """Return the one of `choices` that `word` most likely stands for, or None.
+
+    Difference in case alone is nearest; after that, few edits relative to the length.
+    """
+    options = list(choices)
+    for option in options:
+        if option.casefold() == word.casefold():
+            return option
+    import difflib
+
+    if len(word) > 100:
+        return None
+    cutoff = 0.5 if len(word) <= 3 else 0.6
+    found = difflib.get_close_matches(word, options[:2000], n=1, cutoff=cutoff)
+    return found[0] if found else None
+
+
+def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
+    """Return a hint in words and the replacement text; empty and None where nothing is near."""
+    near = nearest(word, choices)
+    return ("", None) if near is None else (f"did you mean '{near}'?", near)

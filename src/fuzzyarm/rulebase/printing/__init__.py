@@ -1,0 +1,1 @@
+"""From the syntax tree, or from a RuleBase, to canonical text."""

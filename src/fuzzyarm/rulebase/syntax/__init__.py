@@ -1,0 +1,1 @@
+"""The language as text: tokens, statements and the syntax tree."""

@@ -1,0 +1,64 @@
+"""From text to syntax tree. Never raises: what cannot be read becomes a diagnostic."""
+
+from __future__ import annotations
+
+from fuzzyarm.rulebase.diagnostic import Diagnostic, Span
+from fuzzyarm.rulebase.limits import MAX_CHARACTERS, MAX_LINE
+from fuzzyarm.rulebase.syntax.cursor import Cursor, Fault
+from fuzzyarm.rulebase.syntax.lines import Group, allowances, group_lines
+from fuzzyarm.rulebase.syntax.nodes import Broken, Document, Statement, Trivia
+from fuzzyarm.rulebase.syntax.statements import read_statement
+from fuzzyarm.rulebase.syntax.tokens import split_lines, tokenize
+
+
+def parse_document(text: str) -> Document:
+    """Return the syntax tree of `text` with every lexical and syntactic mistake.
+
+    A statement that cannot be read is kept as :class:`Broken`, and reading goes on with
+    the next one.
+    """
+    too_large = _size_fault(text)
+    if too_large is not None:
+        return Document((), diagnostics=(too_large,))
+    diagnostics: list[Diagnostic] = []
+    lines = tokenize(text, diagnostics)
+    groups, ending = group_lines(lines, diagnostics)
+    statements = tuple(_read_group(group, diagnostics) for group in groups)
+    return Document(statements, ending, allowances(lines), _first_at_each_place(diagnostics))
+
+
+def _first_at_each_place(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+    # The lexer's complaint of a token comes before the parser's of the same one.
+    first: dict[tuple[int, int], Diagnostic] = {}
+    for diagnostic in diagnostics:
+        first.setdefault((diagnostic.line, diagnostic.column), diagnostic)
+    return tuple(sorted(first.values(), key=lambda diagnostic: diagnostic.span))
+
+
+def _read_group(group: Group, diagnostics: list[Diagnostic]) -> Statement:
+    trivia = Trivia(group.before, group.behind)
+    # A token that the lexer has already complained of needs no second complaint.
+    if any(token.kind == "bad" for token in group.tokens):
+        return Statement(Broken(group.keyword, Cursor(group.tokens).whole), trivia)
+    try:
+        return Statement(read_statement(group, diagnostics), trivia)
+    except Fault as fault:
+        diagnostics.append(fault.diagnostic)
+        return Statement(Broken(group.keyword, Cursor(group.tokens).whole), trivia)
+
+
+def _size_fault(text: str) -> Diagnostic | None:
+    if len(text) > MAX_CHARACTERS:
+        return Diagnostic(
+            "file-too-large",
+            f"the text has {len(text):,} characters; the limit is {MAX_CHARACTERS:,}",
+        )
+    if len(text) > MAX_LINE:
+        for number, line in enumerate(split_lines(text), start=1):
+            if len(line) > MAX_LINE:
+                return Diagnostic(
+                    "line-too-long",
+                    f"the line has {len(line):,} characters; the limit is {MAX_LINE:,}",
+                    Span(number, MAX_LINE + 1, number, MAX_LINE + 2),
+                )
+    return None
