@@ -1,0 +1,96 @@
+"""The compiled control step: a sum of laws, each found by its number."""
+
+from __future__ import annotations
+
+from fuzzyarm.arm.kernels import kernel
+from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State
+from fuzzyarm.control.adaptive_critically_damped import adaptive_critically_damped_torque
+from fuzzyarm.control.computed_torque import computed_torque
+from fuzzyarm.control.critically_damped import critically_damped_torque
+from fuzzyarm.control.decentralised import decentralised_torque
+from fuzzyarm.control.feed_forward_inverse import feed_forward_inverse_torque
+from fuzzyarm.control.integral import integral_torque
+from fuzzyarm.control.kinds import (
+    ADAPTIVE_CRITICALLY_DAMPED,
+    COMPUTED_TORQUE,
+    CRITICALLY_DAMPED,
+    DECENTRALISED,
+    FEED_FORWARD_INVERSE,
+    INTEGRAL,
+    MODEL_REFERENCE,
+    PD,
+    PURE_FEED_FORWARD,
+)
+from fuzzyarm.control.model_reference import model_reference_torque
+from fuzzyarm.control.pd import pd_torque
+from fuzzyarm.control.pure_feed_forward import pure_feed_forward_torque
+
+
+@kernel
+def summed_torque(
+    reference: Reference,
+    state: State,
+    pose: Pose,
+    clock: Clock,
+    program: list[int],
+    numbers: list[float],
+    memory: list[float],
+) -> Pair:
+    """Return the sum of the torques of all laws of a program.
+
+    `program` holds three integers for each law: its number, where its constants
+    start in `numbers`, where its memory starts in `memory`.
+    """
+    first = 0.0
+    second = 0.0
+    for part in range(0, len(program), 3):
+        torque = law_torque(
+            program[part],
+            reference,
+            state,
+            pose,
+            clock,
+            numbers,
+            program[part + 1],
+            memory,
+            program[part + 2],
+        )
+        first += torque[0]
+        second += torque[1]
+    return first, second
+
+
+@kernel
+def law_torque(  # noqa: C901, PLR0911, PLR0912 - one branch for each law is the point
+    kind: int,
+    reference: Reference,
+    state: State,
+    pose: Pose,
+    clock: Clock,
+    numbers: list[float],
+    at: int,
+    memory: list[float],
+    cell: int,
+) -> Pair:
+    """Return the torque of one law."""
+    if kind == CRITICALLY_DAMPED:
+        return critically_damped_torque(reference, state, pose, clock.single, numbers, at)
+    if kind == PD:
+        return pd_torque(reference, state, numbers, at)
+    if kind == INTEGRAL:
+        return integral_torque(reference, state, clock, numbers, at, memory, cell)
+    if kind == COMPUTED_TORQUE:
+        return computed_torque(reference, state, pose, numbers, at)
+    if kind == FEED_FORWARD_INVERSE:
+        return feed_forward_inverse_torque(reference, state, pose, numbers, at)
+    if kind == PURE_FEED_FORWARD:
+        return pure_feed_forward_torque(reference, state, numbers, at)
+    if kind == ADAPTIVE_CRITICALLY_DAMPED:
+        return adaptive_critically_damped_torque(
+            reference, state, pose, clock, numbers, at, memory, cell
+        )
+    if kind == MODEL_REFERENCE:
+        return model_reference_torque(reference, state, pose, clock, numbers, at, memory, cell)
+    if kind == DECENTRALISED:
+        return decentralised_torque(reference, state, clock, numbers, at, memory, cell)
+    return 0.0, 0.0

@@ -1,0 +1,11 @@
+"""The number of each compiled control law, by which the loop finds its kernel."""
+
+PD = 1
+INTEGRAL = 2
+COMPUTED_TORQUE = 3
+FEED_FORWARD_INVERSE = 4
+CRITICALLY_DAMPED = 5
+PURE_FEED_FORWARD = 6
+ADAPTIVE_CRITICALLY_DAMPED = 7
+MODEL_REFERENCE = 8
+DECENTRALISED = 9
