@@ -1,0 +1,47 @@
+"""Stretches of an input's range that no term covers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from fuzzyarm.rulebase.check.subject import Subject
+from fuzzyarm.rulebase.diagnostic import Diagnostic
+from fuzzyarm.rulebase.geometry import probe_points
+from fuzzyarm.rulebase.membership import membership
+from fuzzyarm.rulebase.model import Input
+
+FAINT = 1e-6
+"""A membership below this covers nothing."""
+
+
+def find(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``coverage-gap`` once for each gap."""
+    for variable in subject.rulebase.inputs:
+        if variable.terms:
+            yield from _gaps(variable)
+
+
+def _gaps(variable: Input) -> Iterator[Diagnostic]:
+    points = probe_points(variable)
+    bare = [all(membership(term.shape, x) < FAINT for term in variable.terms) for x in points]
+    i = 0
+    while i < len(points):
+        if not bare[i]:
+            i += 1
+            continue
+        end = i
+        while end + 1 < len(points) and bare[end + 1]:
+            end += 1
+        yield _gap(variable, points, i, end)
+        i = end + 1
+
+
+def _gap(variable: Input, points: list[float], start: int, end: int) -> Diagnostic:
+    if (start == end and points[start] in (points[0], points[-1])) or start == end:
+        where = f"{points[start]:g}"
+    else:
+        # The gap reaches to the next points on either side, where membership begins.
+        low = points[max(start - 1, 0)]
+        high = points[min(end + 1, len(points) - 1)]
+        where = f"{low:g} .. {high:g}"
+    return Diagnostic("coverage-gap", f"no term of '{variable.name}' covers {where}", variable.span)

@@ -1,0 +1,126 @@
+"""Inputs for which no rule fires, with one such input as evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from math import prod
+
+from fuzzyarm.rulebase.check.coverage import FAINT
+from fuzzyarm.rulebase.check.subject import Subject
+from fuzzyarm.rulebase.diagnostic import Diagnostic, Severity
+from fuzzyarm.rulebase.geometry import probe_points
+from fuzzyarm.rulebase.membership import membership
+from fuzzyarm.rulebase.model import And, Input, Is, Output, Rule, RuleBase, RuleBlock, propositions
+from fuzzyarm.rulebase.truth import truth
+
+_MOST_POINTS = 40_000
+_POSITIVE_NORMS = ("min", "product", "hamacher", "einstein")
+"""Conjunctions that are positive wherever all their operands are."""
+
+
+def find(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``no-rule-fires`` for each output with a point of the inputs that fires nothing."""
+    rulebase = subject.rulebase
+    for output in rulebase.outputs:
+        evidence = silent_point(rulebase, output)
+        if evidence is None:
+            continue
+        point = ", ".join(f"{name} = {value:g}" for name, value in evidence.items())
+        stated = output.no_rule != "error"
+        yield Diagnostic(
+            "no-rule-fires",
+            f"no rule for '{output.name}' fires at {point}",
+            output.span,
+            # Where the file says what happens then, the author has thought of it.
+            severity=Severity.INFO if stated else Severity.WARNING,
+            hint="" if stated else "add a rule, or say what happens then: inference no-rule …",
+        )
+
+
+def silent_point(rulebase: RuleBase, output: Output) -> dict[str, float] | None:
+    """Return a point of the inputs at which no rule for `output` fires; None if none is found.
+
+    Every combination of stretches between corners of the terms is tried, up to a limit; beyond
+    that the stretches are thinned evenly.
+    """
+    rules = [
+        (block, rule)
+        for block in rulebase.blocks
+        for rule in block.rules
+        if rule.weight > 0.0 and any(c.variable == output.name for c in rule.consequents)
+    ]
+    names = {v.name for v in rulebase.inputs}
+    used = {p.variable for _, rule in rules for p in propositions(rule.antecedent)}
+    if not rules or not used <= names:
+        return None  # unused, or a chained output decides: its range is not known here
+    variables = [v for v in rulebase.inputs if v.name in used and v.terms]
+    grids = _thinned([_active_terms(variable) for variable in variables])
+    index = _plain_index([(b, r) for b, r in rules if _is_plain(b, r)])
+    others = [(b, r) for b, r in rules if not _is_plain(b, r)]
+    for cell in product(*grids):
+        active = {v.name: terms for v, (_, terms) in zip(variables, cell, strict=True)}
+        if _plain_fires(index, active) or _other_fires(others, active):
+            continue
+        point = {v.name: x for v, (x, _) in zip(variables, cell, strict=True)}
+        rest = {v.name: 0.5 * (v.low + v.high) for v in rulebase.inputs if v.name not in point}
+        return {v.name: {**point, **rest}[v.name] for v in rulebase.inputs}
+    return None
+
+
+_Active = tuple[float, dict[str, float]]
+
+
+def _active_terms(variable: Input) -> list[_Active]:
+    """Return each probe point with the degrees of the terms that hold there."""
+    found = []
+    for x in probe_points(variable):
+        degrees = {term.name: membership(term.shape, x) for term in variable.terms}
+        found.append((x, {name: d for name, d in degrees.items() if d >= FAINT}))
+    return found
+
+
+def _thinned(grids: list[list[_Active]]) -> list[list[_Active]]:
+    while prod(map(len, grids)) > _MOST_POINTS:
+        longest = max(range(len(grids)), key=lambda i: len(grids[i]))
+        if len(grids[longest]) <= 2:
+            return grids[:1] if len(grids[0]) > 2 else [grid[:1] for grid in grids]
+        kept = grids[longest][::2]
+        grids[longest] = kept if kept[-1] is grids[longest][-1] else [*kept, grids[longest][-1]]
+        if len(grids[longest]) > 3:
+            continue
+        grids[longest] = grids[longest][:2]
+    return grids
+
+
+def _is_plain(block: RuleBlock, rule: Rule) -> bool:
+    operands = rule.antecedent.operands if isinstance(rule.antecedent, And) else (rule.antecedent,)
+    positive = len(operands) == 1 or block.conjunction in _POSITIVE_NORMS
+    return positive and all(isinstance(o, Is) and not o.hedges for o in operands)
+
+
+_Index = dict[tuple[str, ...], set[tuple[str, ...]]]
+
+
+def _plain_index(rules: list[tuple[RuleBlock, Rule]]) -> _Index:
+    """Return the term combinations of plain rules by the variables they ask for."""
+    index: _Index = {}
+    for _, rule in rules:
+        pairs = [(p.variable, p.term) for p in propositions(rule.antecedent)]
+        key = tuple(variable for variable, _ in pairs)
+        index.setdefault(key, set()).add(tuple(term for _, term in pairs))
+    return index
+
+
+def _plain_fires(index: _Index, active: dict[str, dict[str, float]]) -> bool:
+    return any(
+        any(terms in wanted for terms in product(*(active[name] for name in names)))
+        for names, wanted in index.items()
+    )
+
+
+def _other_fires(rules: list[tuple[RuleBlock, Rule]], active: dict[str, dict[str, float]]) -> bool:
+    def degree(variable: str, term: str) -> float:
+        return active[variable].get(term, 0.0)
+
+    return any(truth(rule.antecedent, degree, block) >= FAINT for block, rule in rules)
