@@ -1,0 +1,104 @@
+"""A variable while its file is being read, and how it ends up in the model."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from fuzzyarm.formats.imported import Findings, Word
+from fuzzyarm.rulebase.model import Defuzzifier, Input, Output, Shape, Term
+
+
+@dataclass(slots=True)
+class Draft:
+    """A variable in the making.
+
+    Attributes
+    ----------
+    word : Word
+        Its name and where that stands.
+    is_output : bool
+        Whether it is an output.
+    low, high : float
+        The range; infinite until the file says more.
+    terms : list of Term
+        In order.
+    enabled : bool
+        False where the file switches the variable off.
+    """
+
+    word: Word
+    is_output: bool
+    low: float = -math.inf
+    high: float = math.inf
+    terms: list[Term] = field(default_factory=list)
+    description: str = ""
+    outside: str = "extend"
+    enabled: bool = True
+    aggregation: str = "sum"
+    defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
+    no_rule: float | str = math.nan
+
+    @property
+    def name(self) -> str:
+        """The name."""
+        return self.word.text
+
+    def term(self, name: str) -> Term | None:
+        """Return the term called `name`, or None."""
+        return next((term for term in self.terms if term.name == name), None)
+
+    def input(self) -> Input:
+        """Return the finished input."""
+        return Input(
+            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
+            span=self.word.span,
+        )  # fmt: skip
+
+    def output(self) -> Output:
+        """Return the finished output."""
+        return Output(
+            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
+            span=self.word.span, aggregation=self.aggregation, defuzzifier=self.defuzzifier,
+            no_rule=self.no_rule,
+        )  # fmt: skip
+
+    def settle_range(self, findings: Findings) -> None:
+        """Widen a range without width, turn one that is the wrong way round."""
+        if math.isnan(self.low) or math.isnan(self.high):
+            findings.error("bad-range", f"the range of '{self.name}' has a nan", self.word)
+            self.low, self.high = -math.inf, math.inf
+        if self.low > self.high:
+            message = f"the range of '{self.name}' runs from {self.low} down to {self.high}"
+            findings.error("bad-range", message, self.word)
+            self.low, self.high = self.high, self.low
+        if self.low == self.high:
+            message = f"the range of '{self.name}' has no width; half a unit is added either side"
+            findings.warn("empty-range", message, self.word)
+            self.low, self.high = self.low - 0.5, self.high + 0.5
+        if self.low == self.high:  # beyond 2**53 half a unit is nothing
+            self.high = math.nextafter(self.low, math.inf)
+
+
+def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep: str) -> None:
+    """Add a term; of two with one name keep the ``first`` or the ``last``, and say so."""
+    term = Term(word.text, shape, word.span)
+    earlier = draft.term(word.text)
+    if earlier is None:
+        draft.terms.append(term)
+        return
+    kept = "first" if keep == "first" else "last"
+    message = f"'{draft.name}' has two terms called '{word.text}'; the {kept} counts"
+    findings.duplicate("duplicate-term-name", message, word, earlier.span)
+    if keep == "last":
+        draft.terms[draft.terms.index(earlier)] = term
+
+
+def unique_name(name: str, taken: set[str]) -> str:
+    """Return `name`, or `name` with the first number that makes it unique."""
+    if name not in taken:
+        return name
+    number = 2
+    while f"{name}_{number}" in taken:
+        number += 1
+    return f"{name}_{number}"
