@@ -1,1 +1,72 @@
-"""Placeholder."""
+"""Lookup tables: the table, the compiler that fills it, and its files.
+
+What a name needs is loaded when the name is used: reading the text of a table
+(:mod:`fuzzyarm.lut.text`) does not load an array library.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fuzzyarm.lut.axis import MODES, Axis, TableError
+    from fuzzyarm.lut.compiler import compile_table
+    from fuzzyarm.lut.diff import TableDiff, compare_tables
+    from fuzzyarm.lut.fidelity import Fidelity, measure_fidelity
+    from fuzzyarm.lut.files import TableFileError, read_table, write_table
+    from fuzzyarm.lut.header import PlainTable, TableHeader
+    from fuzzyarm.lut.report import CompileReport, compile_with_report
+    from fuzzyarm.lut.table import LookupTable
+    from fuzzyarm.lut.text import ParsedTable, parse_lut
+    from fuzzyarm.lut.write_text import write_lut
+
+_HOMES = {
+    "MODES": "axis",
+    "Axis": "axis",
+    "CompileReport": "report",
+    "Fidelity": "fidelity",
+    "LookupTable": "table",
+    "ParsedTable": "text",
+    "PlainTable": "header",
+    "TableDiff": "diff",
+    "TableError": "axis",
+    "TableFileError": "files",
+    "TableHeader": "header",
+    "compare_tables": "diff",
+    "compile_table": "compiler",
+    "compile_with_report": "report",
+    "measure_fidelity": "fidelity",
+    "parse_lut": "text",
+    "read_table": "files",
+    "write_lut": "write_text",
+    "write_table": "files",
+}
+
+__all__ = [
+    "MODES",
+    "Axis",
+    "CompileReport",
+    "Fidelity",
+    "LookupTable",
+    "ParsedTable",
+    "PlainTable",
+    "TableDiff",
+    "TableError",
+    "TableFileError",
+    "TableHeader",
+    "compare_tables",
+    "compile_table",
+    "compile_with_report",
+    "measure_fidelity",
+    "parse_lut",
+    "read_table",
+    "write_lut",
+    "write_table",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
