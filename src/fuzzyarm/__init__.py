@@ -11,4 +11,56 @@ published experiments; :mod:`fuzzyarm.show` draws. Importing this page is instan
 name needs is loaded when the name is used.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fuzzyarm.api import check_file, check_text, load
+    from fuzzyarm.errors import FuzzyarmError
+    from fuzzyarm.inference import explain, infer
+    from fuzzyarm.lut import LookupTable, compile_table
+    from fuzzyarm.rulebase import RuleBase, RuleBaseError, parse, write
+    from fuzzyarm.shipped import shipped
+
 __version__ = "0.1.0"
+
+__all__ = [
+    "FuzzyarmError",
+    "LookupTable",
+    "RuleBase",
+    "RuleBaseError",
+    "check_file",
+    "check_text",
+    "compile_table",
+    "explain",
+    "infer",
+    "load",
+    "parse",
+    "shipped",
+    "write",
+]
+
+_HOMES = {
+    "FuzzyarmError": "errors",
+    "LookupTable": "lut",
+    "RuleBase": "rulebase",
+    "RuleBaseError": "rulebase",
+    "check_file": "api",
+    "check_text": "api",
+    "compile_table": "lut",
+    "explain": "inference",
+    "infer": "inference",
+    "load": "api",
+    "parse": "rulebase",
+    "shipped": "shipped",
+    "write": "rulebase",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'fuzzyarm' has no attribute '{name}'")
+    import importlib
+
+    return getattr(importlib.import_module(f"fuzzyarm.{_HOMES[name]}"), name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from fuzzyarm.rulebase.membership import membership
 from fuzzyarm.rulebase.model import Shape, Variable
@@ -57,21 +58,20 @@ def centre(shape: Shape, low: float, high: float) -> float | None:
     return 0.5 * (best[0] + best[-1])
 
 
-def probe_points(variable: Variable) -> list[float]:
-    """Return points of the range between which no bounded term starts or ends.
+def corners(variable: Variable) -> list[float]:
+    """Return, in increasing order, the ends of the range and where terms start, end or turn."""
+    found = {x for term in variable.terms for x in corner_points(term.shape)}
+    low = variable.low if math.isfinite(variable.low) else min(found, default=0.0) - 1.0
+    high = variable.high if math.isfinite(variable.high) else max(found, default=0.0) + 1.0
+    if any(not SHAPES[term.shape.kind].piecewise_linear for term in variable.terms):
+        found |= {low + (high - low) * i / 64 for i in range(65)}
+    return sorted({low, high} | {x for x in found if low < x < high})
 
-    They are the corners of all terms, the ends of the range and the middles between
-    neighbours, in increasing order.
+
+def probe_points(variable: Variable) -> list[float]:
+    """Return the corners and the middles between them, in increasing order.
+
+    Between two corners no bounded term starts or ends, so the middle stands for the stretch.
     """
-    corners = {x for term in variable.terms for x in corner_points(term.shape)}
-    low = variable.low if math.isfinite(variable.low) else min(corners, default=0.0) - 1.0
-    high = variable.high if math.isfinite(variable.high) else max(corners, default=0.0) + 1.0
-    if any(not SHAPES[t.shape.kind].piecewise_linear for t in variable.terms):
-        corners |= {low + (high - low) * i / 64 for i in range(65)}
-    inside = sorted({low, high} | {x for x in corners if low < x < high})
-    points: list[float] = []
-    for i, x in enumerate(inside):
-        if i and points[-1] < 0.5 * (points[-1] + x) < x:
-            points.append(0.5 * (points[-1] + x))
-        points.append(x)
-    return points
+    found = corners(variable)
+    return sorted({*found, *(0.5 * (a + b) for a, b in pairwise(found))})

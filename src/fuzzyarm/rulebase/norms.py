@@ -24,7 +24,7 @@ def _s_drastic(a: float, b: float) -> float:
 
 
 TNORMS: dict[str, Norm] = {
-    "min": lambda a, b: min(a, b),
+    "min": min,
     "product": lambda a, b: a * b,
     "bounded": lambda a, b: max(0.0, a + b - 1.0),
     "drastic": _t_drastic,
@@ -35,7 +35,7 @@ TNORMS: dict[str, Norm] = {
 """Conjunctions and implications by name."""
 
 SNORMS: dict[str, Norm] = {
-    "max": lambda a, b: max(a, b),
+    "max": max,
     "probor": lambda a, b: a + b - a * b,
     "bounded": lambda a, b: min(1.0, a + b),
     "drastic": _s_drastic,

@@ -11,7 +11,12 @@ from fuzzyarm.rulebase.meaning.lookup import elaborate_lookup
 from fuzzyarm.rulebase.meaning.rules import elaborate_grid, elaborate_rule, report_too_many
 from fuzzyarm.rulebase.meaning.scope import Draft, Scope
 from fuzzyarm.rulebase.meaning.settings import apply_inference, block_norms
-from fuzzyarm.rulebase.meaning.variables import add_even_terms, add_term, declare_variable
+from fuzzyarm.rulebase.meaning.variables import (
+    add_even_terms,
+    add_term,
+    declare_variable,
+    range_of,
+)
 from fuzzyarm.rulebase.model import (
     Expectation,
     Input,
@@ -60,7 +65,6 @@ def elaborate(document: Document) -> tuple[RuleBase, list[Diagnostic]]:
             add_term(node, scope)
         elif isinstance(node, EvenTermsNode):
             add_even_terms(node, scope)
-    # After a broken term statement a missing term may be that one's fault: say it once.
     norms = _settings(nodes, scope)
     blocks = _blocks(nodes, scope, norms)
     heading = _single(nodes, Heading, "heading", scope)
@@ -151,8 +155,7 @@ def _input(draft: Draft) -> Input:
     node = draft.node
     return Input(
         draft.name,
-        node.low.value,
-        node.high.value,
+        *range_of(node),
         tuple(draft.terms.values()),
         node.description or "",
         draft.outside,
@@ -164,8 +167,7 @@ def _output(draft: Draft) -> Output:
     node = draft.node
     return Output(
         draft.name,
-        node.low.value,
-        node.high.value,
+        *range_of(node),
         tuple(draft.terms.values()),
         node.description or "",
         draft.outside,

@@ -8,6 +8,7 @@ import math
 from fuzzyarm.rulebase.diagnostic import Severity
 from fuzzyarm.rulebase.limits import MAX_LEVELS
 from fuzzyarm.rulebase.meaning.scope import Draft, Scope
+from fuzzyarm.rulebase.meaning.variables import range_of
 from fuzzyarm.rulebase.model import Lookup, LookupAxis
 from fuzzyarm.rulebase.syntax.nodes import LookupItem, LookupNode
 
@@ -53,7 +54,7 @@ def _axis(
     values = _levels(levels, scope)
     if values is None:
         return None
-    low, high = draft.node.low.value, draft.node.high.value
+    low, high = range_of(draft.node)
     if not low <= values[0] <= values[-1] <= high:
         scope.report(
             "levels-outside-range",

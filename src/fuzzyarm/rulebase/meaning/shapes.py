@@ -66,8 +66,7 @@ def _infinite_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str]
     for i, value in enumerate(parameters):
         if math.isnan(value):
             return i, f"a {kind} cannot have the number nan"
-        shoulder = kind == "trapezoid" and i in (0, 3)
-        if math.isinf(value) and not shoulder and (kind, i) != ("binary", 1):
+        if math.isinf(value) and kind != "trapezoid" and (kind, i) != ("binary", 1):
             return i, f"a {kind} cannot have an infinite number here"
     return None
 

@@ -35,8 +35,8 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
         return
     if len(scope.names(node.role)) > _LIMITS[node.role]:
         return
-    low, high = node.low.value, node.high.value
-    if not low < high:
+    low, high = range_of(node)
+    if node.low is not None and node.high is not None and not low < high:
         scope.report(
             "bad-range",
             f"the range of '{node.name.text}' must go from a lower to a higher number",
@@ -45,12 +45,20 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
     scope.drafts[node.name.text] = Draft(node)
 
 
+def range_of(node: VariableNode) -> tuple[float, float]:
+    """Return the range of a variable; 0 to 1 where the file's could not be read."""
+    if node.low is None or node.high is None:
+        return 0.0, 1.0
+    return node.low.value, node.high.value
+
+
 def add_term(node: TermNode, scope: Scope) -> None:
     """Add the explicit term of `node` to its variable."""
     draft = scope.variable(node.variable)
-    shape = elaborate_shape(node.shape, draft, scope)
-    if draft is not None and shape is not None:
-        _add(draft, node.name, shape, scope)
+    shape = None if node.shape is None else elaborate_shape(node.shape, draft, scope)
+    if draft is not None:
+        # A term with a bad shape keeps its place, so that its uses are no mistakes too.
+        _add(draft, node.name, shape or Shape("singleton", (range_of(draft.node)[0],)), scope)
 
 
 def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
@@ -59,7 +67,7 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
         draft = scope.variable(word)
         if draft is None:
             continue
-        low, high = draft.node.low.value, draft.node.high.value
+        low, high = range_of(draft.node)
         if not (math.isfinite(low) and math.isfinite(high)):
             scope.report(
                 "bad-range", f"'{draft.name}' has no finite range to spread over", word.span

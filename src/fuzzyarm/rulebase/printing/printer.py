@@ -117,12 +117,15 @@ def _statement_lines(node: StatementNode) -> tuple[str, list[str]]:
 
 def _variable_parts(node: VariableNode) -> list[str]:
     role = f"{node.role:<6}"
+    assert node.low is not None, "a document with mistakes is never printed"
+    assert node.high is not None
     range_text = f"{figure_text(node.low)} .. {figure_text(node.high)}"
     description = [] if node.description is None else [string_text(node.description)]
     return [f"{role} {word_text(node.name)}", range_text, *description]
 
 
 def _term_parts(node: TermNode) -> list[str]:
+    assert node.shape is not None, "a document with mistakes is never printed"
     return [
         f"term {word_text(node.variable)} {word_text(node.name)}:",
         shape_text(node.shape),

@@ -31,6 +31,7 @@ class Cursor:
     def __init__(self, tokens: tuple[Token, ...] | list[Token]) -> None:
         self.tokens = tokens
         self.position = 0
+        self.forgiven: list[Diagnostic] = []
 
     @property
     def at_end(self) -> bool:
@@ -92,6 +93,15 @@ class Cursor:
             hint=hint,
             replacement=replacement,
         )
+
+    def forgive(self, fault: Fault) -> None:
+        """Keep the diagnostic of `fault` and skip the rest of the line.
+
+        For faults behind the name that a statement declares: the name is known all the same,
+        so its uses are not reported as mistakes too.
+        """
+        self.forgiven.append(fault.diagnostic)
+        self.position = len(self.tokens)
 
     def name(self, what: str) -> Word:
         """Take a name: a plain word that is not reserved, or one in single quotes."""

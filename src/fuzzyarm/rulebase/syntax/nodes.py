@@ -91,12 +91,15 @@ class Heading:
 
 @dataclass(frozen=True, slots=True)
 class VariableNode:
-    """``input NAME LOW .. HIGH "description"`` and the same with ``output``."""
+    """``input NAME LOW .. HIGH "description"`` and the same with ``output``.
+
+    The ends are None where the range could not be read.
+    """
 
     role: str
     name: Word
-    low: Figure
-    high: Figure
+    low: Figure | None
+    high: Figure | None
     description: str | None
     span: Span = field(default=NOWHERE, compare=False)
 
@@ -138,11 +141,11 @@ class ShapeNode:
 
 @dataclass(frozen=True, slots=True)
 class TermNode:
-    """``term VARIABLE NAME: SHAPE``."""
+    """``term VARIABLE NAME: SHAPE``; no shape where it could not be read."""
 
     variable: Word
     name: Word
-    shape: ShapeNode
+    shape: ShapeNode | None
     span: Span = field(default=NOWHERE, compare=False)
 
 

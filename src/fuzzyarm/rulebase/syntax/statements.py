@@ -39,6 +39,7 @@ def read_statement(group: Group, diagnostics: list[Diagnostic]) -> StatementNode
     if group.keyword == "lookup":
         return _lookup(cursor, group.lines, diagnostics)
     node = _READERS[group.keyword](cursor)
+    diagnostics += cursor.forgiven
     cursor.finish()
     return node
 
@@ -51,9 +52,13 @@ def _heading(cursor: Cursor) -> Heading:
 def _variable(cursor: Cursor) -> VariableNode:
     role = cursor.take().text
     name = cursor.name(f"the name of the {role}")
-    low = cursor.figure("the lower end of the range", finite=False)
-    cursor.expect("..", "between the ends of the range")
-    high = cursor.figure("the upper end of the range", finite=False)
+    try:
+        low = cursor.figure("the lower end of the range", finite=False)
+        cursor.expect("..", "between the ends of the range")
+        high = cursor.figure("the upper end of the range", finite=False)
+    except Fault as fault:
+        cursor.forgive(fault)
+        return VariableNode(role, name, None, None, None, cursor.whole)
     return VariableNode(role, name, low, high, cursor.string(), cursor.whole)
 
 
@@ -63,7 +68,7 @@ def _even_terms(cursor: Cursor) -> EvenTermsNode:
     while cursor.accept(","):
         variables.append(cursor.name("the name of a variable"))
     cursor.expect(":", "after the variables")
-    family = cursor.word("how the terms are shaped", tuple(EVEN_SHAPES), "unknown-shape")
+    family = _family(cursor)
     names = []
     while not cursor.at_end:
         names.append(cursor.name("the name of a term"))
@@ -72,12 +77,30 @@ def _even_terms(cursor: Cursor) -> EvenTermsNode:
     return EvenTermsNode(tuple(variables), family, tuple(names), cursor.whole)
 
 
+def _family(cursor: Cursor) -> Word:
+    token = cursor.peek()
+    try:
+        return cursor.word("how the terms are shaped", tuple(EVEN_SHAPES), "unknown-shape")
+    except Fault as fault:
+        if token is None or token.kind != "name":
+            raise
+        cursor.forgiven.append(fault.diagnostic)
+        cursor.take()
+        return Word("triangles", token.span)
+
+
 def _term(cursor: Cursor) -> TermNode:
     cursor.take()
     variable = cursor.name("the name of a variable")
     name = cursor.name("the name of the term")
-    cursor.expect(":", "after the name of the term")
-    return TermNode(variable, name, read_shape(cursor), cursor.whole)
+    try:
+        cursor.expect(":", "after the name of the term")
+        shape = read_shape(cursor)
+        cursor.finish()
+    except Fault as fault:
+        cursor.forgive(fault)
+        shape = None
+    return TermNode(variable, name, shape, cursor.whole)
 
 
 def _inference(cursor: Cursor) -> InferenceNode:

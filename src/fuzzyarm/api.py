@@ -1,0 +1,155 @@
+"""The short way in: load any file, check it, whatever kind it is."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.rulebase import Diagnostic, RuleBase, RuleBaseError, load_rulebase, parse, read_text
+from fuzzyarm.rulebase.check import check as check_rulebase
+
+if TYPE_CHECKING:
+    from fuzzyarm.lut import LookupTable
+
+RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis")
+TABLE_SUFFIXES = (".lut", ".csv", ".npz", ".json")
+
+
+class UnknownKindError(FuzzyarmError, ValueError):
+    """The suffix of a file says nothing that fuzzyarm knows.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    """
+
+    def __init__(self, path: str) -> None:
+        known = ", ".join((*RULEBASE_SUFFIXES, *TABLE_SUFFIXES))
+        super().__init__(f"{path}: cannot tell what kind of file this is", hint=f"known: {known}")
+        self.path = path
+
+
+def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
+    """Return the rule base or lookup table in the file at `path`, by its suffix.
+
+    Parameters
+    ----------
+    path : path-like
+        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``) or a table (``.lut``, ``.csv``,
+        ``.npz``, ``.json``).
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    RuleBaseError
+        If it has mistakes; `diagnostics` has all of them.
+    UnknownKindError
+        If the suffix is none of these.
+    """
+    name = os.fspath(path)
+    suffix = Path(name).suffix.lower()
+    if suffix == ".frb":
+        return load_rulebase(path)
+    if suffix in TABLE_SUFFIXES:
+        from fuzzyarm.lut import read_table
+
+        return read_table(path)
+    if suffix in RULEBASE_SUFFIXES:
+        from fuzzyarm.formats import read
+
+        imported = read(path)
+        if imported.rulebase is None:
+            raise RuleBaseError(imported.diagnostics)
+        return imported.rulebase
+    raise UnknownKindError(name)
+
+
+@dataclass(frozen=True, slots=True)
+class Review:
+    """What a check of one text found.
+
+    Attributes
+    ----------
+    text : str
+        The text, for showing the places.
+    diagnostics : tuple of Diagnostic
+        Mistakes, or, where there are none, doubts; in the order of the text.
+    rulebase : RuleBase or None
+        None where the text has errors, and for tables.
+    """
+
+    text: str
+    diagnostics: tuple[Diagnostic, ...]
+    rulebase: RuleBase | None = None
+
+    @property
+    def failed(self) -> bool:
+        """Whether any finding is an error."""
+        return any(diagnostic.is_error for diagnostic in self.diagnostics)
+
+
+def check_text(text: str, path: str = "<text>") -> Review:
+    """Check the text of a ``.frb`` file: mistakes first; without any, doubts and expectations.
+
+    Never raises, whatever the text.
+    """
+    parsed = parse(text, path)
+    if parsed.rulebase is None:
+        return Review(text, parsed.diagnostics)
+    more = _failed_expectations(parsed.rulebase)
+    findings = check_rulebase(parsed.rulebase, parsed.document, path=path, more=more)
+    merged = sorted((*parsed.diagnostics, *findings), key=lambda d: (d.span, d.name))
+    return Review(text, tuple(merged), parsed.rulebase)
+
+
+def check_file(path: str | os.PathLike[str]) -> Review:
+    """Check a file of any kind that :func:`load` takes.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    UnknownKindError
+        If its suffix says nothing.
+    """
+    name = os.fspath(path)
+    suffix = Path(name).suffix.lower()
+    try:
+        if suffix == ".frb":
+            return check_text(read_text(path), name)
+        if suffix == ".lut":
+            from fuzzyarm.lut import parse_lut
+
+            text = read_text(path)
+            return Review(text, tuple(parse_lut(text, name).diagnostics))
+        if suffix in RULEBASE_SUFFIXES:
+            return _check_foreign(path, name)
+        load(path)
+    except RuleBaseError as error:
+        return Review("", error.diagnostics)
+    return Review("", ())
+
+
+def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
+    from fuzzyarm.formats import read
+
+    imported = read(path)
+    text = Path(path).read_bytes().decode("utf-8", "replace")
+    if imported.rulebase is None:
+        return Review(text, tuple(imported.diagnostics))
+    more = _failed_expectations(imported.rulebase)
+    findings = check_rulebase(imported.rulebase, path=name, more=more)
+    return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
+
+
+def _failed_expectations(rulebase: RuleBase) -> list[Diagnostic]:
+    if not rulebase.expectations:
+        return []
+    from fuzzyarm.inference import check_expectations
+
+    return check_expectations(rulebase)

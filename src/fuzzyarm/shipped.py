@@ -1,0 +1,52 @@
+"""Where the rule bases and tables are that come with fuzzyarm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.rulebase.near import near_hint
+
+
+class NotShippedError(FuzzyarmError, FileNotFoundError):
+    """No shipped file has that name.
+
+    Attributes
+    ----------
+    name : str
+        The name that was asked for.
+    """
+
+    def __init__(self, name: str, known: list[str]) -> None:
+        hint, _ = near_hint(name, known)
+        super().__init__(
+            f"no shipped rule base or table is called '{name}'",
+            hint=hint or f"there are {', '.join(known)}",
+        )
+        self.name = name
+
+
+def shipped_folder() -> Path:
+    """Return the folder of the shipped files: in an installed package, or in a checkout."""
+    here = Path(__file__).resolve().parent
+    inside = here / "shipped"
+    return inside if inside.is_dir() else here.parents[1] / "rulebases"
+
+
+def shipped_names() -> list[str]:
+    """Return the names of the shipped files, sorted."""
+    return sorted(p.name for p in shipped_folder().iterdir() if p.suffix in (".frb", ".lut"))
+
+
+def shipped(name: str) -> Path:
+    """Return the path of the shipped file `name`, for instance ``pd7.frb``.
+
+    Raises
+    ------
+    NotShippedError
+        If there is none; with the nearest name.
+    """
+    path = shipped_folder() / name
+    if Path(name).name != name or not path.is_file():
+        raise NotShippedError(name, shipped_names())
+    return path
