@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
-from fractions import Fraction
+
+from fuzzyarm.rulebase.meaning.lookup import even_levels
+from fuzzyarm.rulebase.printing.words import number_text as number
+
+__all__ = ["column_of_numbers", "evenly", "mirror", "number", "short_bins", "short_levels"]
 
 _MOST_DECIMALS = 6
-
-
-def number(x: float) -> str:
-    """Return the shortest text that reads back as exactly `x`; whole numbers without a point."""
-    if x.is_integer() and abs(x) < 1e15:
-        return "-0" if x == 0 and math.copysign(1.0, x) < 0 else str(int(x))
-    return repr(x)
+_SHORT = 8
 
 
 def column_of_numbers(values: Sequence[float]) -> list[str]:
@@ -27,26 +24,11 @@ def column_of_numbers(values: Sequence[float]) -> list[str]:
     return [f"{x:.{decimals}f}" for x in values]
 
 
-def stepped(low: float, high: float, step: float) -> tuple[float, ...] | None:
-    """Return low, low + step, …, high; None if the step does not lead to `high`.
-
-    The numbers are taken as the decimals they are written as, so that step 0.1 gives 0.3
-    and not 0.30000000000000004.
-    """
-    start, width = Fraction(repr(low)), Fraction(repr(step))
-    count = (Fraction(repr(high)) - start) / width
-    if count.denominator != 1 or count < 0:
-        return None
-    return tuple(float(start + i * width) for i in range(int(count) + 1))
-
-
 def evenly(low: float, high: float, count: int) -> tuple[float, ...]:
-    """Return `count` even levels from `low` to `high`, each the float nearest to its decimal."""
+    """Return `count` even levels from `low` to `high`, as the language means them."""
     if count == 1:
         return (0.5 * low + 0.5 * high,)
-    start = Fraction(repr(float(low)))
-    width = (Fraction(repr(float(high))) - start) / (count - 1)
-    return tuple(float(start + i * width) for i in range(count))
+    return even_levels(low, high, count - 1)
 
 
 def mirror(numbers: Iterable[float]) -> tuple[float, ...]:
@@ -56,12 +38,12 @@ def mirror(numbers: Iterable[float]) -> tuple[float, ...]:
 
 
 def short_levels(levels: Sequence[float]) -> str:
-    """Return ``low .. high step s`` where that means exactly `levels`, else all of them."""
-    if len(levels) > 2:
-        width = Fraction(repr(levels[-1])) - Fraction(repr(levels[0]))
-        step = float(width / (len(levels) - 1))
-        if step > 0 and stepped(levels[0], levels[-1], step) == tuple(levels):
-            return f"{number(levels[0])} .. {number(levels[-1])} step {number(step)}"
+    """Return the short form with ``step`` or ``count`` where it means exactly `levels`."""
+    count = len(levels)
+    if count > 2 and evenly(levels[0], levels[-1], count) == tuple(levels):
+        ends = f"{number(levels[0])} .. {number(levels[-1])}"
+        step = number((levels[-1] - levels[0]) / (count - 1))
+        return f"{ends} step {step}" if len(step) <= _SHORT else f"{ends} count {count}"
     return " ".join(number(x) for x in levels)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from fuzzyarm.lut.axis import MODES
-from fuzzyarm.lut.numbers import mirror, stepped
+from fuzzyarm.lut.numbers import evenly, mirror
 from fuzzyarm.rulebase.diagnostic import Diagnostic, Related, Span
 from fuzzyarm.rulebase.limits import MAX_LEVELS
 from fuzzyarm.rulebase.near import near_hint
@@ -184,32 +184,29 @@ def _number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
     first = cursor.figure(f"the {word} as numbers")
     if cursor.accept(".."):
         last = cursor.figure("the last level")
-        cursor.expect("step", "and the distance of the levels")
-        step = cursor.figure("the distance of the levels")
-        return _stepped(first, last, step, start.to(step.span))
+        form = cursor.word("'step' or 'count'", ("step", "count"), "unexpected-token").text
+        third = cursor.figure("the distance of the levels, or how many there are")
+        return _even(first, last, form, third, start.to(third.span))
     values = [first.value]
     while cursor.at_figure:
         values.append(cursor.figure("a number").value)
     return mirror(values) if cursor.accept("mirrored") else tuple(values)
 
 
-def _stepped(first: Figure, last: Figure, step: Figure, span: Span) -> tuple[float, ...]:
-    if step.value <= 0 or last.value < first.value:
-        raise Fault(Diagnostic("bad-step", "the levels must run upwards by a positive step", span))
-    if (last.value - first.value) / step.value > MAX_LEVELS:
-        raise Fault(
-            Diagnostic("too-many-levels", f"an input has at most {MAX_LEVELS} levels", span)
-        )
-    values = stepped(first.value, last.value, step.value)
-    if values is None:
-        raise Fault(
-            Diagnostic(
-                "bad-step",
-                f"steps of {step.value:g} from {first.value:g} do not lead to {last.value:g}",
-                span,
-            )
-        )
-    return values
+def _even(first: Figure, last: Figure, form: str, third: Figure, span: Span) -> tuple[float, ...]:
+    low, high = first.value, last.value
+    width = high - low
+    if form == "count":
+        intervals = third.value - 1.0
+    else:
+        intervals = width / third.value if third.value > 0 else 0.0
+    if intervals > MAX_LEVELS:
+        message = f"an input has at most {MAX_LEVELS:,} levels"
+        raise Fault(Diagnostic("too-many-levels", message, span))
+    if not (width > 0 and intervals >= 1 and abs(intervals - round(intervals)) < 1e-6):
+        message = f"the {form} {third.value:g} does not divide the levels {low:g} .. {high:g}"
+        raise Fault(Diagnostic("bad-levels", message, span))
+    return evenly(low, high, round(intervals) + 1)
 
 
 def _read_round(header: Header, cursor: Cursor, span: Span) -> None:
