@@ -1,0 +1,160 @@
+"""The place that halves the area of an aggregate.
+
+Where the halves are parted by a gap, the middle of the gap. Sampled, the first sample at
+which the running sum reaches half of the total (MATLAB's way); with ``midpoints`` and an
+exact half the middle towards the next sample, which keeps a mirror-image aggregate's
+bisector in its axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
+from fuzzyarm.inference.defuzzify.quadrature import leaves, panels, rule
+from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.inference.sampling import places, weights
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fuzzyarm.inference.defuzzify.many_aggregate import Strengths
+
+    Array = NDArray[np.float64]
+
+SAME_HALF = 1e-12
+"""Shares of the area closer to one half than this are one half."""
+
+STEPS = 60
+"""Halvings of a panel."""
+
+
+def one(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the exact bisector, or None where the aggregate has no area."""
+    function = aggregate(plan, fired)
+    parts = leaves(function, panels(plan))
+    total = sum(part.area for part in parts)
+    if not total > 0.0:
+        return None
+    found = []
+    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
+        before = 0.0
+        for part in parts:
+            if before + part.area >= share * total:
+                found.append(_inside(function, part.x0, part.x1, share * total - before))
+                break
+            before += part.area
+        else:
+            found.append(parts[-1].x1)
+    return 0.5 * (found[0] + found[1])
+
+
+def _inside(function: Callable[[float], float], x0: float, x1: float, wanted: float) -> float:
+    a, b = x0, x1
+    for _ in range(STEPS):
+        middle = 0.5 * (a + b)
+        if rule(function, x0, middle, 0.0)[0] < wanted:
+            a = middle
+        else:
+            b = middle
+    return 0.5 * (a + b)
+
+
+def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+    """Return the exact bisectors and the areas (0 where nothing fired)."""
+    import numpy as np
+
+    from fuzzyarm.inference.defuzzify.many_leaves import many_leaves, panel_rule
+
+    size = int(np.prod(strengths.shape))
+    entries = strengths.flat()
+    found = many_leaves(plan, entries, size)
+    order = np.lexsort((found.x0, found.point))
+    point, x0, x1, area = (each[order] for each in (found.point, found.x0, found.x1, found.area))
+    total = np.bincount(point, area, minlength=size)
+    first = np.searchsorted(point, np.arange(size))
+    last = np.append(first[1:], point.size) - 1
+    running = _running_sums(area, first, last)
+    value = np.zeros(size)
+    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
+        reached = running >= (share * total)[point]
+        place = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
+        place = np.minimum(place, last)
+        wanted = share * total - (running[place] - area[place])
+        a, b, own = x0[place].copy(), x1[place].copy(), np.arange(size)
+        for _ in range(STEPS):
+            middle = 0.5 * (a + b)
+            below = panel_rule(plan, entries, own, x0[place], middle, 0.0)[0] < wanted
+            a, b = np.where(below, middle, a), np.where(below, b, middle)
+        value += 0.5 * (0.5 * (a + b))
+    return value.reshape(strengths.shape), total.reshape(strengths.shape)
+
+
+def _running_sums(area: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> Array:
+    """Sum within each point's stretch, from its own zero (no digits lost to other points)."""
+    import numpy as np
+
+    running = np.empty_like(area)
+    for a, b in zip(first.tolist(), last.tolist(), strict=True):
+        np.cumsum(area[a : b + 1], out=running[a : b + 1])
+    return running
+
+
+def one_sampled(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the bisector of the samples, or None where all are 0."""
+    output, count = plan.output, plan.output.defuzzifier.resolution
+    assert count is not None
+    sampling = output.defuzzifier.sampling
+    value = aggregate(plan, fired)
+    samples = places(output.low, output.high, count, sampling)
+    heights = [
+        weight * value(y) for y, weight in zip(samples, weights(count, sampling), strict=True)
+    ]
+    return halve(samples, heights)
+
+
+def halve(samples: list[float], heights: list[float]) -> float | None:
+    """Return the place at which the running sum of `heights` reaches half of the total."""
+    total = sum(heights)
+    if not total > 0.0:
+        return None
+    low_share, high_share = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
+    running, first = 0.0, None
+    for place, height in zip(samples, heights, strict=True):
+        running += height
+        if first is None and running >= low_share:
+            first = place
+        if running >= high_share:
+            return 0.5 * ((first if first is not None else place) + place)
+    return samples[-1]
+
+
+def many_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+    """Return the bisectors of the samples and the sums (0 where nothing fired)."""
+    import numpy as np
+
+    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled
+
+    output, count = plan.output, plan.output.defuzzifier.resolution
+    assert count is not None
+    sampling = output.defuzzifier.sampling
+    samples = np.array(places(output.low, output.high, count, sampling))
+    size = int(np.prod(strengths.shape))
+    heights = aggregate_sampled(plan, strengths.flat(), samples, size)
+    heights *= np.array(weights(count, sampling))
+    value, total = halve_many(samples, heights)
+    return value.reshape(strengths.shape), total.reshape(strengths.shape)
+
+
+def halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
+    """Return what :func:`halve` does for each row of `heights`, and the totals."""
+    import numpy as np
+
+    running = np.cumsum(heights, axis=1)
+    total = running[:, -1]
+    value = np.zeros(total.size)
+    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
+        value += 0.5 * samples[(running >= (share * total)[:, None]).argmax(axis=1)]
+    return value, total

@@ -1,0 +1,57 @@
+"""Centroid as a sum over N samples, in the ways of other programs.
+
+``endpoints`` is MATLAB's sum (both end samples weigh fully), ``trapezoid`` that of
+Octave's toolkit, ``midpoints`` fuzzylite's, ``left`` jFuzzyLogic's.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
+from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.inference.sampling import places, weights
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fuzzyarm.inference.defuzzify.many_aggregate import Strengths
+
+    Array = NDArray[np.float64]
+
+
+def one(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the centroid of the samples, or None where all are 0."""
+    output, count = plan.output, plan.output.defuzzifier.resolution
+    assert count is not None
+    sampling = output.defuzzifier.sampling
+    value = aggregate(plan, fired)
+    area = moment = 0.0
+    samples = places(output.low, output.high, count, sampling)
+    for y, weight in zip(samples, weights(count, sampling), strict=True):
+        height = weight * value(y)
+        area += height
+        moment += height * y
+    return moment / area if area > 0.0 else None
+
+
+def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+    """Return the centroids and the sums of the samples (0 where nothing fired)."""
+    import numpy as np
+
+    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled
+
+    output, count = plan.output, plan.output.defuzzifier.resolution
+    assert count is not None
+    sampling = output.defuzzifier.sampling
+    samples = np.array(places(output.low, output.high, count, sampling))
+    size = int(np.prod(strengths.shape))
+    heights = aggregate_sampled(plan, strengths.flat(), samples, size)
+    # Sums along rows rather than a matrix product: the same digits for every chunking.
+    heights *= np.array(weights(count, sampling))
+    area = heights.sum(axis=1)
+    heights *= samples
+    moment = heights.sum(axis=1)
+    value = np.divide(moment, area, out=np.zeros(size), where=area > 0.0)
+    return value.reshape(strengths.shape), area.reshape(strengths.shape)

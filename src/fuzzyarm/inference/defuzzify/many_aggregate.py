@@ -1,0 +1,127 @@
+"""The aggregate of one output at many points of the inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.inference.membership import membership
+from fuzzyarm.inference.plan import PLACE, Member, OutputPlan
+from fuzzyarm.inference.snorms import SNORMS
+from fuzzyarm.inference.tnorms import TNORMS
+
+Array = NDArray[np.float64]
+
+
+class Strengths:
+    """Firing strengths of the members of an output over a chunk of points.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Of the chunk.
+    folded : bool
+        Whether rules that share a member are united by their maximum at once.
+    """
+
+    def __init__(self, shape: tuple[int, ...], *, folded: bool) -> None:
+        self.shape = shape
+        self._folded = folded
+        self._entries: list[tuple[int, Array]] = []
+        self._place: dict[int, int] = {}
+        self._owned: set[int] = set()
+
+    def __iter__(self) -> Iterator[tuple[int, Array]]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def add(self, member: int, strength: Array) -> None:
+        """Add the strength of one rule; it is not changed, but may be kept."""
+        place = self._place.get(member)
+        if not self._folded or place is None:
+            self._place[member] = len(self._entries)
+            self._entries.append((member, strength))
+        elif member in self._owned:
+            mine = self._entries[place][1]
+            np.maximum(mine, strength, out=mine)
+        else:
+            self._entries[place] = (member, np.maximum(self._entries[place][1], strength))
+            self._owned.add(member)
+
+    def flat(self) -> list[tuple[int, Array]]:
+        """Return the entries as one-dimensional arrays over all points of the chunk."""
+        return [
+            (member, np.broadcast_to(strength, self.shape).ravel())
+            for member, strength in self._entries
+        ]
+
+    def any_fired(self) -> NDArray[np.bool_]:
+        """Return where at least one strength is above 0."""
+        fired = np.zeros(self.shape, dtype=bool)
+        for _, strength in self._entries:
+            fired |= strength > 0.0
+        return fired
+
+
+def member_at(member: Member, places: Array) -> Array:
+    """Return the membership of places in the set of a member."""
+    return membership(member.term.shape, places, member.hedges, {PLACE: places})
+
+
+def fold(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict[int, Array]:
+    """Return one strength for each member: those of its rules under the aggregation."""
+    norm = SNORMS[plan.output.aggregation]
+    folded: dict[int, Array] = {}
+    for member, strength in entries:
+        folded[member] = norm(folded[member], strength) if member in folded else strength
+    return folded
+
+
+def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Array) -> Array:
+    """Return the aggregate of P points at places of their own.
+
+    Parameters
+    ----------
+    plan : OutputPlan
+        The output.
+    entries : list of (int, ndarray of shape (P,))
+        Member and strength.
+    places : ndarray of shape (P, K)
+        K places for each point.
+
+    Returns
+    -------
+    ndarray of shape (P, K)
+        The aggregate there.
+    """
+    norm = SNORMS[plan.output.aggregation]
+    sets = {member: member_at(plan.members[member], places) for member, _ in entries}
+    total = np.zeros(places.shape)
+    for member, strength in entries:
+        cut = TNORMS[plan.members[member].implication](strength[:, None], sets[member])
+        total = norm(total, cut)
+    return total
+
+
+def aggregate_sampled(
+    plan: OutputPlan, entries: list[tuple[int, Array]], places: Array, count: int
+) -> Array:
+    """Return the aggregate of `count` points at the same N places, shape (count, N).
+
+    Only the stretch where a set is not zero is touched: 0 changes no aggregate.
+    """
+    norm = SNORMS[plan.output.aggregation]
+    total = np.zeros((count, places.size))
+    for member, strength in entries:
+        degree = member_at(plan.members[member], places)
+        where = np.flatnonzero(degree > 0.0)
+        if not where.size:
+            continue
+        part = slice(where[0], where[-1] + 1)
+        cut = TNORMS[plan.members[member].implication](strength[:, None], degree[None, part])
+        total[:, part] = norm(total[:, part], cut)
+    return total

@@ -1,0 +1,106 @@
+"""The adaptive quadrature of :mod:`.quadrature` for many points at once.
+
+All unfinished panels of all points are one list; each round halves them together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_at
+from fuzzyarm.inference.defuzzify.quadrature import DEEPEST, NODES, TOLERANCE, WEIGHTS, panels
+from fuzzyarm.inference.plan import OutputPlan
+
+Array = NDArray[np.float64]
+Entries = list[tuple[int, Array]]
+
+_NODES = np.array([*(-node for node in reversed(NODES)), *NODES])
+_WEIGHTS = np.array([*reversed(WEIGHTS), *WEIGHTS])
+_AT_ONCE = 1 << 14
+
+
+@dataclass(frozen=True, slots=True)
+class Leaves:
+    """Finished panels of many points, in no order: arrays of one length."""
+
+    point: NDArray[np.intp]
+    x0: Array
+    x1: Array
+    area: Array
+    moment: Array
+
+
+def many_leaves(plan: OutputPlan, entries: Entries, count: int) -> Leaves:
+    """Integrate the aggregates of `count` points.
+
+    Parameters
+    ----------
+    plan : OutputPlan
+        The output.
+    entries : list of (int, ndarray of shape (count,))
+        Member and strength.
+    count : int
+        Number of points.
+
+    Returns
+    -------
+    Leaves
+        Of every point.
+    """
+    output = plan.output
+    centre, half_range = 0.5 * (output.low + output.high), 0.5 * (output.high - output.low)
+    edges = np.array(panels(plan))
+    point = np.repeat(np.arange(count), edges.size - 1)
+    x0, x1 = np.tile(edges[:-1], count), np.tile(edges[1:], count)
+    area, moment = panel_rule(plan, entries, point, x0, x1, centre)
+    allowed = TOLERANCE * np.bincount(point, area, minlength=count)
+    finished: list[tuple[NDArray[np.intp], Array, Array, Array, Array]] = []
+    for depth in range(DEEPEST + 1):
+        middle = 0.5 * (x0 + x1)
+        area_a, moment_a = panel_rule(plan, entries, point, x0, middle, centre)
+        area_b, moment_b = panel_rule(plan, entries, point, middle, x1, centre)
+        limit = allowed[point]
+        good = np.abs(area - area_a - area_b) <= limit
+        good &= np.abs(moment - moment_a - moment_b) <= limit * half_range
+        if depth == DEEPEST:
+            good[:] = True
+        finished.append(
+            (point[good], x0[good], x1[good], (area_a + area_b)[good], (moment_a + moment_b)[good])
+        )
+        open_ = ~good
+        if not open_.any():
+            break
+        point = np.concatenate([point[open_], point[open_]])
+        x0, x1 = (
+            np.concatenate([x0[open_], middle[open_]]),
+            np.concatenate([middle[open_], x1[open_]]),
+        )
+        area = np.concatenate([area_a[open_], area_b[open_]])
+        moment = np.concatenate([moment_a[open_], moment_b[open_]])
+    columns = [np.concatenate(column) for column in zip(*finished, strict=True)]
+    return Leaves(*columns)  # type: ignore[arg-type]
+
+
+def panel_rule(
+    plan: OutputPlan,
+    entries: Entries,
+    point: NDArray[np.intp],
+    x0: Array,
+    x1: Array,
+    centre: float,
+) -> tuple[Array, Array]:
+    """Return area and moment of panels; `point` says whose aggregate each belongs to."""
+    area, moment = np.empty(point.size), np.empty(point.size)
+    for start in range(0, point.size, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        middle, half = 0.5 * (x0[part] + x1[part]), 0.5 * (x1[part] - x0[part])
+        steps = half[:, None] * _NODES
+        own = [(member, strength[point[part]]) for member, strength in entries]
+        values = aggregate_at(plan, own, middle[:, None] + steps) * _WEIGHTS
+        total = values.sum(axis=1)
+        area[part] = half * total
+        moment[part] = half * ((values * steps).sum(axis=1) + (middle - centre) * total)
+    return area, moment

@@ -1,0 +1,107 @@
+"""The integral of any aggregate, adaptively: for what has no closed form.
+
+The range is cut at all corners and bends of the sets; each panel takes eight Gauss–Legendre
+nodes and is halved until the halves agree with the whole to :data:`TOLERANCE` of the
+whole area. Clipping edges and crossings are found by the halving. Both engines follow the
+same rule, so they agree; the error is below 1e-12 of the range (tested against closed
+forms and SciPy).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from fuzzyarm.inference.plan import OutputPlan
+
+NODES = (
+    0.18343464249564978,
+    0.525532409916329,
+    0.7966664774136267,
+    0.9602898564975362,
+)
+"""Positive nodes of the eight-point rule on −1 … 1."""
+
+WEIGHTS = (
+    0.36268378337836166,
+    0.3137066458778869,
+    0.22238103445337443,
+    0.10122853629037706,
+)
+"""Their weights."""
+
+TOLERANCE = 1e-15
+"""Of the whole area, for each panel."""
+
+DEEPEST = 52
+"""Halvings of a panel; a jump is then narrower than the spacing of floats."""
+
+
+class Leaf(NamedTuple):
+    """A finished panel: its ends, its area and its moment about the centre of the range."""
+
+    x0: float
+    x1: float
+    area: float
+    moment: float
+
+
+def panels(plan: OutputPlan) -> list[float]:
+    """Return the edges where the sets of an output may bend, in order."""
+    edges = {piece.x0 for member in plan.members for piece in member.pieces}
+    return sorted(edges | {plan.output.low, plan.output.high})
+
+
+def rule(
+    function: Callable[[float], float], x0: float, x1: float, centre: float
+) -> tuple[float, float]:
+    """Return area and moment of `function` over one panel."""
+    middle, half = 0.5 * (x0 + x1), 0.5 * (x1 - x0)
+    area = moment = 0.0
+    for node, weight in zip(NODES, WEIGHTS, strict=True):
+        step = half * node
+        left, right = function(middle - step), function(middle + step)
+        area += weight * (left + right)
+        moment += weight * step * (right - left)
+    return half * area, half * (moment + (middle - centre) * area)
+
+
+def leaves(function: Callable[[float], float], edges: list[float]) -> list[Leaf]:
+    """Integrate one aggregate.
+
+    Parameters
+    ----------
+    function : callable
+        The aggregate at a place.
+    edges : list of float
+        Of the panels, in order; the first and the last are the range.
+
+    Returns
+    -------
+    list of Leaf
+        In order, without gaps.
+    """
+    centre, half_range = 0.5 * (edges[0] + edges[-1]), 0.5 * (edges[-1] - edges[0])
+    stack = []
+    total = 0.0
+    for x0, x1 in zip(edges, edges[1:], strict=False):
+        area, moment = rule(function, x0, x1, centre)
+        stack.append((x0, x1, area, moment, DEEPEST))
+        total += area
+    allowed = TOLERANCE * total
+    stack.reverse()
+    finished = []
+    while stack:
+        x0, x1, area, moment, depth = stack.pop()
+        middle = 0.5 * (x0 + x1)
+        first, second = rule(function, x0, middle, centre), rule(function, middle, x1, centre)
+        halves_agree = (
+            abs(area - first[0] - second[0]) <= allowed
+            and abs(moment - first[1] - second[1]) <= allowed * half_range
+        )
+        if halves_agree or depth == 0:
+            finished.append(Leaf(x0, x1, first[0] + second[0], first[1] + second[1]))
+        else:
+            stack.append((middle, x1, *second, depth - 1))
+            stack.append((x0, middle, *first, depth - 1))
+    return finished

@@ -1,0 +1,439 @@
+"""A rule base made ready for evaluation: what depends on what, and in which order.
+
+A plan is data in plain Python, shared by the engine for one point, the engine for arrays
+and the compiled one. Making it also finds what the model itself does not rule out:
+unknown names, cycles, ranges that an integral cannot take.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
+from fuzzyarm.inference.overlap import ClosedForm, closed_form
+from fuzzyarm.inference.profile import Piece, middle_of_core, profile
+from fuzzyarm.rulebase.formula import CONSTANTS, Node, names, parse
+from fuzzyarm.rulebase.membership import FUNCTIONS, apply_hedge, membership
+from fuzzyarm.rulebase.model import (
+    Consequent,
+    Hedge,
+    Input,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+    propositions,
+)
+
+WEIGHTED = frozenset({"weighted-average", "weighted-sum", "tsukamoto"})
+"""Defuzzifiers that turn every consequent into a number first."""
+
+PLACE = "x"
+"""The name under which a formula that is a membership function knows its place."""
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A consequent of an output, once for all the rules that share it.
+
+    Attributes
+    ----------
+    term : Term
+        The term.
+    hedges : tuple of Hedge
+        On the term.
+    implication : str
+        How a firing strength cuts the set.
+    membership : callable
+        The set, hedges included, at one place. Not for values.
+    pieces : tuple of Piece
+        The set over the range of the output; empty for values.
+    value : float or None
+        The number that stands for the consequent: of a singleton, or the middle of a
+        core under a weighted defuzzifier. None where it depends on the inputs, and for
+        sets that are integrated.
+    formula : Formula or None
+        Of a ``formula`` consequent.
+    """
+
+    term: Term
+    hedges: tuple[Hedge, ...]
+    implication: str
+    membership: Callable[[float], float]
+    pieces: tuple[Piece, ...] = ()
+    value: float | None = None
+    formula: Node | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class OutputPlan:
+    """An output with its members and the rules that assert them.
+
+    Attributes
+    ----------
+    output : Output
+        The output.
+    members : tuple of Member
+        Its distinct consequents.
+    contributions : tuple of (int, int)
+        (index of a member, index of a rule), in the order of the rules.
+    discrete : bool
+        Whether all members are numbers rather than sets to be integrated.
+    closed : ClosedForm or None
+        Of the exact centroid, where there is one.
+    """
+
+    output: Output
+    members: tuple[Member, ...]
+    contributions: tuple[tuple[int, int], ...]
+    discrete: bool
+    closed: ClosedForm | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedRule:
+    """A rule with the norms of its block and the outputs that its antecedent reads as sets."""
+
+    rule: Rule
+    conjunction: str
+    disjunction: str
+    degrees: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A rule base in order of evaluation.
+
+    Attributes
+    ----------
+    rulebase : RuleBase
+        As given.
+    rules : tuple of PlannedRule
+        In the order of the model.
+    outputs : dict of str to OutputPlan
+        By name, in the order of the model.
+    steps : tuple of int or str
+        An index stands for a rule, a name for the defuzzification of an output.
+    """
+
+    rulebase: RuleBase
+    rules: tuple[PlannedRule, ...]
+    outputs: dict[str, OutputPlan]
+    steps: tuple[int | str, ...]
+
+
+_recent: OrderedDict[int, tuple[RuleBase, Plan]] = OrderedDict()
+_KEPT = 32
+
+
+def plan(rulebase: RuleBase) -> Plan:
+    """Prepare a rule base; the last few are remembered.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        A model, from a file or built by hand.
+
+    Returns
+    -------
+    Plan
+        Shared: do not change it.
+
+    Raises
+    ------
+    InferenceError
+        If the model cannot be evaluated; the message says where.
+    """
+    known = _recent.get(id(rulebase))
+    if known is not None and known[0] is rulebase:
+        return known[1]
+    made = make_plan(rulebase)
+    _recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
+    while len(_recent) > _KEPT:
+        _recent.popitem(last=False)
+    return made
+
+
+def make_plan(rulebase: RuleBase) -> Plan:
+    """Prepare a rule base from scratch; see :func:`plan`."""
+    _check_variables(rulebase)
+    steps, rules = _order(rulebase)
+    outputs = {output.name: _plan_output(rulebase, output) for output in rulebase.outputs}
+    return Plan(rulebase, rules, outputs, steps)
+
+
+def _check_variables(rulebase: RuleBase) -> None:
+    variables = [*rulebase.inputs, *rulebase.outputs]
+    known = [variable.name for variable in variables]
+    if len(set(known)) < len(known):
+        twice = next(name for name in known if known.count(name) > 1)
+        raise InferenceError(f"there are two variables called '{twice}'")
+    for variable in variables:
+        if not variable.low < variable.high:
+            raise InferenceError(
+                f"the range of '{variable.name}' is empty: {variable.low:g} .. {variable.high:g}"
+            )
+    for rule in rulebase.rules:
+        for part in (*propositions(rule.antecedent), *rule.consequents):
+            _check_reference(rulebase, part, known)
+
+
+def _check_reference(rulebase: RuleBase, part: Is | Consequent, known: list[str]) -> None:
+    if part.variable not in known:
+        raise UnknownNameError(part.variable, known, what="variable")
+    variable = rulebase.variable(part.variable)
+    if isinstance(part, Consequent) and isinstance(variable, Input):
+        raise InferenceError(f"a rule concludes '{part.variable}', which is an input")
+    terms = [term.name for term in variable.terms]
+    if part.term not in terms:
+        raise UnknownNameError(part.term, terms, what=f"term of '{part.variable}'")
+    shape = variable.term(part.term).shape
+    if isinstance(part, Is) and isinstance(variable, Input) and shape.kind == "linear":
+        raise InferenceError(f"'{part.variable} is {part.term}' has no membership: it is linear")
+
+
+# ── order ────────────────────────────────────────────────────────────────────────────
+
+
+def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule, ...]]:
+    last_writer = _last_writers(rulebase)
+    steps: list[int | str] = []
+    rules: list[PlannedRule] = []
+    done: set[str] = set()
+    for number, block in enumerate(rulebase.blocks):
+        used = _outputs_used(rulebase, block)
+        for name in used:
+            if last_writer.get(name, -1) > number:
+                raise CyclicRulesError(
+                    f"a rule uses '{name}' before all rules that conclude it are evaluated", (name,)
+                )
+            if last_writer.get(name, -1) < number and name not in done:
+                done.add(name)
+                steps.append(name)
+        open_outputs = frozenset(name for name in used if last_writer.get(name, -1) == number)
+        start = len(rules)
+        rules += [
+            PlannedRule(rule, block.conjunction, block.disjunction, _reads(rule, open_outputs))
+            for rule in block.rules
+        ]
+        steps += [start + i for i in _sorted_rules(block, open_outputs)]
+    steps += [output.name for output in rulebase.outputs if output.name not in done]
+    return tuple(steps), tuple(rules)
+
+
+def _last_writers(rulebase: RuleBase) -> dict[str, int]:
+    return {
+        consequent.variable: number
+        for number, block in enumerate(rulebase.blocks)
+        for rule in block.rules
+        for consequent in rule.consequents
+    }
+
+
+def _outputs_used(rulebase: RuleBase, block: RuleBlock) -> list[str]:
+    """Return the outputs that a block reads, in antecedents or in formulas of consequents."""
+    outputs = {output.name: output for output in rulebase.outputs}
+    used = [part.variable for rule in block.rules for part in propositions(rule.antecedent)]
+    for rule in block.rules:
+        for consequent in rule.consequents:
+            shape = outputs[consequent.variable].term(consequent.term).shape
+            if shape.kind == "formula":
+                used += [n for n in names(parse(shape.formula)) if n != consequent.variable]
+    return [name for name in dict.fromkeys(used) if name in outputs]
+
+
+def _reads(rule: Rule, outputs: Iterable[str]) -> frozenset[str]:
+    return frozenset(part.variable for part in propositions(rule.antecedent)) & frozenset(outputs)
+
+
+def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
+    """Order the rules of a block so that what they read of its own outputs is complete."""
+    waiting = list(range(len(block.rules)))
+    if not outputs:
+        return waiting
+    ordered: list[int] = []
+    while waiting:
+        unfinished = {c.variable for i in waiting for c in block.rules[i].consequents}
+        ready = [i for i in waiting if not _reads(block.rules[i], outputs) & unfinished]
+        if not ready:
+            names_ = sorted(unfinished & outputs)
+            raise CyclicRulesError(f"the rules go in a circle: {' → '.join(names_)} → …", names_)
+        ordered += ready
+        waiting = [i for i in waiting if i not in set(ready)]
+    return ordered
+
+
+# ── outputs ──────────────────────────────────────────────────────────────────────────
+
+
+def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
+    keys: dict[tuple[str, tuple[Hedge, ...], str], int] = {}
+    contributions = []
+    rule_index = 0
+    for block in rulebase.blocks:
+        for rule in block.rules:
+            for consequent in rule.consequents:
+                if consequent.variable == output.name:
+                    key = (consequent.term, consequent.hedges, block.implication)
+                    contributions.append((keys.setdefault(key, len(keys)), rule_index))
+            rule_index += 1
+    terms = {output.term(name) for name, _, _ in keys}
+    discrete = _is_discrete(output, terms)
+    members = tuple(
+        _member(rulebase, output, output.term(name), hedges, implication, discrete=discrete)
+        for name, hedges, implication in keys
+    )
+    closed = None if discrete else _closed(output, members)
+    return OutputPlan(output, members, tuple(contributions), discrete, closed)
+
+
+def _is_value(shape: Shape) -> bool:
+    if shape.kind == "formula":
+        return PLACE not in names(parse(shape.formula))
+    return shape.kind in {"singleton", "linear"}
+
+
+def _is_discrete(output: Output, terms: Iterable[Term]) -> bool:
+    if output.defuzzifier.method in WEIGHTED:
+        return True
+    values = {term.name: _is_value(term.shape) for term in terms}
+    if any(values.values()) and not all(values.values()):
+        value = next(name for name, is_value in values.items() if is_value)
+        raise InferenceError(
+            f"'{output.name}' mixes values such as '{value}' with sets;"
+            f" {output.defuzzifier.method} cannot weigh them together",
+            hint="use weighted-average, or make all its terms of one kind",
+        )
+    return bool(values) and all(values.values())
+
+
+def _member(
+    rulebase: RuleBase,
+    output: Output,
+    term: Term,
+    hedges: tuple[Hedge, ...],
+    implication: str,
+    *,
+    discrete: bool,
+) -> Member:
+    shape, node = term.shape, None
+    if shape.kind == "formula":
+        node = parse(shape.formula)
+        _check_formula(rulebase, output, term, node, discrete=discrete)
+    if shape.kind == "linear" and len(shape.parameters) != len(rulebase.inputs) + 1:
+        raise InferenceError(
+            f"'{output.name} is {term.name}' needs {len(rulebase.inputs) + 1} numbers"
+            f" (one for each input and the constant), not {len(shape.parameters)}"
+        )
+    function = set_function(shape, hedges, node)
+    if _is_value(shape) and discrete:
+        if hedges:
+            raise InferenceError(
+                f"'{output.name} is {term.name}' is a value, and hedges modify sets only"
+            )
+        value = shape.parameters[0] if shape.kind == "singleton" else None
+        return Member(term, hedges, implication, function, value=value, formula=node)
+    pieces = _pieces(output, term, hedges, function, node)
+    if output.defuzzifier.method in {"weighted-average", "weighted-sum"}:
+        value = middle_of_core(pieces, function)
+        return Member(term, hedges, implication, function, pieces, value)
+    return Member(term, hedges, implication, function, pieces, formula=node)
+
+
+def _check_formula(
+    rulebase: RuleBase, output: Output, term: Term, node: Node, *, discrete: bool
+) -> None:
+    known = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
+    for name in names(node):
+        if name == PLACE and name not in known and not discrete:
+            continue
+        if name not in known and name not in CONSTANTS:
+            raise UnknownNameError(name, known, what="variable")
+        if name in known and not _is_value(term.shape):
+            raise InferenceError(
+                f"'{output.name} is {term.name}' is a set: its formula may use {PLACE} only"
+            )
+
+
+def _pieces(
+    output: Output,
+    term: Term,
+    hedges: tuple[Hedge, ...],
+    function: Callable[[float], float],
+    node: Node | None,
+) -> tuple[Piece, ...]:
+    if not (math.isfinite(output.low) and math.isfinite(output.high)):
+        raise InferenceError(
+            f"{output.defuzzifier.method} needs a finite range, and that of '{output.name}'"
+            f" is {output.low:g} .. {output.high:g}"
+        )
+    if node is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown place
+        framed = Shape("arc", (output.low, output.high))
+        return profile(framed, (), function, output.low, output.high)
+    return profile(term.shape, hedges, function, output.low, output.high)
+
+
+def set_function(
+    shape: Shape, hedges: tuple[Hedge, ...], node: Node | None = None
+) -> Callable[[float], float]:
+    """Return the membership of one place in a set, as a function.
+
+    Parameters
+    ----------
+    shape : Shape
+        The set.
+    hedges : tuple of Hedge
+        The last acts first.
+    node : formula tree, optional
+        Of a ``formula`` in the place `x`.
+
+    Returns
+    -------
+    callable
+        From a float to a float.
+    """
+    if node is not None:
+        from fuzzyarm.rulebase.formula import evaluate
+
+        def base(x: float) -> float:
+            return shape.height * evaluate(node, {PLACE: x})
+
+    elif shape.kind in FUNCTIONS:
+
+        def base(x: float) -> float:
+            return membership(shape, x)
+
+    else:
+
+        def base(x: float) -> float:
+            raise InferenceError(f"a {shape.kind} consequent is no set")
+
+    if not hedges:
+        return base
+
+    def hedged(x: float) -> float:
+        degree = base(x)
+        for hedge in reversed(hedges):
+            degree = apply_hedge(hedge, degree)
+        return degree
+
+    return hedged
+
+
+def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:
+    """Return the closed form where the exact centroid has one."""
+    defuzzifier = output.defuzzifier
+    if defuzzifier.method != "centroid" or defuzzifier.resolution is not None:
+        return None
+    if output.aggregation not in {"max", "sum"}:
+        return None
+    if any(member.implication != "min" for member in members):
+        return None
+    profiles = [member.pieces for member in members]
+    return closed_form(profiles, output.low, output.high, united=output.aggregation == "max")
