@@ -1,0 +1,197 @@
+"""Rules of FIS: a term index for each variable, weight, and 1 for and or 2 for or."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from fuzzyarm.formats.draft import Draft
+from fuzzyarm.formats.imported import Findings, Word
+from fuzzyarm.formats.numerals import number
+from fuzzyarm.formats.propositions import NOT, RuleText
+from fuzzyarm.rulebase.diagnostic import Span
+from fuzzyarm.rulebase.model import And, Consequent, Expression, Hedge, Is, Or
+
+_RULE = re.compile(
+    r"(?P<inputs>[^,:()]*),(?P<outputs>[^,:()]*)(?:\((?P<weight>[^()]*)\))?\s*"
+    r"(?::\s*(?P<connective>\S*))?\s*\Z"
+)
+_NUMBER = re.compile(r"\S+")
+
+_FUZZYLITE = {
+    0.01: (Hedge("seldom"),),
+    0.05: (Hedge("somewhat"),),
+    0.2: (Hedge("very"),),
+    0.3: (Hedge("intensify"),),
+    0.4: (Hedge("very"), Hedge("very")),
+    0.99: (Hedge("any"),),
+}
+_OCTAVE = {
+    0.05: (Hedge("somewhat"),),
+    0.2: (Hedge("very"),),
+    0.3: (Hedge("extremely"),),
+    0.4: (Hedge("very"), Hedge("very")),
+}
+
+
+def hedges_of(fraction: float, producer: str) -> tuple[Hedge, ...] | None:
+    """Return the hedges that the fraction of an index stands for, or None.
+
+    To Octave's toolkit a fraction f is the power 10 f; fuzzylite knows six of them, and
+    MATLAB none (what it does with one is not documented, so it is read as Octave does).
+    """
+    if fraction == 0.0:
+        return ()
+    table = _FUZZYLITE if producer == "fuzzylite" else _OCTAVE
+    if fraction in table:
+        return table[fraction]
+    return None if producer == "fuzzylite" else (Hedge("power", round(10.0 * fraction, 6)),)
+
+
+def fraction_of(hedges: tuple[Hedge, ...], producer: str) -> float | None:
+    """Return the fraction that says `hedges`, or None."""
+    if not hedges:
+        return 0.0
+    table = _FUZZYLITE if producer == "fuzzylite" else _OCTAVE
+    for fraction, said in table.items():
+        if said == hedges:
+            return fraction
+    if producer == "fuzzylite" or len(hedges) != 1:
+        return None
+    exponent = hedges[0].exponent
+    if exponent is None or not 0.0 < exponent < 10.0:
+        return None
+    fraction = round(exponent / 10.0, 6)
+    return fraction if hedges_of(fraction, producer) == hedges else None
+
+
+@dataclass(frozen=True, slots=True)
+class RuleReader:
+    """Reads the lines of ``[Rules]``.
+
+    Attributes
+    ----------
+    inputs, outputs : tuple of Draft
+        By index.
+    terms : dict
+        Variable name → index in the file → term name.
+    producer : str
+        Whose hedges the fractions are.
+    findings : Findings
+        Where faults go.
+    """
+
+    inputs: tuple[Draft, ...]
+    outputs: tuple[Draft, ...]
+    terms: dict[str, dict[int, str]]
+    producer: str
+    findings: Findings
+
+    def read(self, line: Word) -> RuleText | None:
+        """Return the rule of a line, or None with a finding."""
+        match = _RULE.match(line.text)
+        if match is None:
+            message = "a rule is 'inputs, outputs (weight) : connective'"
+            self.findings.error("syntax", message, line)
+            return None
+        inputs = self._words(match, "inputs", line)
+        outputs = self._words(match, "outputs", line)
+        if len(inputs) != len(self.inputs) or len(outputs) != len(self.outputs):
+            message = (
+                f"the rule has {len(inputs)} inputs and {len(outputs)} outputs, the file "
+                f"{len(self.inputs)} and {len(self.outputs)}"
+            )
+            self.findings.error("wrong-count", message, line)
+            return None
+        weight = self._weight(match, line)
+        is_or = self._is_or(match, line)
+        conditions = [
+            Is(draft.name, said[0], said[1], word.span)
+            for draft, word in zip(self.inputs, inputs, strict=True)
+            if (said := self._said(draft, word)) is not None
+        ]
+        conclusions = tuple(
+            Consequent(draft.name, said[0], said[1], word.span)
+            for draft, word in zip(self.outputs, outputs, strict=True)
+            if (said := self._said(draft, word)) is not None
+        )
+        return self._rule(line.span, conditions, conclusions, weight, is_or=is_or)
+
+    def _rule(
+        self,
+        span: Span,
+        conditions: list[Is],
+        conclusions: tuple[Consequent, ...],
+        weight: float,
+        *,
+        is_or: bool,
+    ) -> RuleText | None:
+        if not conditions or not conclusions:
+            side = "condition" if not conditions else "conclusion"
+            message = f"the rule has no {side} and never does anything; it is left out"
+            self.findings.warn("empty-rule", message, span)
+            return None
+        antecedent: Expression = conditions[0]
+        if len(conditions) > 1:
+            antecedent = Or(tuple(conditions)) if is_or else And(tuple(conditions))
+        joined = len(conditions) > 1
+        return RuleText(
+            antecedent, conclusions, weight, span, joined and not is_or, joined and is_or
+        )
+
+    def _said(self, draft: Draft, word: Word) -> tuple[str, tuple[Hedge, ...]] | None:
+        """Return term and hedges of an index; None for 0 or where it is at fault."""
+        value = number(word.text)
+        if value is None or value != value or abs(value) > 1e6:
+            self.findings.error("not-a-number", f"'{word.text[:40]}' is no term index", word)
+            return None
+        index = int(abs(value))
+        fraction = round(abs(value) - index, 6)
+        if value == 0.0:
+            return None
+        hedges = hedges_of(fraction, self.producer)
+        if hedges is None:
+            message = f"no hedge is known for the fraction {fraction}"
+            self.findings.error("unknown-hedge", message, word)
+            return None
+        table = self.terms.get(draft.name, {})
+        if hedges and hedges[0].name == "any" and index == 0 and table:
+            index = min(table)
+        if index not in table:
+            count = len(table)
+            message = f"'{draft.name}' has {count} term(s), so none has the number {index}"
+            self.findings.error("undefined-term", message, word)
+            return None
+        return table[index], ((NOT, *hedges) if value < 0.0 else hedges)
+
+    def _weight(self, match: re.Match[str], line: Word) -> float:
+        text = match.group("weight")
+        value = number(text.strip()) if text is not None else 1.0
+        if text is None:
+            message = "the rule has no weight in parentheses; 1 is taken"
+            self.findings.warn("missing-weight", message, line)
+        elif value is None or value != value:
+            message = f"'{text[:40]}' is no weight"
+            self.findings.error("not-a-number", message, line)
+        return 1.0 if value is None or value != value else value
+
+    def _is_or(self, match: re.Match[str], line: Word) -> bool:
+        text = match.group("connective")
+        value = number(text) if text else None
+        if value not in (1.0, 2.0):
+            if text:
+                message = f"the connective must be 1 (and) or 2 (or), not '{text[:40]}'"
+                self.findings.error("bad-connective", message, line)
+            else:
+                message = "the rule has no connective; 1 (and) is taken"
+                self.findings.warn("bad-connective", message, line)
+        return value == 2.0
+
+    @staticmethod
+    def _words(match: re.Match[str], group: str, line: Word) -> list[Word]:
+        base = line.span.column + match.start(group)
+        number_ = line.span.line
+        return [
+            Word(m.group(), Span(number_, base + m.start(), number_, base + m.end()))
+            for m in _NUMBER.finditer(match.group(group))
+        ]

@@ -1,0 +1,129 @@
+"""Membership functions of FIS: MATLAB's and Octave's, and fuzzylite's additions."""
+
+from __future__ import annotations
+
+from fuzzyarm.formats.fis.lines import bracketed
+from fuzzyarm.formats.fll.terms import FLL_SHAPES, formula_shape, linear_shape
+from fuzzyarm.formats.imported import Findings, Word
+from fuzzyarm.formats.numerals import all_written, numbers
+from fuzzyarm.formats.shaping import make_shape
+from fuzzyarm.rulebase.model import Shape
+from fuzzyarm.rulebase.shapes import SHAPES
+
+# Kind of shape, and where each of its numbers stands in the list of the file.
+_ORDER: dict[str, tuple[str, tuple[int, ...]]] = {
+    "trimf": ("triangle", (0, 1, 2)),
+    "trapmf": ("trapezoid", (0, 1, 2, 3)),
+    "gaussmf": ("gaussian", (1, 0)),
+    "gauss2mf": ("two-sided-gaussian", (1, 0, 3, 2)),
+    "gbellmf": ("bell", (2, 0, 1)),
+    "sigmf": ("sigmoid", (1, 0)),
+    "dsigmf": ("sigmoid-difference", (1, 0, 3, 2)),
+    "psigmf": ("sigmoid-product", (1, 0, 3, 2)),
+    "zmf": ("z", (0, 1)),
+    "smf": ("s", (0, 1)),
+    "pimf": ("pi", (0, 1, 2, 3)),
+    "linsmf": ("ramp", (0, 1)),
+    "linzmf": ("ramp", (1, 0)),
+    "rampmf": ("ramp", (0, 1)),
+    "rectmf": ("rectangle", (0, 1)),
+    "cosinemf": ("cosine", (0, 1)),
+    "concavemf": ("concave", (0, 1)),
+    "spikemf": ("spike", (0, 1)),
+    "binarymf": ("binary", (0, 1)),
+    "arcmf": ("arc", (0, 1)),
+    "semiellipsemf": ("semi-ellipse", (0, 1)),
+    "singletonmf": ("singleton", (0,)),
+}
+MATLAB_SHAPES = frozenset(
+    "trimf trapmf gaussmf gauss2mf gbellmf sigmf dsigmf psigmf zmf smf pimf linsmf linzmf "
+    "constant linear".split()
+)
+"""What MATLAB reads; Octave's toolkit has these but for linsmf and linzmf."""
+
+_WORDS = (*_ORDER, "discretemf", "constant", "linear", "function")
+
+_SINGLE_NAMES = {kind: name for name, (kind, _) in reversed(_ORDER.items())}
+
+
+def fis_shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | None:
+    """Return the shape of ``'kind',[numbers]``."""
+    name = kind.text.lower()
+    if name == "function":
+        text = rest.text.strip().removeprefix("[").removesuffix("]")
+        return formula_shape(Word(text, rest.span), "fuzzylite", findings)
+    known = name in _WORDS
+    if not known and kind.text not in FLL_SHAPES:
+        _unknown(kind, findings)
+        return None
+    values = numbers(bracketed(rest), findings)
+    if values is None:
+        return None
+    if name == "constant":
+        return make_shape("singleton", values[-1:], kind, findings)
+    if name == "linear":
+        return linear_shape(values, inputs, kind, findings)
+    if name == "discretemf":
+        height = values.pop() if len(values) % 2 else 1.0
+        return make_shape("points", values, kind, findings, height=height, ties="last")
+    shape, order = _ORDER[name] if known else _class(kind.text)
+    height = values.pop() if len(values) == len(order) + 1 else 1.0
+    if len(values) == len(order):
+        values = [values[index] for index in order]
+    if name == "smf" or name == "zmf":
+        values = _crossed(values)
+    return make_shape(shape, values, kind, findings, height=height)
+
+
+def _unknown(kind: Word, findings: Findings) -> None:
+    if not kind.text:
+        findings.error("syntax", "the kind of the membership function is missing", kind)
+        return
+    if kind.text.lower().endswith("mf"):
+        message = f"'{kind.text[:40]}' is a function of its author's own, which is not in the file"
+        findings.error("unknown-shape", message, kind)
+        return
+    findings.unknown("unknown-shape", "the membership function", kind, _WORDS)
+
+
+def _class(name: str) -> tuple[str, tuple[int, ...]]:
+    shape = FLL_SHAPES[name]
+    return shape, tuple(range(len(SHAPES[shape].parameters)))
+
+
+def _crossed(values: list[float]) -> list[float]:
+    """MATLAB makes a step half-way of an s or z whose numbers are the wrong way round."""
+    if len(values) == 2 and values[0] > values[1]:
+        middle = 0.5 * (values[0] + values[1])
+        return [middle, middle]
+    return values
+
+
+def fis_term(shape: Shape) -> tuple[str, str]:
+    """Return kind and bracketed numbers of a shape."""
+    if shape.kind == "formula":
+        return "function", f"[{shape.formula}]"
+    height = () if shape.height == 1.0 else (shape.height,)
+    if shape.kind == "singleton":
+        return "constant", f"[{all_written(shape.parameters)}]"
+    if shape.kind == "linear":
+        return "linear", f"[{all_written(shape.parameters)}]"
+    if shape.kind == "points":
+        return "discretemf", f"[{all_written((*shape.parameters, *height))}]"
+    name = _SINGLE_NAMES[shape.kind]
+    if shape.kind == "ramp":
+        return _ramp(shape, height)
+    _, order = _ORDER[name]
+    values = [0.0] * len(order)
+    for position, index in enumerate(order):
+        values[index] = shape.parameters[position]
+    return name, f"[{all_written((*values, *height))}]"
+
+
+def _ramp(shape: Shape, height: tuple[float, ...]) -> tuple[str, str]:
+    zero, one = shape.parameters
+    if height:
+        return "rampmf", f"[{all_written((zero, one, *height))}]"
+    if zero <= one:
+        return "linsmf", f"[{all_written((zero, one))}]"
+    return "linzmf", f"[{all_written((one, zero))}]"
