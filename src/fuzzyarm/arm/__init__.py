@@ -1,1 +1,52 @@
-"""Placeholder."""
+"""The two-link arm of the study: dynamics, trajectories, payload, loop, error norms.
+
+Angles are degrees where people write them (trajectories, errors) and radians inside;
+everything else is SI. See ``docs/arm.md`` for the equations.
+"""
+
+from __future__ import annotations
+
+from fuzzyarm.arm.conventions import (
+    PLAIN,
+    STUDY_CONVENTIONAL,
+    STUDY_DIRECT,
+    STUDY_TABLES,
+    Conventions,
+)
+from fuzzyarm.arm.faults import ArmError
+from fuzzyarm.arm.parameters import ESTIMATE, INEXACT, LOADED, UNLOADED, ArmParameters
+from fuzzyarm.arm.payload import schedule
+from fuzzyarm.arm.signals import Clock, Pair, Reference, State
+from fuzzyarm.arm.trajectory import (
+    Segment,
+    Trajectory,
+    pick_and_place,
+    reach,
+    reach_return,
+    through,
+)
+
+__all__ = [
+    "ESTIMATE",
+    "INEXACT",
+    "LOADED",
+    "PLAIN",
+    "STUDY_CONVENTIONAL",
+    "STUDY_DIRECT",
+    "STUDY_TABLES",
+    "UNLOADED",
+    "ArmError",
+    "ArmParameters",
+    "Clock",
+    "Conventions",
+    "Pair",
+    "Reference",
+    "Segment",
+    "State",
+    "Trajectory",
+    "pick_and_place",
+    "reach",
+    "reach_return",
+    "schedule",
+    "through",
+]

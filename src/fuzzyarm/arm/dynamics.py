@@ -72,20 +72,24 @@ def joint_acceleration(
 ) -> Pair:
     """Evaluate the forward dynamics of an arm whose constants start at `at`; rad/s²."""
     half = 0.5 * numbers[at + 1]
-    first = torque[0] - (
+    rest_1 = stored(
         (numbers[at + 3] - numbers[at + 1] * pose.sin_2 * velocity[1]) * velocity[0]
         - half * pose.sin_2 * velocity[1] * velocity[1]
         + numbers[at + 5] * pose.cos_1
-        + numbers[at + 6] * pose.cos_12
+        + numbers[at + 6] * pose.cos_12,
+        single,
     )
-    second = torque[1] - (
+    rest_2 = stored(
         half * pose.sin_2 * velocity[0] * velocity[0]
         + numbers[at + 4] * velocity[1]
-        + numbers[at + 6] * pose.cos_12
+        + numbers[at + 6] * pose.cos_12,
+        single,
     )
-    m_11 = numbers[at] + numbers[at + 1] * pose.cos_2 + numbers[at + 7]
-    m_12 = numbers[at + 2] + half * pose.cos_2
-    m_22 = numbers[at + 2] + numbers[at + 8]
+    m_11 = stored(numbers[at] + numbers[at + 1] * pose.cos_2 + numbers[at + 7], single)
+    m_12 = stored(numbers[at + 2] + half * pose.cos_2, single)
+    m_22 = stored(numbers[at + 2] + numbers[at + 8], single)
+    first = torque[0] - rest_1
+    second = torque[1] - rest_2
     determinant = m_11 * m_22 - m_12 * m_12
     return (
         stored((first * m_22 - second * m_12) / determinant, single),

@@ -18,6 +18,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -65,14 +66,14 @@ def build(
     """
     bindings = dict(bindings or {})
     if not compiled:
-        return _clone(function, bindings, {}, lambda plain: plain)
+        return cast(Callable[..., Any], _clone(function, bindings, {}, lambda plain: plain))
 
     import numba
 
-    options = {"error_model": "numpy", "nogil": True}
-    root = _clone(function, bindings, {}, lambda plain: numba.njit(**options)(plain), root=True)
+    machine: Any = partial(numba.njit, error_model="numpy", nogil=True)
+    root = _clone(function, bindings, {}, machine, root=True)
     root.__qualname__ = f"{root.__qualname__}_{_digest(function, bindings)}"
-    return cast(Callable[..., Any], numba.njit(cache=True, **options)(root))
+    return cast(Callable[..., Any], machine(root, cache=True))
 
 
 def _clone(

@@ -10,7 +10,6 @@ from fuzzyarm.arm.integrators import runge_kutta, semi_implicit
 from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State, pose_of, stored
 
-
 LAST = ITERATIONS - 1
 """The iteration of a set point in which its sample is taken."""
 

@@ -97,9 +97,7 @@ UNLOADED = ArmParameters()
 LOADED = ArmParameters(m_1=3.0, m_2=3.0, x_1=0.15, x_2=0.16, I_1=1.5)
 """The arm that has picked up its load (Table 4.3.1.2)."""
 
-ESTIMATE = ArmParameters(
-    m_1=1.0, m_2=1.0, x_1=0.11, x_2=0.12, I_1=0.05, I_2=0.05, F_1=2.0, F_2=2.0
-)
+ESTIMATE = ArmParameters(m_1=1.0, m_2=1.0, x_1=0.11, x_2=0.12, I_1=0.05, I_2=0.05, F_1=2.0, F_2=2.0)
 """What adaptive controllers believe at a warm start (Table 5.2.2)."""
 
 INEXACT = ArmParameters(m_1=1.8, m_2=1.8)

@@ -110,7 +110,9 @@ def _moves(points: Sequence[Pair], duration: float) -> list[Segment]:
     return [Segment(start, end, duration) for start, end in pairwise(points)]
 
 
-def reach(angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float | None = None) -> Trajectory:
+def reach(
+    angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float | None = None
+) -> Trajectory:
     """Move there and stay; a load is picked up on arrival."""
     there = Segment((0.0, 0.0), angles, segment)
     rest = Segment(angles, angles, segment if hold is None else hold, hold=True)

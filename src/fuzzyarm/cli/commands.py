@@ -9,6 +9,9 @@ from __future__ import annotations
 COMMANDS: dict[str, tuple[str, str]] = {
     "check": ("fuzzyarm.cli.check", "find mistakes and doubts in rule bases and tables"),
     "fmt": ("fuzzyarm.cli.fmt", "rewrite rule bases in canonical form"),
+    "simulate": ("fuzzyarm.cli.simulate", "run a controller on the robot arm"),
+    "reproduce": ("fuzzyarm.cli.reproduce", "run the study's published experiments again"),
+    "identify": ("fuzzyarm.cli.identify", "fit unprinted gains to published figures"),
     "demo": ("fuzzyarm.cli.demo", "the whole story on a shipped rule base"),
 }
 """Name → (module, one-line summary), in the order of the help page."""

@@ -1,1 +1,34 @@
-"""Placeholder."""
+"""Controllers of the arm: the study's, and yours.
+
+:func:`controller` makes one by name, :func:`simulate` closes the loop::
+
+    from fuzzyarm.arm import reach_return
+    from fuzzyarm.control import controller, simulate
+
+    run = simulate(controller("cdid+ie"), reach_return(), payload=True)
+    print(run.rms)
+"""
+
+from __future__ import annotations
+
+from fuzzyarm.control.catalogue import CATALOGUE, UnknownControllerError, controller
+from fuzzyarm.control.controller import CompiledController, Controller, Sum
+from fuzzyarm.control.gains import Gain, GainError
+from fuzzyarm.control.own import OwnControllerError, find_controller
+from fuzzyarm.control.run import Options, Run, simulate
+
+__all__ = [
+    "CATALOGUE",
+    "CompiledController",
+    "Controller",
+    "Gain",
+    "GainError",
+    "Options",
+    "OwnControllerError",
+    "Run",
+    "Sum",
+    "UnknownControllerError",
+    "controller",
+    "find_controller",
+    "simulate",
+]

@@ -23,8 +23,7 @@ def sliding_reference(
         reference.position,
         (
             stored(
-                reference.velocity[0]
-                + numbers[at] * (reference.position[0] - state.position[0]),
+                reference.velocity[0] + numbers[at] * (reference.position[0] - state.position[0]),
                 single,
             ),
             stored(

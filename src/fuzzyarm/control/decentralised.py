@@ -51,15 +51,12 @@ def joint_torque(
     wanted = reference.acceleration[joint]
     r = numbers[at] * error + numbers[at + 2] * rate
     direct = numbers[at + 6] * abs(r) * r
-    total = (
-        numbers[at + 4] * accumulated(memory, cell, r, clock)
-        + direct
-        + (numbers[at + 4] * accumulated(memory, cell + 1, r * error, clock) + direct * error) * error
-        + (numbers[at + 4] * accumulated(memory, cell + 2, r * rate, clock) + direct * rate) * rate
-        + (numbers[at + 4] * accumulated(memory, cell + 3, r * wanted, clock) + direct * wanted)
-        * wanted
-    )
-    return total
+    slow = numbers[at + 4]
+    offset = slow * accumulated(memory, cell, r, clock) + direct
+    stiffness = slow * accumulated(memory, cell + 1, r * error, clock) + direct * error
+    damping = slow * accumulated(memory, cell + 2, r * rate, clock) + direct * rate
+    inertia = slow * accumulated(memory, cell + 3, r * wanted, clock) + direct * wanted
+    return offset + stiffness * error + damping * rate + inertia * wanted
 
 
 @kernel

@@ -61,7 +61,7 @@ def summed_torque(
 
 
 @kernel
-def law_torque(  # noqa: C901, PLR0911, PLR0912 - one branch for each law is the point
+def law_torque(  # noqa: PLR0911 - one branch for each law is the point
     kind: int,
     reference: Reference,
     state: State,

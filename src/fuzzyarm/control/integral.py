@@ -23,12 +23,8 @@ def integral_torque(
     cell: int,
 ) -> Pair:
     """Return ``K_I Σe``; constants: K_I (2), whole run; memory: the two sums."""
-    first = stored(
-        memory[cell] + (reference.position[0] - state.position[0]), clock.single
-    )
-    second = stored(
-        memory[cell + 1] + (reference.position[1] - state.position[1]), clock.single
-    )
+    first = stored(memory[cell] + (reference.position[0] - state.position[0]), clock.single)
+    second = stored(memory[cell + 1] + (reference.position[1] - state.position[1]), clock.single)
     if clock.last and numbers[at + 2] == 0.0:
         memory[cell] = 0.0
         memory[cell + 1] = 0.0

@@ -9,12 +9,25 @@ from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain, Gains
 from fuzzyarm.control.law import Law, hold, model_gains, pack_with_model
 
-STIFFNESS = Gain("K_1", (500.0, 500.0), "1/s²", "position in the reference model", "identified", True)
+STIFFNESS = Gain(
+    "K_1", (500.0, 500.0), "1/s²", "position in the reference model", "identified", True
+)
 DAMPING = Gain("K_2", (100.0, 100.0), "1/s", "velocity in the reference model", "identified", True)
-ADAPT_STATE = Gain("a", (100.0,), "1", "adaptation of the gains on position and velocity", "identified")
+ADAPT_STATE = Gain(
+    "a", (100.0,), "1", "adaptation of the gains on position and velocity", "identified"
+)
 ADAPT_INPUT = Gain("b", (2.0,), "1", "adaptation of the gain on the input", "identified")
 UNIT_MASS = Gain("unit_mass", (1.0,), "kg m²", "multiplies u: 1 as in the figures", "identified")
-GRAVITY = Gain("gravity", (1.0,), "1", "1: with the estimate's gravity term; 0: without", "identified")
+GRAVITY = Gain(
+    "gravity", (1.0,), "1", "1: with the estimate's gravity term; 0: without", "identified"
+)
+INERTIA = Gain(
+    "inertia_times_u",
+    (0.0,),
+    "1",
+    "0: unit mass times u, desired motion in the model, as the figures have it; 1: as the text",
+    "identified",
+)
 
 
 @kernel
@@ -35,7 +48,7 @@ def model_reference_torque(
     friction at the desired velocity and ``(M̂ + J) θ̈d``. The gains follow
     ``Δ̇₁ = −a w θᵀ``, ``Δ̇₂ = −a w θ̇ᵀ``, ``Δ̇v = b w vᵀ`` with ``w = P₂ e + P₃ ė``.
 
-    Constants: K₁ (2), K₂ (2), P₂ (2), P₃ (2), a, b, unit mass, gravity, model (9);
+    Constants: K₁ (2), K₂ (2), P₂ (2), P₃ (2), −a, b, unit mass, gravity, form, model (9);
     memory: Δ₁, Δ₂, Δv, each 2 × 2 by rows.
     """
     q_1, q_2 = state.position
@@ -54,23 +67,29 @@ def model_reference_torque(
     u_2 += times(memory, cell + 10, in_1, in_2)
     u_2 -= times(memory, cell + 2, q_1, q_2) + times(memory, cell + 6, v_1, v_2)
 
-    model = at + 12
+    model = at + 13
     mass = numbers[at + 10]
     weight = numbers[at + 11]
+    rubbed = reference.velocity
+    moved = reference.acceleration
+    if numbers[at + 12] != 0.0:
+        mass = 0.0
+        rubbed = state.velocity
+        moved = (u_1, u_2)
     coupling = numbers[model + 2] + 0.5 * numbers[model + 1] * pose.cos_2
     torque_1 = (
         mass * u_1
         + weight * (numbers[model + 5] * pose.cos_1 + numbers[model + 6] * pose.cos_12)
-        + numbers[model + 3] * reference.velocity[0]
-        + (numbers[model] + numbers[model + 1] * pose.cos_2 + numbers[model + 7]) * a_1
-        + coupling * a_2
+        + numbers[model + 3] * rubbed[0]
+        + (numbers[model] + numbers[model + 1] * pose.cos_2 + numbers[model + 7]) * moved[0]
+        + coupling * moved[1]
     )
     torque_2 = (
         mass * u_2
         + weight * numbers[model + 6] * pose.cos_12
-        + numbers[model + 4] * reference.velocity[1]
-        + coupling * a_1
-        + (numbers[model + 2] + numbers[model + 8]) * a_2
+        + numbers[model + 4] * rubbed[1]
+        + coupling * moved[0]
+        + (numbers[model + 2] + numbers[model + 8]) * moved[1]
     )
 
     w_1 = numbers[at + 4] * e_1 + numbers[at + 6] * d_1
@@ -106,6 +125,9 @@ def grow(
     memory[cell + 3] = stored(memory[cell + 3] + left_2 * right_2, single)
 
 
+SWITCHES = ("a", "b", "unit_mass", "gravity", "inertia_times_u")
+
+
 def _pack(gains: Gains, single: bool) -> list[float]:
     # Q = I in the Lyapunov equation gives P2 = 1/(2 K1) and P3 = (1 + 2 P2)/(2 K2).
     second = [0.5 / value for value in gains["K_1"].value]
@@ -114,9 +136,9 @@ def _pack(gains: Gains, single: bool) -> list[float]:
         for each, value in zip(second, gains["K_2"].value, strict=True)
     ]
     front = [*gains["K_1"].value, *gains["K_2"].value, *second, *third]
-    switches = [gains[name].value[0] for name in ("a", "b", "unit_mass", "gravity")]
+    switches = [gains[name].value[0] for name in SWITCHES]
     model = pack_with_model(())(gains, single)
-    # Adaptation of position and velocity gains is written with its minus sign here: -Δ grows.
+    # Δ₁ and Δ₂ grow with −a w; the kernel adds.
     switches[0] = -switches[0]
     return [*(hold(value, single) for value in (*front, *switches)), *model]
 
@@ -136,6 +158,7 @@ LAW = Law(
         ADAPT_INPUT,
         UNIT_MASS,
         GRAVITY,
+        INERTIA,
         *model_gains(ESTIMATE),
     ),
     pack=_pack,

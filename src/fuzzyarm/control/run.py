@@ -240,7 +240,7 @@ class _Outcome:
         as_arrays: bool,
     ) -> None:
         def numbers(values: Any, kind: type = np.float64) -> Any:
-            flat = np.ascontiguousarray(np.array(values, kind).ravel())
+            flat: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
             # Lists of Python numbers are what an interpreter is fast with.
             return flat if as_arrays else flat.tolist()
 

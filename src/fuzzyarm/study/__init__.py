@@ -1,1 +1,21 @@
-"""Placeholder."""
+"""The published experiments: figures as data, and what running them again gives."""
+
+from __future__ import annotations
+
+from fuzzyarm.study.bounds import Judgement, judge
+from fuzzyarm.study.published import PublishedRow, UnknownRowError, find_rows, published_rows
+from fuzzyarm.study.reproduce import Reproduced, reproduce, reproduce_row, runnable, variants
+
+__all__ = [
+    "Judgement",
+    "PublishedRow",
+    "Reproduced",
+    "UnknownRowError",
+    "find_rows",
+    "judge",
+    "published_rows",
+    "reproduce",
+    "reproduce_row",
+    "runnable",
+    "variants",
+]

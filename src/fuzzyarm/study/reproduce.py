@@ -1,0 +1,139 @@
+"""Run published rows again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import cast
+
+from fuzzyarm.arm.conventions import Conventions
+from fuzzyarm.arm.trajectory import Trajectory, pick_and_place, reach, reach_return
+from fuzzyarm.control.catalogue import CATALOGUE, Start, Variant, controller
+from fuzzyarm.control.controller import CompiledController, Controller, Sum
+from fuzzyarm.control.run import Options, Run, simulate
+from fuzzyarm.study.bounds import Judgement, judge
+from fuzzyarm.study.published import MAXIMUM_ON, Eight, PublishedRow
+
+TRAJECTORIES: dict[str, Callable[[], Trajectory]] = {
+    "reach": reach,
+    "reach-return": reach_return,
+    "pick-and-place": pick_and_place,
+}
+"""The study's trajectories by name."""
+
+
+@dataclass(frozen=True)
+class Reproduced:
+    """One published row, run again.
+
+    Attributes
+    ----------
+    published : PublishedRow
+        What was printed.
+    variant : str
+        ``as-printed`` or ``as-described``.
+    figures : tuple of float
+        The eight numbers that came out, degrees.
+    runs : tuple of Run
+        On the first and the second trajectory.
+    judgement : Judgement
+        Against the bounds.
+    """
+
+    published: PublishedRow
+    variant: Variant
+    figures: Eight
+    runs: tuple[Run, Run]
+    judgement: Judgement
+
+
+def runnable(row: PublishedRow) -> bool:
+    """Tell whether this version has the controller of a row."""
+    return row.controller in CATALOGUE
+
+
+def variants(row: PublishedRow) -> tuple[Variant, ...]:
+    """Return the variants that differ: both where the study's text and figures do."""
+    printed, described = (
+        row_controller(row, variant) for variant in ("as-printed", "as-described")
+    )
+    if _values(printed) == _values(described):
+        return ("as-printed",)
+    return ("as-described", "as-printed")
+
+
+def _values(made: Controller) -> dict[str, tuple[float, ...]]:
+    return {name: gain.value for name, gain in made.gains.items()}
+
+
+def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller:
+    """Make the controller of a row, with the model that it had."""
+    start = cast(Start, row.start or "warm")
+    made = controller(row.controller, start=start, variant=cast(Variant, variant))
+    return made if row.model_mass is None else _with_mass(made, row.model_mass)
+
+
+def _with_mass(made: Controller, mass: float) -> Controller:
+    if isinstance(made, Sum):
+        return Sum([_with_mass(each, mass) for each in made.addends], made.name)
+    if isinstance(made, CompiledController) and "model.m_1" in made.gains:
+        return made.with_origin(
+            **{
+                name: replace(made.gains[name], value=(mass,))
+                for name in ("model.m_1", "model.m_2")
+            }
+        )
+    return made
+
+
+def row_conventions(row: PublishedRow) -> Conventions:
+    """Return how the study counted in a row."""
+    return CATALOGUE[row.controller].conventions
+
+
+def reproduce_row(
+    row: PublishedRow,
+    variant: Variant = "as-printed",
+    *,
+    made: Controller | None = None,
+    options: Options | None = None,
+) -> Reproduced:
+    """Run one row on both trajectories, in the study's conventions.
+
+    Parameters
+    ----------
+    row : PublishedRow
+        Which.
+    variant : {"as-printed", "as-described"}, optional
+        Which of the two, where they differ.
+    made : Controller, optional
+        Another controller in its place.
+    options : Options, optional
+        See :func:`fuzzyarm.control.run.simulate`.
+    """
+    made = made or row_controller(row, variant)
+    first, second = (
+        simulate(
+            made,
+            TRAJECTORIES[name](),
+            payload=row.payload,
+            conventions=row_conventions(row),
+            options=options,
+        )
+        for name in row.trajectories
+    )
+    figures = cast(Eight, (*four(first), *four(second)))
+    return Reproduced(row, variant, figures, (first, second), judge(row, figures))
+
+
+def four(run: Run) -> tuple[float, float, float, float]:
+    """Return RMS and last figure of both links as the tables have them."""
+    last = run.maximum if run.trajectory == MAXIMUM_ON else run.final
+    return float(run.rms[0]), float(last[0]), float(run.rms[1]), float(last[1])
+
+
+def reproduce(rows: list[PublishedRow]) -> Iterator[Reproduced]:
+    """Run rows in every variant, one after the other."""
+    for row in rows:
+        for variant in variants(row):
+            yield reproduce_row(row, variant)
