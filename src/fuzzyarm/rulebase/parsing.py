@@ -57,7 +57,9 @@ def parse(text: str, path: str = "<text>") -> Parsed:
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
     partial, findings = elaborate(document)
     found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
-    found.sort(key=lambda diagnostic: diagnostic.span)
+    # One slip in a line shared by several variables is one finding.
+    once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(found)}
+    found = sorted(once.values(), key=lambda diagnostic: diagnostic.span)
     return Parsed(document, partial, tuple(_limited(found, path)))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from fuzzyarm.rulebase.check.subject import Subject
 from fuzzyarm.rulebase.diagnostic import Diagnostic
-from fuzzyarm.rulebase.geometry import probe_points
+from fuzzyarm.rulebase.geometry import corners, probe_points
 from fuzzyarm.rulebase.membership import membership
 from fuzzyarm.rulebase.model import Input
 
@@ -37,11 +37,9 @@ def _gaps(variable: Input) -> Iterator[Diagnostic]:
 
 
 def _gap(variable: Input, points: list[float], start: int, end: int) -> Diagnostic:
-    if (start == end and points[start] in (points[0], points[-1])) or start == end:
-        where = f"{points[start]:g}"
-    else:
-        # The gap reaches to the next points on either side, where membership begins.
-        low = points[max(start - 1, 0)]
-        high = points[min(end + 1, len(points) - 1)]
-        where = f"{low:g} .. {high:g}"
+    # A gap begins at a corner: at a bare one, or just behind a covered one.
+    turns = set(corners(variable))
+    low = points[start] if points[start] in turns else points[start - 1]
+    high = points[end] if points[end] in turns else points[end + 1]
+    where = f"{low:g}" if low == high else f"{low:g} .. {high:g}"
     return Diagnostic("coverage-gap", f"no term of '{variable.name}' covers {where}", variable.span)

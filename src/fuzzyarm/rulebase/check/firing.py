@@ -81,15 +81,12 @@ def _active_terms(variable: Input) -> list[_Active]:
 
 
 def _thinned(grids: list[list[_Active]]) -> list[list[_Active]]:
+    """Return the grids with every other point of the longest left out until few enough remain."""
     while prod(map(len, grids)) > _MOST_POINTS:
         longest = max(range(len(grids)), key=lambda i: len(grids[i]))
-        if len(grids[longest]) <= 2:
-            return grids[:1] if len(grids[0]) > 2 else [grid[:1] for grid in grids]
-        kept = grids[longest][::2]
-        grids[longest] = kept if kept[-1] is grids[longest][-1] else [*kept, grids[longest][-1]]
-        if len(grids[longest]) > 3:
-            continue
-        grids[longest] = grids[longest][:2]
+        if len(grids[longest]) == 1:
+            break
+        grids[longest] = grids[longest][1::2]
     return grids
 
 
