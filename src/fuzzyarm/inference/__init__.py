@@ -15,8 +15,10 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
+from fuzzyarm.inference.expectations import check_expectations
 from fuzzyarm.inference.infer import infer
 from fuzzyarm.inference.scalar import prepare
+from fuzzyarm.inference.trace import Trace, explain
 
 __all__ = [
     "CyclicRulesError",
@@ -26,7 +28,10 @@ __all__ = [
     "NotANumberError",
     "NothingHeldError",
     "OutsideRangeError",
+    "Trace",
     "UnknownNameError",
+    "check_expectations",
+    "explain",
     "infer",
     "prepare",
 ]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from fuzzyarm.inference.profile import LINEAR_HEDGES, polyline
@@ -78,7 +79,7 @@ def _inside(edges: list[float]) -> list[float]:
     """Return one place inside each cell, the outer two included."""
     if not edges:
         return [0.0]
-    between = [0.5 * (a + b) for a, b in zip(edges, edges[1:], strict=False)]
+    between = [0.5 * (a + b) for a, b in pairwise(edges)]
     return [edges[0] - 1.0 - abs(edges[0]), *between, edges[-1] + 1.0 + abs(edges[-1])]
 
 

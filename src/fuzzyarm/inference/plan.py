@@ -180,7 +180,8 @@ def _check_variables(rulebase: RuleBase) -> None:
                 f"the range of '{variable.name}' is empty: {variable.low:g} .. {variable.high:g}"
             )
     for rule in rulebase.rules:
-        for part in (*propositions(rule.antecedent), *rule.consequents):
+        parts: list[Is | Consequent] = [*propositions(rule.antecedent), *rule.consequents]
+        for part in parts:
             _check_reference(rulebase, part, known)
 
 
@@ -289,8 +290,20 @@ def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
         _member(rulebase, output, output.term(name), hedges, implication, discrete=discrete)
         for name, hedges, implication in keys
     )
+    if discrete and output.defuzzifier.method not in WEIGHTED:
+        first = _first_of_each_value(members)
+        contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete else _closed(output, members)
     return OutputPlan(output, members, tuple(contributions), discrete, closed)
+
+
+def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
+    """Two singletons at one place are one set to be aggregated, whatever their names."""
+    seen: dict[float, int] = {}
+    return [
+        i if member.value is None else seen.setdefault(member.value, i)
+        for i, member in enumerate(members)
+    ]
 
 
 def _is_value(shape: Shape) -> bool:
@@ -424,6 +437,11 @@ def set_function(
         return degree
 
     return hedged
+
+
+def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> Callable[[float], float]:
+    """Return the membership in a term of an input, as a function of the place."""
+    return set_function(shape, hedges, parse(shape.formula) if shape.kind == "formula" else None)
 
 
 def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:

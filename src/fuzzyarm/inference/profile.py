@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from fuzzyarm.rulebase.membership import apply_hedge
+from fuzzyarm.rulebase.membership import membership as plain_membership
 from fuzzyarm.rulebase.model import Hedge, Shape
 from fuzzyarm.rulebase.shapes import SHAPES
 
@@ -134,27 +135,24 @@ def _split_at_level(piece: Piece, level: float) -> list[Piece]:
 def _features(shape: Shape) -> list[float]:
     """Return the places where a smooth shape bends, and a few that frame its flanks."""
     p, kind = shape.parameters, shape.kind
-    if kind == "gaussian":
-        return _around(p[0], p[1])
-    if kind == "two-sided-gaussian":
-        return _around(p[0], p[1]) + _around(p[2], p[3])
-    if kind == "bell":
-        return _around(p[0], p[1])
-    if kind == "sigmoid":
-        return _around(p[0], 1.0 / p[1]) if p[1] else [p[0]]
-    if kind in {"sigmoid-difference", "sigmoid-product"}:
-        return [x for i in (0, 2) for x in (_around(p[i], 1.0 / p[i + 1]) if p[i + 1] else [p[i]])]
-    if kind in {"z", "s"}:
-        return [p[0], 0.5 * (p[0] + p[1]), p[1]]
-    if kind == "pi":
-        return [p[0], 0.5 * (p[0] + p[1]), p[1], p[2], 0.5 * (p[2] + p[3]), p[3]]
+    if kind in _FLANKS:
+        return [x for i, j in _FLANKS[kind] for x in _around(p[i], p[j])]
+    if "sigmoid" in kind:
+        inverse = [1.0 / slope if slope else 0.0 for slope in p[1::2]]
+        return [x for centre, w in zip(p[0::2], inverse, strict=True) for x in _around(centre, w)]
     if kind == "cosine":
         return [p[0] - 0.5 * p[1], p[0], p[0] + 0.5 * p[1]]
     if kind == "spike":
         return _around(p[0], 0.1 * p[1])
-    if kind == "semi-ellipse":
-        return [p[0], 0.5 * (p[0] + p[1]), p[1]]
-    return list(p)  # concave, arc
+    return [*p, *(0.5 * (a + b) for a, b in pairwise(p))]  # s, z, pi, concave, arc, semi-ellipse
+
+
+_FLANKS = {
+    "gaussian": ((0, 1),),
+    "two-sided-gaussian": ((0, 1), (2, 3)),
+    "bell": ((0, 1),),
+}
+"""Indexes of (centre, width) among the parameters."""
 
 
 def _around(centre: float, width: float) -> list[float]:
@@ -211,15 +209,13 @@ def _halves(
     shape: Shape, hedges: Sequence[Hedge], edges: list[float], low: float, high: float
 ) -> list[float]:
     """Find where the degree below an ``intensify`` or ``seldom`` passes one half."""
-    from fuzzyarm.rulebase.membership import membership as plain
-
     found = []
     for depth, hedge in enumerate(hedges):
         if hedge.name not in {"intensify", "seldom"}:
             continue
 
         def below(x: float, inner: Sequence[Hedge] = hedges[depth + 1 :]) -> float:
-            degree = plain(shape, x)
+            degree = plain_membership(shape, x)
             for each in reversed(inner):
                 degree = apply_hedge(each, degree)
             return degree

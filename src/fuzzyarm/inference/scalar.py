@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 from typing import NamedTuple
 
 from fuzzyarm.inference.defuzzify.one import defuzzify_one
 from fuzzyarm.inference.errors import (
-    InferenceError,
     MissingInputError,
     NoRuleFiredError,
     NotANumberError,
@@ -25,8 +24,7 @@ from fuzzyarm.inference.errors import (
 )
 from fuzzyarm.inference.plain_membership import Partition, Proposition
 from fuzzyarm.inference.plain_norms import SNORMS, TNORMS, Norm
-from fuzzyarm.inference.plan import Plan, PlannedRule, plan, set_function
-from fuzzyarm.rulebase.formula import parse
+from fuzzyarm.inference.plan import Plan, PlannedRule, plan, term_function
 from fuzzyarm.rulebase.membership import apply_hedge
 from fuzzyarm.rulebase.model import (
     And,
@@ -36,7 +34,6 @@ from fuzzyarm.rulebase.model import (
     Is,
     Output,
     RuleBase,
-    Shape,
     Variable,
     propositions,
 )
@@ -58,12 +55,15 @@ class Point:
         For each variable, the propositions about it that are not zero.
     fired : dict of str to list of (int, float)
         For each output, (member, strength) of the rules that fired.
+    silent : set of str
+        Outputs for which no rule fired.
     """
 
     values: dict[str, float]
     degrees: list[float]
     active: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
     fired: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
+    silent: set[str] = field(default_factory=set)
 
 
 class _Conjunction(NamedTuple):
@@ -116,16 +116,10 @@ class Prepared:
         by_variable: dict[str, list[Proposition]] = {}
         for (variable, term, hedges), number in self._numbers.items():
             shape = self.plan.rulebase.variable(variable).term(term).shape
-            function = self._term_function(shape, hedges)
+            function = term_function(shape, hedges)
             proposition = Proposition(number, shape, hedges, function)
             by_variable.setdefault(variable, []).append(proposition)
         return {name: Partition(group) for name, group in by_variable.items()}
-
-    @staticmethod
-    def _term_function(shape: Shape, hedges: tuple[Hedge, ...]) -> Callable[[float], float]:
-        if shape.kind != "formula":
-            return set_function(shape, hedges)
-        return set_function(shape, hedges, parse(shape.formula))
 
     def _compile_steps(self) -> list[Action]:
         actions: list[Action] = []
@@ -160,18 +154,7 @@ class Prepared:
     def _visit(
         self, variables: tuple[str, ...], table: dict[tuple[int, ...], list[_Conjunction]]
     ) -> Action:
-        consequents = self._consequents
-
-        def fire(point: Point, entries: list[_Conjunction]) -> None:
-            degrees, fired = point.degrees, point.fired
-            for rule, numbers, weight, norm in entries:
-                strength = degrees[numbers[0]]
-                for number in numbers[1:]:
-                    strength = norm(strength, degrees[number])
-                strength *= weight
-                if strength > 0.0:
-                    for output, member in consequents[rule]:
-                        fired[output].append((member, strength))
+        fire = self._fire
 
         def visit(point: Point) -> None:
             lists = [[n for n, _ in point.active[variable]] for variable in variables]
@@ -184,6 +167,17 @@ class Prepared:
                     fire(point, table[key])
 
         return visit
+
+    def _fire(self, point: Point, entries: list[_Conjunction]) -> None:
+        degrees, fired = point.degrees, point.fired
+        for rule, numbers, weight, norm in entries:
+            strength = degrees[numbers[0]]
+            for number in numbers[1:]:
+                strength = norm(strength, degrees[number])
+            strength *= weight
+            if strength > 0.0:
+                for output, member in self._consequents[rule]:
+                    fired[output].append((member, strength))
 
     def _compile_rule(self, index: int) -> Action:
         planned = self.plan.rules[index]
@@ -249,6 +243,7 @@ class Prepared:
             if value is not None and math.isnan(value):
                 raise NotANumberError(name, "has none at " + _written(point.values, self._names))
             if value is None:
+                point.silent.add(name)
                 point.values[name] = self._no_rule(output, point)
             else:
                 point.values[name] = bring_into_range(output, value)
@@ -278,6 +273,46 @@ class Prepared:
         for number, degree in found:
             point.degrees[number] = degree
 
+    def _take(self, point: Point, inputs: Mapping[str, float]) -> None:
+        """Bring the inputs into their ranges and fuzzify them."""
+        values, degrees = point.values, point.degrees
+        for name, low, high, outside, partition in self._input_steps:
+            try:
+                value = float(inputs[name])
+            except KeyError:
+                check_names(inputs, self._names)
+                raise MissingInputError(n for n in self._names if n not in inputs) from None
+            except (TypeError, ValueError):
+                raise NotANumberError(name, f"is no number: {inputs[name]!r}") from None
+            if not low <= value <= high:
+                value = _outside(name, value, low, high, outside)
+            values[name] = value
+            if partition is not None:
+                point.active[name] = found = partition.at(value)
+                for number, degree in found:
+                    degrees[number] = degree
+        if len(inputs) > len(values):
+            check_names(inputs, self._names)
+
+    def strength(self, rule: int, point: Point) -> float:
+        """Return how far a rule fired at a point that :meth:`run` returned.
+
+        Parameters
+        ----------
+        rule : int
+            Index among all rules.
+        point : Point
+            From :meth:`run`.
+        """
+        planned = self.plan.rules[rule]
+        truth = self._compile_expression(planned.rule.antecedent, planned)
+        return truth(point) * planned.rule.weight
+
+    @property
+    def chained(self) -> tuple[str, ...]:
+        """Outputs whose values later rules use."""
+        return tuple(name for name in self.plan.outputs if name in self._partitions)
+
     def run(self, inputs: Mapping[str, float], held: Mapping[str, float] | None = None) -> Point:
         """Evaluate one point and return everything that was found on the way.
 
@@ -293,33 +328,13 @@ class Prepared:
         Point
             With the outputs among its values.
         """
-        values: dict[str, float] = {}
-        point = Point(values, [0.0] * len(self._numbers))
+        point = Point({}, [0.0] * len(self._numbers))
         point.fired = {name: [] for name in self.plan.outputs}
-        try:
-            for name, low, high, outside, partition in self._input_steps:
-                value = float(inputs[name])
-                if not low <= value <= high:
-                    value = _outside(name, value, low, high, outside)
-                values[name] = value
-                if partition is not None:
-                    point.active[name] = found = partition.at(value)
-                    for number, degree in found:
-                        point.degrees[number] = degree
-        except KeyError:
-            missing = [name for name in self._names if name not in inputs]
-            check_names(inputs, self._names)
-            raise MissingInputError(missing) from None
-        except (TypeError, ValueError) as error:
-            if isinstance(error, InferenceError):
-                raise
-            raise NotANumberError(name, f"is no number: {inputs[name]!r}") from None
-        if len(inputs) > len(values):
-            check_names(inputs, self._names)
+        self._take(point, inputs)
         if held:
             check_names(held, self.plan.outputs, what="output")
             for name, value in held.items():
-                values[_held_name(name)] = float(value)
+                point.values[_held_name(name)] = float(value)
         for step in self._steps:
             step(point)
         return point
@@ -377,9 +392,9 @@ def _is_conjunction(planned: PlannedRule) -> bool:
     return len(set(variables)) == len(variables)
 
 
-def check_names(given: Mapping[str, object], known: object, *, what: str = "input") -> None:
+def check_names(given: Iterable[str], known: Iterable[str], *, what: str = "input") -> None:
     """Raise UnknownNameError for the first name of `given` that is not among `known`."""
-    names = tuple(known)  # type: ignore[var-annotated, call-overload]
+    names = tuple(known)
     for name in given:
         if name not in names:
             raise UnknownNameError(name, names, what=what)

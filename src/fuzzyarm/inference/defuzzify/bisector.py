@@ -66,14 +66,15 @@ def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the exact bisectors and the areas (0 where nothing fired)."""
     import numpy as np
 
+    from fuzzyarm.inference.defuzzify.many_aggregate import sum_by_point
     from fuzzyarm.inference.defuzzify.many_leaves import many_leaves, panel_rule
 
     size = int(np.prod(strengths.shape))
     entries = strengths.flat()
     found = many_leaves(plan, entries, size)
     order = np.lexsort((found.x0, found.point))
-    point, x0, x1, area = (each[order] for each in (found.point, found.x0, found.x1, found.area))
-    total = np.bincount(point, area, minlength=size)
+    point, x0, x1, area = found.point[order], found.x0[order], found.x1[order], found.area[order]
+    total = sum_by_point(point, area, size)
     first = np.searchsorted(point, np.arange(size))
     last = np.append(first[1:], point.size) - 1
     running = _running_sums(area, first, last)

@@ -29,12 +29,13 @@ def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the centroids and the areas (0 where nothing fired)."""
     import numpy as np
 
+    from fuzzyarm.inference.defuzzify.many_aggregate import sum_by_point
     from fuzzyarm.inference.defuzzify.many_leaves import many_leaves
 
     size = int(np.prod(strengths.shape))
     found = many_leaves(plan, strengths.flat(), size)
-    area = np.bincount(found.point, found.area, minlength=size)
-    moment = np.bincount(found.point, found.moment, minlength=size)
+    area = sum_by_point(found.point, found.area, size)
+    moment = sum_by_point(found.point, found.moment, size)
     value = np.divide(moment, area, out=np.zeros(size), where=area > 0.0)
     value += 0.5 * (plan.output.low + plan.output.high)
     return value.reshape(strengths.shape), area.reshape(strengths.shape)

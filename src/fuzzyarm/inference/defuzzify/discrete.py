@@ -60,5 +60,5 @@ def many(
         args = (
             (samples, heights[rows]) if method == "bisector" else (method, samples, heights[rows])
         )
-        value[rows] = function(*args)[0]  # type: ignore[operator]
+        value[rows] = function(*args)[0]
     return value.reshape(strengths.shape), heights.max(axis=1).reshape(strengths.shape)

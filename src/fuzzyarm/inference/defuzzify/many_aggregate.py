@@ -125,3 +125,8 @@ def aggregate_sampled(
         cut = TNORMS[plan.members[member].implication](strength[:, None], degree[None, part])
         total[:, part] = norm(total[:, part], cut)
     return total
+
+
+def sum_by_point(point: NDArray[np.intp], amounts: Array, count: int) -> Array:
+    """Return the sum of the amounts of each of `count` points."""
+    return np.bincount(point, amounts, minlength=count).astype(float, copy=False)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_at
+from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_at, sum_by_point
 from fuzzyarm.inference.defuzzify.quadrature import DEEPEST, NODES, TOLERANCE, WEIGHTS, panels
 from fuzzyarm.inference.plan import OutputPlan
 
@@ -56,7 +56,7 @@ def many_leaves(plan: OutputPlan, entries: Entries, count: int) -> Leaves:
     point = np.repeat(np.arange(count), edges.size - 1)
     x0, x1 = np.tile(edges[:-1], count), np.tile(edges[1:], count)
     area, moment = panel_rule(plan, entries, point, x0, x1, centre)
-    allowed = TOLERANCE * np.bincount(point, area, minlength=count)
+    allowed = TOLERANCE * sum_by_point(point, area, count)
     finished: list[tuple[NDArray[np.intp], Array, Array, Array, Array]] = []
     for depth in range(DEEPEST + 1):
         middle = 0.5 * (x0 + x1)
@@ -81,7 +81,7 @@ def many_leaves(plan: OutputPlan, entries: Entries, count: int) -> Leaves:
         area = np.concatenate([area_a[open_], area_b[open_]])
         moment = np.concatenate([moment_a[open_], moment_b[open_]])
     columns = [np.concatenate(column) for column in zip(*finished, strict=True)]
-    return Leaves(*columns)  # type: ignore[arg-type]
+    return Leaves(*columns)
 
 
 def panel_rule(

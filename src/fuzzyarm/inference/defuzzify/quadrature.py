@@ -10,6 +10,7 @@ forms and SciPy).
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import NamedTuple
 
 from fuzzyarm.inference.plan import OutputPlan
@@ -84,7 +85,7 @@ def leaves(function: Callable[[float], float], edges: list[float]) -> list[Leaf]
     centre, half_range = 0.5 * (edges[0] + edges[-1]), 0.5 * (edges[-1] - edges[0])
     stack = []
     total = 0.0
-    for x0, x1 in zip(edges, edges[1:], strict=False):
+    for x0, x1 in pairwise(edges):
         area, moment = rule(function, x0, x1, centre)
         stack.append((x0, x1, area, moment, DEEPEST))
         total += area

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.errors import InferenceError
@@ -81,7 +82,7 @@ def is_rising(plan: OutputPlan, member: Member) -> bool:
         If it does neither.
     """
     values = [value for piece in member.pieces for value in (piece.y0, piece.y1)]
-    steps = [b - a for a, b in zip(values, values[1:], strict=False) if abs(b - a) > 1e-12]
+    steps = [b - a for a, b in pairwise(values) if abs(b - a) > 1e-12]
     if steps and (min(steps) > 0.0 or max(steps) < 0.0):
         return steps[0] > 0.0
     raise InferenceError(

@@ -1,0 +1,338 @@
+"""The trace of one inference: every number between the inputs and the outputs, as data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from typing import Any
+
+from fuzzyarm.inference.defuzzify.one import consequent_value
+from fuzzyarm.inference.defuzzify.one_aggregate import aggregate, fold
+from fuzzyarm.inference.defuzzify.tsukamoto import one as tsukamoto_place
+from fuzzyarm.inference.plain_norms import TNORMS
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.profile import Piece, crossing
+from fuzzyarm.inference.scalar import Point, Prepared, prepare
+from fuzzyarm.rulebase.model import And, Expression, Hedge, Hedged, Is, Rule, RuleBase
+
+SAMPLES = 201
+"""Points that a smooth curve is drawn through."""
+
+Curve = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FuzzyValue:
+    """An input (or an output that later rules use) and its membership in each of its terms.
+
+    Attributes
+    ----------
+    name : str
+        The variable.
+    given : float
+        The value as it came.
+    value : float
+        The value that was used, inside the range if it is clamped.
+    degrees : tuple of (str, float)
+        (term, membership) for every term, without hedges; NaN never.
+    """
+
+    name: str
+    given: float
+    value: float
+    degrees: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RuleTrace:
+    """A rule and how far it fires.
+
+    Attributes
+    ----------
+    number : int
+        Place among all rules, from 1.
+    block : str
+        Name of its block, maybe empty.
+    line, column : int
+        Where it stands in the file, from 1; of a grid the cell.
+    text : str
+        The rule in words.
+    weight, strength : float
+        Its weight, and the truth of its antecedent times that.
+    consequents : tuple of (str, str)
+        (output, term with hedges).
+    """
+
+    number: int
+    block: str
+    line: int
+    column: int
+    text: str
+    weight: float
+    strength: float
+    consequents: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ConsequentTrace:
+    """What is asserted of one term of an output by all its rules together.
+
+    Attributes
+    ----------
+    term : str
+        The term, with hedges.
+    strength : float
+        Of its rules under the aggregation.
+    value : float or None
+        The number that stands for it, under a weighted defuzzifier and for singletons.
+    curve : tuple of (float, float)
+        The set cut at `strength`, as corners to be joined by straight lines (two at one
+        place for a vertical edge); empty for a value.
+    """
+
+    term: str
+    strength: float
+    value: float | None
+    curve: Curve
+
+
+@dataclass(frozen=True, slots=True)
+class OutputTrace:
+    """An output: the sets that were asserted, their union and the value.
+
+    Attributes
+    ----------
+    name : str
+        The output.
+    low, high : float
+        Its range.
+    method : str
+        The defuzzifier, as it would stand in a file.
+    fired : bool
+        Whether any rule fired; otherwise `value` is the stated default or the held value.
+    consequents : tuple of ConsequentTrace
+        Those that are asserted.
+    aggregate : tuple of (float, float)
+        The aggregated set as a curve; empty for values.
+    value : float
+        The result.
+    """
+
+    name: str
+    low: float
+    high: float
+    method: str
+    fired: bool
+    consequents: tuple[ConsequentTrace, ...]
+    aggregate: Curve
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """Every step of one inference."""
+
+    rulebase: str
+    inputs: tuple[FuzzyValue, ...]
+    rules: tuple[RuleTrace, ...]
+    outputs: tuple[OutputTrace, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the trace as dicts, lists and numbers, fit for JSON."""
+        return asdict(self)
+
+    @property
+    def fired(self) -> tuple[RuleTrace, ...]:
+        """The rules that fire, the strongest first."""
+        firing = [rule for rule in self.rules if rule.strength > 0.0]
+        return tuple(sorted(firing, key=lambda rule: -rule.strength))
+
+
+def explain(
+    rulebase: RuleBase,
+    inputs: Mapping[str, float] | None = None,
+    /,
+    *,
+    held: Mapping[str, float] | None = None,
+    **named: float,
+) -> Trace:
+    """Evaluate one point and show the work.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    inputs : mapping of str to float, optional
+        Inputs by name; for names that are no identifiers.
+    held : mapping of str to float, optional
+        Last values of outputs that hold where no rule fires.
+    **named : float
+        Inputs by name.
+
+    Returns
+    -------
+    Trace
+        Plain data; the value of each output is that of :func:`fuzzyarm.inference.infer`.
+
+    Raises
+    ------
+    InferenceError, NoRuleFiredError
+        As :func:`fuzzyarm.inference.infer`.
+    """
+    given = {**(inputs or {}), **named}
+    prepared = prepare(rulebase)
+    point = prepared.run(given, held)
+    used = dict.fromkeys([*(v.name for v in rulebase.inputs), *prepared.chained])
+    return Trace(
+        rulebase.name,
+        tuple(_fuzzy_value(rulebase, name, given, point) for name in used),
+        _rules(rulebase, prepared, point),
+        tuple(_output(each, point, rulebase) for each in prepared.plan.outputs.values()),
+    )
+
+
+def _fuzzy_value(
+    rulebase: RuleBase, name: str, given: Mapping[str, float], point: Point
+) -> FuzzyValue:
+    from fuzzyarm.inference.plan import term_function
+
+    value = point.values[name]
+    degrees = tuple(
+        (term.name, term_function(term.shape)(value))
+        for term in rulebase.variable(name).terms
+        if term.shape.kind != "linear"
+    )
+    return FuzzyValue(name, float(given.get(name, value)), value, degrees)
+
+
+def _rules(rulebase: RuleBase, prepared: Prepared, point: Point) -> tuple[RuleTrace, ...]:
+    traces: list[RuleTrace] = []
+    for block in rulebase.blocks:
+        for rule in block.rules:
+            number = len(traces)
+            consequents = tuple((c.variable, _worded(c.term, c.hedges)) for c in rule.consequents)
+            traces.append(
+                RuleTrace(
+                    number + 1,
+                    block.name,
+                    rule.span.line,
+                    rule.span.column,
+                    sentence(rule),
+                    rule.weight,
+                    prepared.strength(number, point),
+                    consequents,
+                )
+            )
+    return tuple(traces)
+
+
+def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
+    output = plan.output
+    fired = point.fired[output.name]
+    inputs = tuple(variable.name for variable in rulebase.inputs)
+    consequents = tuple(
+        _consequent(plan, plan.members[member], strength, point, inputs)
+        for member, strength in fold(plan, fired).items()
+    )
+    union: Curve = ()
+    if fired and not plan.discrete:
+        places = {x for each in consequents for x, _ in each.curve}
+        union = _union(aggregate(plan, fired), places, output.low, output.high)
+    defuzzifier = output.defuzzifier
+    method = defuzzifier.method
+    if defuzzifier.resolution is not None:
+        method += f"({defuzzifier.resolution}, {defuzzifier.sampling})"
+    return OutputTrace(
+        output.name,
+        output.low,
+        output.high,
+        method,
+        output.name not in point.silent,
+        consequents,
+        union,
+        point.values[output.name],
+    )
+
+
+def _consequent(
+    plan: OutputPlan, member: Member, strength: float, point: Point, inputs: tuple[str, ...]
+) -> ConsequentTrace:
+    value = member.value
+    if plan.discrete and value is None:
+        if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+            value = tsukamoto_place(plan, member, strength)
+        else:
+            value = consequent_value(member, point.values, inputs)
+    curve = () if plan.discrete else _clipped(member, strength)
+    return ConsequentTrace(_worded(member.term.name, member.hedges), strength, value, curve)
+
+
+def _clipped(member: Member, strength: float) -> Curve:
+    implication = TNORMS[member.implication]
+    corners: list[tuple[float, float]] = []
+    for piece in member.pieces:
+        for x, y in _along(piece, member, strength):
+            corner = (x, implication(strength, y))
+            if not corners or corners[-1] != corner:
+                corners.append(corner)
+    return tuple(corners)
+
+
+def _along(piece: Piece, member: Member, strength: float) -> list[tuple[float, float]]:
+    """Return the corners of a piece, its bend at the clipping level among them."""
+    stops = [(piece.x0, piece.y0), (piece.x1, piece.y1)]
+    levels = {"min": [strength], "bounded": [1.0 - strength], "nilpotent": [strength, 1 - strength]}
+    inside = [
+        (crossing(piece, member.membership, level), level)
+        for level in levels.get(member.implication, [])
+        if (piece.y0 - level) * (piece.y1 - level) < 0.0
+    ]
+    straight = piece.straight and member.implication in {"min", "product", "bounded"}
+    if not straight:
+        count = max(4, round(SAMPLES / len(member.pieces)))
+        xs = [piece.x0 + (piece.x1 - piece.x0) * i / count for i in range(1, count)]
+        inside += [(x, member.membership(x)) for x in xs]
+    return [stops[0], *sorted(inside), stops[1]]
+
+
+def _union(function: Any, places: set[float], low: float, high: float) -> Curve:
+    """Sample the aggregate at its corners, on both sides of vertical edges, and between."""
+    even = {low + (high - low) * i / (SAMPLES - 1) for i in range(SAMPLES)} | {high}
+    xs = sorted(places | even)
+    curve = [(xs[0], function(xs[0]))]
+    for a, b in pairwise(xs):
+        start, end = function(math.nextafter(a, b)), function(math.nextafter(b, a))
+        if not math.isclose(start, curve[-1][1], abs_tol=1e-9):
+            curve.append((a, start))
+        curve.append((b, end))
+    return tuple(curve)
+
+
+# ── words ────────────────────────────────────────────────────────────────────────────
+
+
+def sentence(rule: Rule) -> str:
+    """Return a rule in words, for people: names as they are, never parsed again."""
+    then = " and ".join(f"{c.variable} is {_worded(c.term, c.hedges)}" for c in rule.consequents)
+    weight = f" with {rule.weight:g}" if rule.weight != 1.0 else ""
+    return f"if {_words(rule.antecedent)} then {then}{weight}"
+
+
+def _words(expression: Expression, *, inner: bool = False) -> str:
+    if isinstance(expression, Is):
+        return f"{expression.variable} is {_worded(expression.term, expression.hedges)}"
+    if isinstance(expression, Hedged):
+        return _worded(f"({_words(expression.operand)})", expression.hedges)
+    word = " and " if isinstance(expression, And) else " or "
+    text = word.join(_words(operand, inner=True) for operand in expression.operands)
+    return f"({text})" if inner else text
+
+
+def _worded(name: str, hedges: tuple[Hedge, ...]) -> str:
+    words = [
+        hedge.name if hedge.exponent is None else f"{hedge.name}({hedge.exponent:g})"
+        for hedge in hedges
+    ]
+    return " ".join([*words, name])
