@@ -120,17 +120,18 @@ def note_chaining(rulebase: RuleBase, findings: Findings, program: str) -> None:
     """Report outputs that later rules use as inputs."""
     outputs = {output.name for output in rulebase.outputs}
     for rule in rulebase.rules:
-        for name in sorted(_variables(rule.antecedent) & outputs):
+        for name in sorted(variables_in(rule.antecedent) & outputs):
             message = f"a rule uses the value of the output '{name}', which {program} does not do"
             findings.loss("chained-output", message, rule.span)
 
 
-def _variables(expression: Expression) -> set[str]:
+def variables_in(expression: Expression) -> set[str]:
+    """Return the names of the variables in an antecedent."""
     if isinstance(expression, Is):
         return {expression.variable}
     if isinstance(expression, Hedged):
-        return _variables(expression.operand)
-    return set().union(*map(_variables, expression.operands))
+        return variables_in(expression.operand)
+    return set().union(*map(variables_in, expression.operands))
 
 
 def one_line(text: str, forbidden: str, findings: Findings) -> str:

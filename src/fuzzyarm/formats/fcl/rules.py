@@ -1,0 +1,227 @@
+"""Rule blocks of FCL."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from fuzzyarm.formats.draft import Draft
+from fuzzyarm.formats.export import variables_in
+from fuzzyarm.formats.fcl.cursor import Cursor, SyntaxFaultError
+from fuzzyarm.formats.fcl.dialect import RULES
+from fuzzyarm.formats.fcl.lexer import SECTIONS
+from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder
+from fuzzyarm.formats.imported import Findings, Word
+from fuzzyarm.formats.norms import FCL_CONJUNCTIONS, FCL_DISJUNCTIONS, JFUZZYLOGIC_PAIRS
+from fuzzyarm.formats.propositions import RuleFaultError, RuleParser, RuleText
+from fuzzyarm.rulebase.model import Consequent, Rule, RuleBlock
+
+_END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})
+_S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
+
+
+@dataclass(slots=True)
+class BlockText:
+    """A rule block as it was written.
+
+    Attributes
+    ----------
+    word : Word
+        Its name.
+    norms : list
+        (key, norm word) of AND, OR, ACT and ACCU, in the order of the text.
+    rules : list of list of Word
+        The words of each rule from IF on.
+    enabled : bool
+        False where the file switches it off.
+    """
+
+    word: Word
+    norms: list[tuple[str, Word]] = field(default_factory=list)
+    rules: list[list[Word]] = field(default_factory=list)
+    enabled: bool = True
+
+
+def read_block(cursor: Cursor, findings: Findings) -> BlockText:
+    """Read from behind RULEBLOCK to behind END_RULEBLOCK."""
+    unnamed = cursor.key() in ("AND", "OR", "ACT", "ACCU", "RULE", "ENABLED", "END_RULEBLOCK")
+    block = BlockText(Word("", cursor.word.span) if unnamed or cursor.ended else cursor.take())
+    while not cursor.skip("END_RULEBLOCK"):
+        if cursor.ended or cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
+            raise SyntaxFaultError("'END_RULEBLOCK' is missing", cursor.word)
+        try:
+            _statement(cursor, block)
+        except SyntaxFaultError as fault:
+            findings.error(fault.name, str(fault), fault.word)
+            cursor.at += cursor.key() not in _END_OF_RULE
+            cursor.to_next_statement()
+    return block
+
+
+def _statement(cursor: Cursor, block: BlockText) -> None:
+    key = cursor.key()
+    if key in ("AND", "OR", "ACT", "ACCU"):
+        cursor.take()
+        cursor.skip(":", ":=", "=")
+        block.norms.append((key, cursor.name("a norm")))
+        cursor.skip(";")
+    elif key == "ENABLED":
+        cursor.take()
+        cursor.skip(":", ":=", "=")
+        block.enabled = cursor.take().text.upper() != "FALSE"
+        cursor.skip(";")
+    elif key == "RULE":
+        start = cursor.take()
+        block.rules.append(_rule_words(cursor, start))
+    else:
+        message = f"RULE, AND and the like are expected here, not '{cursor.word.text[:40]}'"
+        raise SyntaxFaultError(message, cursor.word)
+
+
+def _rule_words(cursor: Cursor, start: Word) -> list[Word]:
+    while not cursor.ended and cursor.key() not in ("IF", *_END_OF_RULE):
+        cursor.take()
+    words: list[Word] = []
+    while not cursor.ended and cursor.key() not in _END_OF_RULE:
+        words.append(cursor.take())
+    cursor.skip(";")
+    if not words:
+        raise SyntaxFaultError("the rule has no IF", start)
+    return _joined_numbers(words)
+
+
+def _joined_numbers(words: list[Word]) -> list[Word]:
+    """Put the sign of a weight back to its number."""
+    if len(words) > 2 and words[-2].text in ("-", "+"):
+        sign, value = words[-2], words[-1]
+        words[-2:] = [Word(sign.text + value.text, sign.span.to(value.span))]
+    return words
+
+
+def blocks_in_model(
+    texts: list[BlockText],
+    variables: dict[str, Draft],
+    accumulations: dict[str, str],
+    dialect: str,
+    findings: Findings,
+) -> tuple[RuleBlock, ...]:
+    """Return the blocks; set the aggregation of outputs from ACCU in a rule block."""
+    builder = RuleBuilder(variables, findings)
+    blocks = []
+    for text in texts:
+        if not text.enabled:
+            message = f"the block '{text.word.text}' is switched off; its rules are left out"
+            findings.warn("disabled-block", message, text.word)
+            continue
+        norms, accumulation = _norms(text, dialect, findings)
+        rules = _rules(text, variables, dialect, findings)
+        _accumulate(rules, accumulation, variables, accumulations, dialect, findings)
+        if dialect == "fuzzylite":
+            blocks.append(builder.block(text.word.text, norms, rules))
+        else:
+            blocks.append(_plain_block(text.word.text, norms, rules, variables, findings))
+    return tuple(blocks)
+
+
+def _rules(
+    block: BlockText, variables: dict[str, Draft], dialect: str, findings: Findings
+) -> list[RuleText]:
+    rules = []
+    for words in block.rules:
+        try:
+            rules.append(RuleParser(words, variables, findings, RULES[dialect]).rule())
+        except RuleFaultError as fault:
+            findings.error(fault.name, str(fault), fault.word)
+    return rules
+
+
+def _norms(block: BlockText, dialect: str, findings: Findings) -> tuple[Norms, str | None]:
+    found: dict[str, str] = {}
+    for key, word in block.norms:
+        table = FCL_CONJUNCTIONS if key in ("AND", "ACT") else FCL_DISJUNCTIONS
+        name = word.text.upper()
+        if name == "NONE":
+            continue
+        if name not in table:
+            findings.unknown("unknown-norm", f"the norm for {key}", word, table)
+            continue
+        norm = table[name]
+        if dialect == "jfuzzylogic" and key in ("AND", "OR"):
+            _pair(found, key, norm, word, findings)
+        found[key] = norm
+    norms = Norms(found.get("AND"), found.get("OR"), found.get("ACT"))
+    if dialect == "jfuzzylogic":
+        norms = Norms(norms.conjunction or "min", norms.disjunction or "max", norms.implication)
+    return norms, found.get("ACCU")
+
+
+def _pair(found: dict[str, str], key: str, norm: str, word: Word, findings: Findings) -> None:
+    """Set OR with AND and AND with OR, as jFuzzyLogic does."""
+    other = "OR" if key == "AND" else "AND"
+    table = JFUZZYLOGIC_PAIRS if key == "AND" else _S_TO_T
+    partner = table.get(norm)
+    if partner is None:
+        return
+    if other in found and found[other] != partner:
+        message = f"to jFuzzyLogic this sets {other} to {partner} too, whatever stood there"
+        findings.warn("paired-norms", message, word)
+    found[other] = partner
+
+
+def _accumulate(
+    rules: list[RuleText],
+    accumulation: str | None,
+    variables: dict[str, Draft],
+    accumulations: dict[str, str],
+    dialect: str,
+    findings: Findings,
+) -> None:
+    if accumulation is None and dialect == "fuzzylite":
+        return
+    norm = accumulation or "sum"
+    for rule in rules:
+        for conclusion in rule.conclusions:
+            draft = variables.get(conclusion.variable)
+            if draft is None or not draft.is_output:
+                continue
+            earlier = accumulations.setdefault(draft.name, norm)
+            draft.aggregation = earlier
+            if earlier != norm and dialect == "jfuzzylogic":
+                message = f"two blocks accumulate '{draft.name}' by different norms"
+                findings.loss("mixed-accumulation", message, conclusion.span)
+
+
+def _plain_block(
+    name: str,
+    norms: Norms,
+    texts: list[RuleText],
+    variables: dict[str, Draft],
+    findings: Findings,
+) -> RuleBlock:
+    rules = []
+    for text in texts:
+        for used in sorted(variables_in(text.antecedent)):
+            if used in variables and variables[used].is_output:
+                message = (
+                    f"'{used}' is an output; jFuzzyLogic takes the value it had before the "
+                    "rules, which cannot be carried"
+                )
+                findings.loss("chained-output", message, text.span)
+        conclusions = tuple(_same_value(c, variables) for c in text.conclusions)
+        rules.append(Rule(text.antecedent, conclusions, text.weight, text.span))
+    return RuleBlock(
+        tuple(rules),
+        name,
+        norms.conjunction or "min",
+        norms.disjunction or "max",
+        norms.implication or "min",
+    )
+
+
+def _same_value(conclusion: Consequent, variables: dict[str, Draft]) -> Consequent:
+    """Name the first singleton of the same value: jFuzzyLogic accumulates by value."""
+    draft = variables.get(conclusion.variable)
+    term = draft.term(conclusion.term) if draft is not None else None
+    if draft is None or term is None or term.shape.kind != "singleton":
+        return conclusion
+    first = next(t for t in draft.terms if t.shape == term.shape)
+    return replace(conclusion, term=first.name)
