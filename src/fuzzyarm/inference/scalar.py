@@ -23,7 +23,6 @@ from fuzzyarm.inference.errors import (
     UnknownNameError,
 )
 from fuzzyarm.inference.plain_membership import Partition, Proposition
-from fuzzyarm.inference.plain_norms import SNORMS, TNORMS, Norm
 from fuzzyarm.inference.plan import Plan, PlannedRule, plan, term_function
 from fuzzyarm.rulebase.membership import apply_hedge
 from fuzzyarm.rulebase.model import (
@@ -37,6 +36,7 @@ from fuzzyarm.rulebase.model import (
     Variable,
     propositions,
 )
+from fuzzyarm.rulebase.norms import SNORMS, TNORMS, Norm
 
 Key = tuple[str, str, tuple[Hedge, ...]]
 

@@ -11,11 +11,11 @@ from typing import Any
 from fuzzyarm.inference.defuzzify.one import consequent_value
 from fuzzyarm.inference.defuzzify.one_aggregate import aggregate, fold
 from fuzzyarm.inference.defuzzify.tsukamoto import one as tsukamoto_place
-from fuzzyarm.inference.plain_norms import TNORMS
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.profile import Piece, crossing
 from fuzzyarm.inference.scalar import Point, Prepared, prepare
 from fuzzyarm.rulebase.model import And, Expression, Hedge, Hedged, Is, Rule, RuleBase
+from fuzzyarm.rulebase.norms import TNORMS
 
 SAMPLES = 201
 """Points that a smooth curve is drawn through."""

@@ -1,14 +1,15 @@
 """The place that halves the area of an aggregate.
 
 Where the halves are parted by a gap, the middle of the gap. Sampled, the first sample at
-which the running sum reaches half of the total (MATLAB's way); with ``midpoints`` and an
-exact half the middle towards the next sample, which keeps a mirror-image aggregate's
-bisector in its axis.
+which the running sum of the heights reaches half of the total, as in MATLAB; an exact half
+takes the middle towards the next sample. With ``midpoints`` the sample whose running sum
+is nearest to half, or the mean of those that are equally near, as in fuzzylite.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
@@ -113,7 +114,18 @@ def one_sampled(plan: OutputPlan, fired: Fired) -> float | None:
     heights = [
         weight * value(y) for y, weight in zip(samples, weights(count, sampling), strict=True)
     ]
-    return halve(samples, heights)
+    return nearest_half(samples, heights) if sampling == "midpoints" else halve(samples, heights)
+
+
+def nearest_half(samples: list[float], heights: list[float]) -> float | None:
+    """Return the sample at which the running sum is nearest to half of the total."""
+    total = sum(heights)
+    if not total > 0.0:
+        return None
+    distances = [abs(running / total - 0.5) for running in accumulate(heights)]
+    enough = min(distances) + SAME_HALF
+    found = [y for y, far in zip(samples, distances, strict=True) if far <= enough]
+    return sum(found) / len(found)
 
 
 def halve(samples: list[float], heights: list[float]) -> float | None:
@@ -145,8 +157,21 @@ def many_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     size = int(np.prod(strengths.shape))
     heights = aggregate_sampled(plan, strengths.flat(), samples, size)
     heights *= np.array(weights(count, sampling))
-    value, total = halve_many(samples, heights)
+    function = nearest_half_many if sampling == "midpoints" else halve_many
+    value, total = function(samples, heights)
     return value.reshape(strengths.shape), total.reshape(strengths.shape)
+
+
+def nearest_half_many(samples: Array, heights: Array) -> tuple[Array, Array]:
+    """Return what :func:`nearest_half` does for each row of `heights`, and the totals."""
+    import numpy as np
+
+    running = np.cumsum(heights, axis=1)
+    total = running[:, -1].copy()
+    running /= np.where(total > 0.0, total, 1.0)[:, None]
+    distance = np.abs(running - 0.5)
+    among = distance <= distance.min(axis=1, keepdims=True) + SAME_HALF
+    return np.where(among, samples, 0.0).sum(axis=1) / among.sum(axis=1), total
 
 
 def halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:

@@ -8,13 +8,14 @@ spacing of the places otherwise. Sampled: over the samples; the mean is that of 
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate, fold
-from fuzzyarm.inference.plain_norms import TNORMS
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.profile import cut, peak
 from fuzzyarm.inference.sampling import places
+from fuzzyarm.rulebase.norms import TNORMS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -80,11 +81,13 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
     if not greatest > 0.0:
         return []
     enough = greatest * (1.0 - SAME)
-    intervals = [(x, x) for x, height in zip(ordered, heights, strict=True) if height >= enough]
-    for a, b in zip(intervals, intervals[1:], strict=False):
-        if value(0.5 * (a[0] + b[0])) >= enough and value(0.25 * a[0] + 0.75 * b[0]) >= enough:
-            intervals.append((a[0], b[0]))
-    return intervals
+    spots = [x for x, height in zip(ordered, heights, strict=True) if height >= enough]
+    flat = [
+        (a, b)
+        for a, b in pairwise(spots)
+        if value(0.5 * (a + b)) >= enough and value(0.3 * a + 0.7 * b) >= enough
+    ]
+    return [*((x, x) for x in spots), *flat]
 
 
 def _choose(method: str, intervals: Intervals) -> float:

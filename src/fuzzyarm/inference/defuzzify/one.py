@@ -46,16 +46,20 @@ def defuzzify_one(
         if method == "centroid" or method in WEIGHTED:
             return weighted.one(plan, fired, value_of)
         return discrete.one(plan, fired, value_of)
-    if method == "centroid":
-        if resolution is not None:
-            return centroid_sampled.one(plan, fired)
-        if plan.closed is not None:
-            return centroid_closed.one(plan, fired)
-        return centroid_integrated.one(plan, fired)
     exact = resolution is None
+    if method == "centroid":
+        return _centroid(plan, fired)
     if method == "bisector":
         return bisector.one(plan, fired) if exact else bisector.one_sampled(plan, fired)
     return maxima.one(plan, fired) if exact else maxima.one_sampled(plan, fired)
+
+
+def _centroid(plan: OutputPlan, fired: Fired) -> float | None:
+    if plan.output.defuzzifier.resolution is not None:
+        return centroid_sampled.one(plan, fired)
+    if plan.closed is not None:
+        return centroid_closed.one(plan, fired)
+    return centroid_integrated.one(plan, fired)
 
 
 def _values(

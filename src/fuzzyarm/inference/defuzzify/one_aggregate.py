@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from fuzzyarm.inference.plain_norms import SNORMS, TNORMS
 from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.rulebase.norms import SNORMS, TNORMS
 
 Fired = Sequence[tuple[int, float]]
 """(index of a member, firing strength above 0), in the order of the rules."""
