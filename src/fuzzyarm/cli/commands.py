@@ -9,6 +9,11 @@ from __future__ import annotations
 COMMANDS: dict[str, tuple[str, str]] = {
     "check": ("fuzzyarm.cli.check", "find mistakes and doubts in rule bases and tables"),
     "fmt": ("fuzzyarm.cli.fmt", "rewrite rule bases in canonical form"),
+    "eval": ("fuzzyarm.cli.eval", "the outputs at one point, and why"),
+    "show": ("fuzzyarm.cli.show", "rules, terms and tables in the terminal"),
+    "plot": ("fuzzyarm.cli.plot", "terms and control surfaces as a figure"),
+    "compile": ("fuzzyarm.cli.compile", "sample a rule base to a lookup table"),
+    "diff": ("fuzzyarm.cli.diff", "what differs between two tables or rule bases"),
     "simulate": ("fuzzyarm.cli.simulate", "run a controller on the robot arm"),
     "reproduce": ("fuzzyarm.cli.reproduce", "run the study's published experiments again"),
     "identify": ("fuzzyarm.cli.identify", "fit unprinted gains to published figures"),

@@ -158,7 +158,7 @@ def _read_numbers(
             names.append(cursor.name("the name of an input"))
         cursor.expect(":", "after the inputs")
     start = cursor.span
-    values = _number_list(cursor, word)
+    values = read_number_list(cursor, word)
     last = cursor.tokens[cursor.position - 1].span
     numbers = Numbers(values, start.to(last))
     for a, b in itertools.pairwise(values):
@@ -179,7 +179,7 @@ def _read_numbers(
         into[key] = numbers
 
 
-def _number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
+def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
     start = cursor.span
     first = cursor.figure(f"the {word} as numbers")
     if cursor.accept(".."):
@@ -225,7 +225,10 @@ def _read_mode(header: Header, cursor: Cursor, span: Span) -> None:
 
 
 def _read_origin(header: Header, cursor: Cursor, span: Span) -> None:
-    key = cursor.name("a key, such as source")
+    token = cursor.peek()
+    if token is None or token.kind not in ("name", "quoted"):
+        cursor.fail("a key, such as source")
+    key = cursor.take()
     value = cursor.string()
     if value is None:
         cursor.fail(f"what is known of '{key.text}', in double quotes")

@@ -57,7 +57,7 @@ def header_lines(table: TableHeader) -> list[str]:
     if table.mode is not None:
         lines.append(f"mode    {table.mode}")
     if table.provenance:
-        keys = [spelled(key) for key, _ in table.provenance]
+        keys = [k if is_plain_name(k) else quote(k, "'") for k, _ in table.provenance]
         widest = max(map(len, keys))
         lines.append("")
         for key, (_, value) in zip(keys, table.provenance, strict=True):

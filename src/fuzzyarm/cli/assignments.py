@@ -1,0 +1,78 @@
+"""Read ``name=value`` words, as several commands take them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.rulebase.near import near_hint
+
+
+class WordError(FuzzyarmError, ValueError):
+    """A word on the command line that says nothing sensible."""
+
+
+def read_assignments(words: Iterable[str], names: Iterable[str]) -> dict[str, float]:
+    """Return the values in words like ``e=1.3`` or ``e=1.3,ce=-2``.
+
+    Parameters
+    ----------
+    words : iterable of str
+        From the command line.
+    names : iterable of str
+        The names that may be given a value.
+
+    Raises
+    ------
+    WordError
+        For an unknown name, a name given twice, or a value that is no finite number.
+    """
+    known = tuple(names)
+    values: dict[str, float] = {}
+    for name, text in _pairs(words, known):
+        if name not in known:
+            hint, _ = near_hint(name, known)
+            listed = ", ".join(known) or "none"
+            raise WordError(f"there is no input '{name}'", hint=hint or f"there are: {listed}")
+        if name in values:
+            raise WordError(f"'{name}' is given twice")
+        values[name] = read_number(text, name)
+    return values
+
+
+def _pairs(words: Iterable[str], known: tuple[str, ...]) -> Iterable[tuple[str, str]]:
+    for word in words:
+        # A name may itself have a comma or an equals sign: try the names there are first.
+        rest = word
+        while rest:
+            name = next((n for n in known if rest.startswith(f"{n}=")), None)
+            if name is None:
+                name, equals, _ = rest.partition("=")
+                if not equals or not name:
+                    raise WordError(f"'{rest}' is no assignment", hint="write, for instance, e=1.3")
+            value, _, rest = rest[len(name) + 1 :].partition(",")
+            yield name.strip(), value.strip()
+
+
+def read_number(text: str, name: str) -> float:
+    """Return the finite number in `text`; `name` says whose it is."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise WordError(f"the value of '{name}' is no number: '{text}'") from None
+    if not math.isfinite(value):
+        raise WordError(f"the value of '{name}' must be finite, not {text}")
+    return value
+
+
+def require_all(values: dict[str, float], names: Iterable[str]) -> None:
+    """Raise WordError if any of `names` has no value."""
+    missing = [name for name in names if name not in values]
+    if missing:
+        several = "s" if len(missing) > 1 else ""
+        listed = ", ".join(missing)
+        example = " ".join(f"{name}=0" for name in missing)
+        raise WordError(
+            f"no value for input{several} {listed}", hint=f"add, for instance, {example}"
+        )

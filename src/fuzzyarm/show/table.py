@@ -1,0 +1,205 @@
+"""A lookup table, or any numbers on its axes, as heat grids."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.lut.numbers import column_of_numbers, number, short_bins, short_levels
+from fuzzyarm.show.heat import Cell, HeatGrid
+from fuzzyarm.show.scale import Scale, scale_of
+from fuzzyarm.show.words import name_words, number_words
+
+if TYPE_CHECKING:
+    from rich.console import Group, RenderableType
+    from rich.text import Text
+
+    from fuzzyarm.lut import LookupTable
+
+MOST_LEVELS = 25
+"""More levels of an input than this are thinned out, unless all are asked for."""
+
+Mark = Callable[[tuple[int, ...]], bool]
+
+
+def table_view(
+    table: LookupTable, *, all_levels: bool = False, at: Sequence[float] | None = None
+) -> Group:
+    """Return a table with all that it says of itself.
+
+    Parameters
+    ----------
+    table : LookupTable
+        What to draw.
+    all_levels : bool
+        Draw every level of a large table.
+    at : sequence of float, optional
+        Inputs whose cell is marked.
+    """
+    from rich.console import Group
+    from rich.text import Text
+
+    mark: Mark | None = None
+    lines: list[RenderableType] = []
+    if at is not None:
+        cell = table.cell(*at)
+        inputs = ", ".join(
+            f"{name_words(n)} = {number(x)}" for n, x in zip(table.names, at, strict=True)
+        )
+        lines = [Text(f"{inputs} falls into the marked cell [ ].\n")]
+        mark = cell.__eq__
+    grids = table_grids(table, mark=mark, all_levels=all_levels)
+    return Group(header_text(table), Text(), *lines, *grids)
+
+
+def header_text(table: LookupTable) -> Text:
+    """Return the name, the axes, the lookup and the origin of a table in words."""
+    from rich.text import Text
+
+    shape = " x ".join(str(size) for size in table.shape)
+    text = Text()
+    text.append(f"table of {name_words(table.output)}", "bold")
+    text.append(f"  {shape}, looked up by {_MODE_WORDS[table.default_mode]}")
+    text.append(f"\n  {table.description}" if table.description else "")
+    for axis in table.axes:
+        text.append(f"\n{name_words(axis.name)}", "bold")
+        text.append(f"  {axis.description}" if axis.description else "")
+        text.append(f"\n  levels {short_levels(axis.levels)}")
+        if axis.bins:
+            text.append(f"\n  bins   {short_bins(axis.bins)}")
+    for key, value in table.provenance:
+        text.append(f"\n{key}: {value}", "dim")
+    return text
+
+
+_MODE_WORDS = {"bins": "bins", "nearest": "the nearest level", "linear": "linear interpolation"}
+
+
+def table_grids(
+    table: LookupTable,
+    values: Any = None,
+    *,
+    scale: Scale | None = None,
+    mark: Mark | None = None,
+    all_levels: bool = False,
+    text: Callable[[float], str] | None = None,
+) -> list[RenderableType]:
+    """Return one heat grid for each combination of page levels.
+
+    Parameters
+    ----------
+    table : LookupTable
+        Gives the axes.
+    values : array_like, optional
+        Numbers of the shape of the table to draw instead of its values, for instance how
+        often each cell was visited.
+    scale : Scale, optional
+        Colours; by default from the values and the range of the output.
+    mark : callable, optional
+        Takes the index of a cell; the cells for which it is true stand in brackets.
+    all_levels : bool
+        Draw every level of a large table.
+    text : callable, optional
+        How a number is written; by default all alike and without loss.
+    """
+    import numpy as np
+    from rich.text import Text
+
+    own = values is None
+    array = table.values if own else np.asarray(values)
+    kept = [_kept(size, all_levels=all_levels) for size in array.shape]
+    shown = array[np.ix_(*kept)]
+    if scale is None:
+        bounds = (table.low, table.high) if own else (None, None)
+        scale = scale_of(array.ravel().tolist(), *bounds)
+    flat = [float(x) for x in shown.ravel()]
+    texts = [text(x) for x in flat] if text else _readable(flat)
+    drawings: list[RenderableType] = []
+    if shown.size < array.size:
+        drawings.append(Text(_thinned_words(table, kept), "dim"))
+    size = shown.shape[-1] * (shown.shape[-2] if shown.ndim > 1 else 1)
+    pages = list(product(*kept[:-2]))
+    for k, page in enumerate(pages):
+        if page:
+            drawings.append(Text(_page_words(table, page), "bold"))
+        part = slice(k * size, (k + 1) * size)
+        cells = _cells(flat[part], texts[part], kept, page, scale, mark)
+        drawings.append(_grid(table, kept, cells))
+        if k + 1 < len(pages):
+            drawings.append(Text())
+    return drawings
+
+
+def _readable(values: list[float]) -> list[str]:
+    texts = column_of_numbers(values)
+    return texts if max(map(len, texts)) <= 9 else column_of_numbers(
+        [float(number_words(x, 4)) for x in values]
+    )  # fmt: skip
+
+
+def _kept(size: int, *, all_levels: bool) -> list[int]:
+    """Return the indices to draw: all, or evenly thinned with both ends."""
+    if all_levels or size <= MOST_LEVELS:
+        return list(range(size))
+    return sorted({round(i * (size - 1) / (13 - 1)) for i in range(13)})
+
+
+def _thinned_words(table: LookupTable, kept: list[list[int]]) -> str:
+    parts = [
+        f"{len(indices)} of the {len(axis.levels)} levels of {name_words(axis.name)}"
+        for axis, indices in zip(table.axes, kept, strict=True)
+        if len(indices) < len(axis.levels)
+    ]
+    return f"shown are {' and '.join(parts)}"
+
+
+def _page_words(table: LookupTable, page: tuple[int, ...]) -> str:
+    parts = [
+        f"{name_words(axis.name)} = {number(axis.levels[i])}"
+        for axis, i in zip(table.axes, page, strict=False)
+    ]
+    return f"when {', '.join(parts)}"
+
+
+def _cells(
+    values: list[float],
+    texts: list[str],
+    kept: list[list[int]],
+    page: tuple[int, ...],
+    scale: Scale,
+    mark: Mark | None,
+) -> list[list[Cell]]:
+    columns = kept[-1]
+    rows = kept[-2] if len(kept) > 1 else [None]
+    cells: list[list[Cell]] = []
+    for i, row in enumerate(rows):
+        line: list[Cell] = []
+        for j, column in enumerate(columns):
+            k = i * len(columns) + j
+            index = (*page, *(() if row is None else (row,)), column)
+            if mark is not None and mark(index):
+                line.append((f"[{texts[k]}]", f"bold {scale.style(values[k])}"))
+            else:
+                line.append((texts[k], scale.style(values[k])))
+        cells.append(line)
+    return cells
+
+
+def _grid(table: LookupTable, kept: list[list[int]], cells: list[list[Cell]]) -> HeatGrid:
+    column = table.axes[-1]
+    labels = _labels(column.levels, kept[-1])
+    if len(table.axes) == 1:
+        return HeatGrid(column.name, labels, [table.output], cells)
+    row = table.axes[-2]
+    return HeatGrid(f"{row.name} \\ {column.name}", labels, _labels(row.levels, kept[-2]), cells)
+
+
+def _labels(levels: Sequence[float], kept: Sequence[int]) -> list[str]:
+    """Return short labels, as long as they still tell the levels apart."""
+    chosen = [levels[i] for i in kept]
+    for digits in (4, 6, 9):
+        labels = [number_words(x, digits) for x in chosen]
+        if len(set(labels)) == len(labels):
+            return labels
+    return [number(x) for x in chosen]
