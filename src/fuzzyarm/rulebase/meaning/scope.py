@@ -40,6 +40,7 @@ class Scope:
     drafts: dict[str, Draft] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     broken_variables: bool = False
+    full: set[str] = field(default_factory=set)
 
     def report(
         self,

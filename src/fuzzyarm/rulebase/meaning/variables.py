@@ -26,14 +26,14 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
         )
         return
     if len(scope.names(node.role)) == _LIMITS[node.role]:
-        scope.report(
-            "too-many-variables",
-            f"more than {_LIMITS[node.role]} {node.role}s",
-            node.name.span,
-        )
+        if node.role not in scope.full:
+            scope.report(
+                "too-many-variables",
+                f"more than {_LIMITS[node.role]} {node.role}s",
+                node.name.span,
+            )
+        scope.full.add(node.role)
         scope.broken_variables = True
-        return
-    if len(scope.names(node.role)) > _LIMITS[node.role]:
         return
     low, high = range_of(node)
     if node.low is not None and node.high is not None and not low < high:

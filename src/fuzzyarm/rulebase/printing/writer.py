@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from math import isfinite
 
 from fuzzyarm.rulebase.meaning.elaborate import UNNAMED
 from fuzzyarm.rulebase.meaning.lookup import even_levels
+from fuzzyarm.rulebase.meaning.variables import even_shapes
 from fuzzyarm.rulebase.model import (
     Defuzzifier,
     Expectation,
@@ -30,6 +32,7 @@ from fuzzyarm.rulebase.syntax.nodes import (
     BlockNode,
     CellNode,
     Document,
+    EvenTermsNode,
     ExpectNode,
     ExpressionNode,
     Figure,
@@ -76,11 +79,7 @@ def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
     yield [_variable("input", variable) for variable in rulebase.inputs] + [
         _variable("output", variable) for variable in rulebase.outputs
     ]
-    for variable in (*rulebase.inputs, *rulebase.outputs):
-        yield [
-            TermNode(Word(variable.name), Word(term.name), _shape(term.shape, rulebase))
-            for term in variable.terms
-        ]
+    yield from _terms(rulebase)
     yield list(_inference(rulebase))
     for block in rulebase.blocks:
         yield list(_block(block, rulebase))
@@ -97,6 +96,46 @@ def _variable(role: str, variable: Variable) -> VariableNode:
         Figure(variable.high),
         variable.description or None,
     )
+
+
+def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
+    """Yield the terms; a family that is evenly spaced is one line for all that share it."""
+    shared: dict[tuple[str, tuple[str, ...]], list[Variable]] = {}
+    others: list[Variable] = []
+    for variable in (*rulebase.inputs, *rulebase.outputs):
+        family = _even_family(variable)
+        if family is None:
+            others.append(variable)
+        else:
+            names = tuple(term.name for term in variable.terms)
+            shared.setdefault((family, names), []).append(variable)
+    yield [
+        EvenTermsNode(
+            tuple(Word(variable.name) for variable in variables),
+            Word(family),
+            tuple(map(Word, names)),
+        )
+        for (family, names), variables in shared.items()
+    ]
+    for variable in others:
+        yield [
+            TermNode(Word(variable.name), Word(term.name), _shape(term.shape, rulebase))
+            for term in variable.terms
+        ]
+
+
+def _even_family(variable: Variable) -> str | None:
+    count = len(variable.terms)
+    if count < 2 or not (isfinite(variable.low) and isfinite(variable.high)):
+        return None
+    shapes = [term.shape for term in variable.terms]
+    families = ["triangles", "gaussians"]
+    if isinstance(variable, Output):
+        families.append("singletons")
+    for family in families:
+        if shapes == even_shapes(family, count, variable.low, variable.high):
+            return family
+    return None
 
 
 def _shape(shape: Shape, rulebase: RuleBase) -> ShapeNode:
