@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -172,6 +173,7 @@ def through(
     return Trajectory(name, tuple(segments), tuple(index > 0 for index in range(len(segments))))
 
 
+@lru_cache(maxsize=64)
 def sample(trajectory: Trajectory, conventions: Conventions) -> SetPoints:
     """Produce the set points of a trajectory.
 
@@ -189,11 +191,11 @@ def sample(trajectory: Trajectory, conventions: Conventions) -> SetPoints:
     Returns
     -------
     SetPoints
-        In radians.
+        In radians; the arrays are shared between calls and read-only.
     """
     parts = [_sample_segment(segment, conventions) for segment in trajectory.segments]
     begin = np.cumsum([0.0, *(segment.duration for segment in trajectory.segments)])
-    return SetPoints(
+    points = SetPoints(
         time=np.concatenate([part[0] + start for part, start in zip(parts, begin, strict=False)]),
         position=np.concatenate([part[1] for part in parts]),
         velocity=np.concatenate([part[2] for part in parts]),
@@ -201,6 +203,9 @@ def sample(trajectory: Trajectory, conventions: Conventions) -> SetPoints:
         iterations=np.concatenate([part[4] for part in parts]),
         segment=np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts]),
     )
+    for array in vars(points).values():
+        array.flags.writeable = False
+    return points
 
 
 Sampled = tuple[

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
@@ -86,6 +87,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.show_gains:
         _show_gains(controller, arguments.json)
         return 0
+    if arguments.plot:
+        from fuzzyarm.study.profiles import figure_format
+
+        figure_format(arguments.plot)  # a mistake in the name is told before the run
     result = _simulate(controller, arguments)
     if arguments.plot:
         _plot(result, arguments.plot)
@@ -216,13 +221,18 @@ def _as_json(result: Run) -> dict[str, Any]:
     return {
         "controller": result.controller,
         "trajectory": result.trajectory,
-        **{name: [float(value) for value in pair] for name, pair in norms.items()},
+        **{name: [_number(value) for value in pair] for name, pair in norms.items()},
         "samples": result.samples,
         "conventions": result.conventions.name,
         "precision": result.conventions.precision,
         "diverged": result.diverged,
         "compiled": result.compiled,
     }
+
+
+def _number(value: float) -> float | None:
+    """Return null for what JSON has no number for: a run without samples has no errors."""
+    return float(value) if math.isfinite(value) else None
 
 
 def _as_text(result: Run) -> str:
@@ -235,8 +245,8 @@ def _as_text(result: Run) -> str:
         lines.append(f"{name:<16}{pair[0]:>12.4f}{pair[1]:>12.4f}")
     if result.diverged is not None:
         lines.append(
-            f"diverged: stopped at {result.diverged:.4f} s, when an error exceeded ten turns; "
-            "the figures are those until then"
+            f"diverged: stopped at {result.diverged:.4f} s with an error over ten turns or a joint "
+            "over 100000 rad/s; the figures are those until then"
         )
     return "\n".join(lines)
 

@@ -172,16 +172,21 @@ def _dac(_start: Start, _variant: Variant) -> CompiledController:
 def _with_integral(
     name: str, base: Callable[[Start, Variant], Controller], whole_run_gain: float | None = None
 ) -> Callable[[Start, Variant], Controller]:
-    """Add integral action; the adaptive rows were made with a whole-run sum."""
+    """Add integral action; the adaptive rows were made with a whole-run sum.
+
+    The text describes a sum over the iterations of a set point there too: of these
+    rows the variants differ in the sum alone, and the rest is as printed.
+    """
 
     def make(start: Start, variant: Variant) -> Controller:
         if whole_run_gain is None:
             term = integral_action(50.0)
-        elif variant == "as-described":
+            return Sum([base(start, variant), term], name)
+        if variant == "as-described":
             term = integral_action(50.0, origin="own")
         else:
             term = integral_action(whole_run_gain, whole_run=True, origin="identified")
-        return Sum([base(start, variant), term], name)
+        return Sum([base(start, "as-printed"), term], name)
 
     return make
 

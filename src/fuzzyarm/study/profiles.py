@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
+import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzzyarm.control.run import Run
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.files import write_atomically
 
 if TYPE_CHECKING:
@@ -51,17 +54,45 @@ def draw_profiles(runs: Sequence[Run], title: str) -> Figure:
     return figure
 
 
+class FigureFormatError(FuzzyarmError, ValueError):
+    """Figures are not drawn in the format of this `suffix`."""
+
+    def __init__(self, suffix: str) -> None:
+        super().__init__(f"no figure format '{suffix}'", hint=f"one of {', '.join(FORMATS)}")
+        self.suffix = suffix
+
+
+FORMATS = ("png", "svg", "pdf", "jpg", "webp")
+"""In which figures are written."""
+
+
+def figure_format(path: str | Path) -> str:
+    """Return the format that the suffix of `path` asks for.
+
+    Raises
+    ------
+    FigureFormatError
+        If it is none of :data:`FORMATS`.
+    FileNotFoundError
+        If the folder is not there.
+    """
+    suffix = Path(path).suffix.lstrip(".").lower()
+    if suffix not in FORMATS:
+        raise FigureFormatError(suffix)
+    folder = Path(path).parent
+    if not folder.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "no such folder", str(folder))
+    return suffix
+
+
 def save_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure in the format of its suffix, whole or not at all.
 
     Raises
     ------
-    ValueError
-        If the suffix is none that matplotlib writes.
+    FigureFormatError, FileNotFoundError
+        See :func:`figure_format`.
     """
-    import io
-
     buffer = io.BytesIO()
-    suffix = Path(path).suffix.lstrip(".") or "png"
-    figure.savefig(buffer, format=suffix, dpi=130)
+    figure.savefig(buffer, format=figure_format(path), dpi=130)
     write_atomically(path, buffer.getvalue())

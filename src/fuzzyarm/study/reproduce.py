@@ -122,7 +122,7 @@ def reproduce_row(
         )
         for name in row.trajectories
     )
-    figures = cast(Eight, (*four(first), *four(second)))
+    figures = (*four(first), *four(second))
     return Reproduced(row, variant, figures, (first, second), judge(row, figures))
 
 
