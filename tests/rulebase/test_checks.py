@@ -85,7 +85,7 @@ def test_two_grids_that_overlap_contradict_each_other_by_cell():
 
 def test_unused_terms_and_variables():
     text = damaged('"control, normalised"', '"control, normalised"\noutput spare 0 .. 1')
-    assert names(text) == ["unused-variable"]
+    assert names(text)[0] == "unused-variable"
     text = damaged("\ninference", "term u X: triangle 0 1 2\n\ninference")
     assert names(text) == ["unused-term"]
 

@@ -1,5 +1,6 @@
 """What the parser understands, and how it speaks of what it does not."""
 
+import itertools
 import math
 
 import pytest
@@ -85,7 +86,7 @@ def test_even_triangles_have_their_feet_under_the_neighbours_peaks():
         "terms e, u: triangles A B C D\nrule if e is A then u is A"
     ).rulebase
     shapes = [term.shape.parameters for term in rulebase.inputs[0].terms]
-    for left, right in zip(shapes, shapes[1:], strict=False):
+    for left, right in itertools.pairwise(shapes):
         assert left[2] == right[1]
         assert right[0] == left[1]
 

@@ -18,7 +18,7 @@ _Pair = tuple[CellNode, CellNode]
 def find(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each pair that does not fit."""
     for grid in subject.grids:
-        order = ranks(subject.rulebase, grid.output.text)
+        order = _ranks_of_used(grid, subject)
         pairs = _mirror_pairs(grid, subject)
         if order is None or len(pairs) < 4:
             continue
@@ -34,6 +34,15 @@ def find(subject: Subject) -> Iterator[Diagnostic]:
             for pair in even:
                 wanted = by_rank[_rank(pair[0], order)]
                 yield _finding("broken-symmetry", "symmetric", pair, wanted)
+
+
+def _ranks_of_used(grid: GridNode, subject: Subject) -> dict[str, int] | None:
+    """Return the order of the terms that the grid uses; others would shift its middle."""
+    order = ranks(subject.rulebase, grid.output.text)
+    if order is None:
+        return None
+    used = {cell.term.text for row in grid.rows for cell in row.cells if cell.term}
+    return {term: i for i, term in enumerate(sorted(used, key=lambda term: order[term]))}
 
 
 def _mirror_pairs(grid: GridNode, subject: Subject) -> list[_Pair]:
