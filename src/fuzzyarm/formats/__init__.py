@@ -1,1 +1,41 @@
-"""Placeholder."""
+"""Rule bases of other programs, in and out: FLL, FCL, FIS and scikit-fuzzy.
+
+Reading never raises: an :class:`Imported` has the rule base where there is no error, and
+every finding with its place. Writing gives an :class:`Exported` in the same way.
+"""
+
+from __future__ import annotations
+
+from fuzzyarm.formats.fcl import parse_fcl, write_fcl
+from fuzzyarm.formats.fis import parse_fis, write_fis
+from fuzzyarm.formats.fll import parse_fll, write_fll
+from fuzzyarm.formats.imported import Exported, Imported
+from fuzzyarm.formats.registry import (
+    FOREIGN,
+    PRODUCERS,
+    SUFFIXES,
+    FormatError,
+    parse,
+    read,
+    suffix_of,
+    write,
+)
+
+__all__ = [
+    "FOREIGN",
+    "PRODUCERS",
+    "SUFFIXES",
+    "Exported",
+    "FormatError",
+    "Imported",
+    "parse",
+    "parse_fcl",
+    "parse_fis",
+    "parse_fll",
+    "read",
+    "suffix_of",
+    "write",
+    "write_fcl",
+    "write_fis",
+    "write_fll",
+]

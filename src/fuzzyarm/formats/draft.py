@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from fuzzyarm.formats.imported import Findings, Word
-from fuzzyarm.rulebase.model import Defuzzifier, Input, Output, Shape, Term
+from fuzzyarm.rulebase.model import Consequent, Defuzzifier, Input, Output, Shape, Term
 
 
 @dataclass(slots=True)
@@ -102,3 +102,17 @@ def unique_name(name: str, taken: set[str]) -> str:
     while f"{name}_{number}" in taken:
         number += 1
     return f"{name}_{number}"
+
+
+VALUES = frozenset({"singleton", "linear", "formula"})
+"""Kinds of shape that are a number rather than a set."""
+
+
+def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequent:
+    """Name the first term with the same value, for programs that aggregate by value."""
+    draft = variables.get(consequent.variable)
+    term = draft.term(consequent.term) if draft is not None else None
+    if draft is None or term is None or term.shape.kind not in VALUES:
+        return consequent
+    first = next(t for t in draft.terms if t.shape == term.shape)
+    return replace(consequent, term=first.name)

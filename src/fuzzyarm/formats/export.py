@@ -14,9 +14,54 @@ HEADER = "Written by fuzzyarm"
 _IDENTIFIER = re.compile(r"[^\W\d]\w*\Z")
 
 FUZZYLITE_WORDS = frozenset(
-    "if is then and or with any extremely not seldom somewhat very gt ge eq neq le lt min max "
-    "acos asin atan ceil cos cosh exp abs fabs floor log log10 round sin sinh sqrt tan tanh "
-    "log1p acosh asinh atanh pow atan2 fmod pi".split()
+    [
+        "if",
+        "is",
+        "then",
+        "and",
+        "or",
+        "with",
+        "any",
+        "extremely",
+        "not",
+        "seldom",
+        "somewhat",
+        "very",
+        "gt",
+        "ge",
+        "eq",
+        "neq",
+        "le",
+        "lt",
+        "min",
+        "max",
+        "acos",
+        "asin",
+        "atan",
+        "ceil",
+        "cos",
+        "cosh",
+        "exp",
+        "abs",
+        "fabs",
+        "floor",
+        "log",
+        "log10",
+        "round",
+        "sin",
+        "sinh",
+        "sqrt",
+        "tan",
+        "tanh",
+        "log1p",
+        "acosh",
+        "asinh",
+        "atanh",
+        "pow",
+        "atan2",
+        "fmod",
+        "pi",
+    ]
 )
 """Names that fuzzylite's rule parser takes for itself."""
 
@@ -106,9 +151,7 @@ def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool)
             findings.warn("outside-range", message)
 
 
-def note_outside(
-    variables: tuple[Input | Output, ...], findings: Findings, program: str
-) -> None:
+def note_outside(variables: tuple[Input | Output, ...], findings: Findings, program: str) -> None:
     """Report ranges that clamp, for a program that does not."""
     for variable in variables:
         if variable.outside == "clamp":

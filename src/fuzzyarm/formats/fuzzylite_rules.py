@@ -30,6 +30,9 @@ from fuzzyarm.rulebase.model import (
 MAX_NODES = 2_000
 """Most propositions that one antecedent may come to when outputs are put in."""
 
+POWERS = {"very": 2.0, "somewhat": 0.5, "extremely": 3.0, "power": 1.0}
+"""Exponents of the hedges that are powers; that of ``power`` is its own number."""
+
 NEVER = (Hedge("not"), Hedge("any"))
 
 
@@ -100,9 +103,7 @@ class RuleBuilder:
                 if group:
                     rules.append(self._rule(antecedent, hedges, group, text))
                 group, hedges = [], (*conclusion.hedges, *hedges)
-            group.append(
-                Consequent(conclusion.variable, conclusion.term, span=conclusion.span)
-            )
+            group.append(Consequent(conclusion.variable, conclusion.term, span=conclusion.span))
         if group:
             rules.append(self._rule(antecedent, hedges, group, text))
         return rules
@@ -209,10 +210,8 @@ def hedged_weight(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
             weight = 1.0
         elif weight == 1.0:
             continue
-        elif hedge.name == "very":
-            weight = weight * weight
-        elif hedge.name == "somewhat" and weight >= 0.0:
-            weight = weight**0.5
+        elif hedge.name in POWERS and weight > 0.0:
+            weight = weight ** (hedge.exponent or POWERS[hedge.name])
         else:
             return None
     return weight

@@ -88,9 +88,7 @@ def _hedge_words(hedges: tuple[Hedge, ...], findings: Findings) -> list[str]:
     return words
 
 
-def _condition(
-    expression: Expression, block: RuleBlock, names: Names, findings: Findings
-) -> str:
+def _condition(expression: Expression, block: RuleBlock, names: Names, findings: Findings) -> str:
     if isinstance(expression, Is):
         return _proposition(expression, names, findings)
     if isinstance(expression, Hedged):

@@ -33,6 +33,8 @@ _ONLY_FUZZYLITE = re.compile(
     r"\b(EPROD|DPROD|HPROD|ESUM|DSUM|HSUM|NMIN|NMAX|COGSS|ENABLED|LOCK|Triangle|Trapezoid|Bell|"
     r"Gaussian|Sigmoid|Ramp|Rectangle|ZShape|SShape|PiShape|Linear|Concave|Spike|Discrete)\b"
 )
+
+
 def detect(text: str) -> str:
     """Return the dialect of a text: jFuzzyLogic's unless something says fuzzylite."""
     head = text[:2000].lower()
@@ -57,9 +59,7 @@ def _has_accu_in_defuzzify(text: str) -> bool:
     return False
 
 
-def finish_output(
-    draft: Draft, method: Word | None, dialect: str, findings: Findings
-) -> None:
+def finish_output(draft: Draft, method: Word | None, dialect: str, findings: Findings) -> None:
     """Set the defuzzifier of an output from its ``METHOD``."""
     name = method.text.upper() if method is not None else "COG"
     at = method if method is not None else draft.word

@@ -15,12 +15,38 @@ _TOKEN = re.compile(
     r"|(?P<word>\w+)|(?P<sign>:=|\.\.|\*\*|\S)",
     re.DOTALL,
 )
-_PERCENT_LINE = re.compile(r"^[^\S\n]*%[^\n]*", re.M)
+_PERCENT_LINE = re.compile(r"^[^\S\n]*%[^\n]*", re.MULTILINE)
 
 KEYWORDS = frozenset(
-    "FUNCTION_BLOCK END_FUNCTION_BLOCK VAR_INPUT VAR_OUTPUT VAR END_VAR FUZZIFY END_FUZZIFY "
-    "DEFUZZIFY END_DEFUZZIFY RULEBLOCK END_RULEBLOCK OPTIONS END_OPTIONS OPTION END_OPTION "
-    "TERM RANGE METHOD DEFAULT ACCU ACT AND OR RULE ENABLED LOCK".split()
+    [
+        "FUNCTION_BLOCK",
+        "END_FUNCTION_BLOCK",
+        "VAR_INPUT",
+        "VAR_OUTPUT",
+        "VAR",
+        "END_VAR",
+        "FUZZIFY",
+        "END_FUZZIFY",
+        "DEFUZZIFY",
+        "END_DEFUZZIFY",
+        "RULEBLOCK",
+        "END_RULEBLOCK",
+        "OPTIONS",
+        "END_OPTIONS",
+        "OPTION",
+        "END_OPTION",
+        "TERM",
+        "RANGE",
+        "METHOD",
+        "DEFAULT",
+        "ACCU",
+        "ACT",
+        "AND",
+        "OR",
+        "RULE",
+        "ENABLED",
+        "LOCK",
+    ]
 )
 """Words that begin a statement or end a section, in capitals."""
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
-from fuzzyarm.formats.draft import Draft
+from fuzzyarm.formats.draft import Draft, same_value
 from fuzzyarm.formats.export import variables_in
 from fuzzyarm.formats.fcl.cursor import Cursor, SyntaxFaultError
 from fuzzyarm.formats.fcl.dialect import RULES
@@ -13,7 +13,7 @@ from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FCL_CONJUNCTIONS, FCL_DISJUNCTIONS, JFUZZYLOGIC_PAIRS
 from fuzzyarm.formats.propositions import RuleFaultError, RuleParser, RuleText
-from fuzzyarm.rulebase.model import Consequent, Rule, RuleBlock
+from fuzzyarm.rulebase.model import Rule, RuleBlock
 
 _END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})
 _S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
@@ -206,7 +206,7 @@ def _plain_block(
                     "rules, which cannot be carried"
                 )
                 findings.loss("chained-output", message, text.span)
-        conclusions = tuple(_same_value(c, variables) for c in text.conclusions)
+        conclusions = tuple(same_value(c, variables) for c in text.conclusions)
         rules.append(Rule(text.antecedent, conclusions, text.weight, text.span))
     return RuleBlock(
         tuple(rules),
@@ -215,13 +215,3 @@ def _plain_block(
         norms.disjunction or "max",
         norms.implication or "min",
     )
-
-
-def _same_value(conclusion: Consequent, variables: dict[str, Draft]) -> Consequent:
-    """Name the first singleton of the same value: jFuzzyLogic accumulates by value."""
-    draft = variables.get(conclusion.variable)
-    term = draft.term(conclusion.term) if draft is not None else None
-    if draft is None or term is None or term.shape.kind != "singleton":
-        return conclusion
-    first = next(t for t in draft.terms if t.shape == term.shape)
-    return replace(conclusion, term=first.name)

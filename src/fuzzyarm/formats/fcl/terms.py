@@ -114,7 +114,9 @@ def _numbers(cursor: Cursor, findings: Findings) -> list[float] | None:
 
 
 def _moving(word: Word, findings: Findings) -> None:
-    message = f"the corner '{word.text[:40]}' is a variable; a term whose shape moves cannot be carried"
+    message = (
+        f"the corner '{word.text[:40]}' is a variable; a term whose shape moves cannot be carried"
+    )
     findings.error("moving-corner", message, word)
 
 

@@ -1,1 +1,2 @@
-def write_fcl(*a, **k): raise NotImplementedError
+def write_fcl(*a, **k):
+    raise NotImplementedError

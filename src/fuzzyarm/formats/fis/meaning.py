@@ -6,23 +6,26 @@ import math
 import re
 from dataclasses import dataclass, field, replace
 
-from fuzzyarm.formats.draft import Draft
+from fuzzyarm.formats.draft import Draft, same_value
 from fuzzyarm.formats.fis.lines import Section, key_and_value, unquoted
 from fuzzyarm.formats.fll.outputs import MONOTONIC, VALUES, settle_weighted
-from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder
+from fuzzyarm.formats.fuzzylite_rules import POWERS, Norms, RuleBuilder, hedged_weight
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS
-from fuzzyarm.formats.propositions import RuleText
-from fuzzyarm.rulebase.model import Defuzzifier, Rule, RuleBlock, Shape, Term
+from fuzzyarm.formats.propositions import RuleText, hedged
+from fuzzyarm.rulebase.model import Defuzzifier, Hedge, Rule, RuleBlock, Shape, Term
 
 PRODUCERS = ("matlab", "octave", "fuzzylite")
 
 SAMPLINGS = {
     "matlab": (101, "endpoints"),
-    "octave": (101, "trapezoid"),
+    "octave": (101, "endpoints"),
     "fuzzylite": (1000, "midpoints"),
 }
-"""How each program samples an output unless told otherwise."""
+"""How each program samples an output unless told otherwise.
+
+Octave's toolkit has a second method, ``centroid_integral``, by the trapezoid rule.
+"""
 
 INTEGRAL = {
     "centroid": "centroid",
@@ -39,11 +42,14 @@ _KEYS = (
     "impmethod", "aggmethod", "defuzzmethod", "nummfs",
 )  # fmt: skip
 
-_FUZZYLITE_KEYS = re.compile(r"^\s*(lockprevious|lockrange|enabled)\s*=", re.I | re.M)
-_ONLY_OCTAVE = re.compile(
-    r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral", re.I
+_FUZZYLITE_KEYS = re.compile(
+    r"^\s*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
 )
-_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.M)
+_ONLY_OCTAVE = re.compile(
+    r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
+    re.IGNORECASE,
+)
+_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
 
 
 def detect(text: str) -> str:
@@ -110,10 +116,14 @@ def finish_output(draft: Draft, system: System, producer: str, findings: Finding
         if producer == "fuzzylite":
             settle_weighted(draft, WEIGHTED[name], "Automatic", at, findings)
         else:
-            _weighted(draft, WEIGHTED[name], at, findings)
+            _weighted(draft, WEIGHTED[name], producer, at, findings)
     elif name in INTEGRAL:
         resolution, sampling = SAMPLINGS[producer]
+        if name == "centroid_integral":
+            sampling = "trapezoid"
         draft.defuzzifier = Defuzzifier(INTEGRAL[name], resolution, sampling)
+        if producer == "fuzzylite" and _is_nan(draft.no_rule):
+            draft.no_rule = _maximum_of_nothing(draft)
         _values_as_sets(draft, producer, at, findings)
         if not _bounded(draft):
             message = f"the output '{draft.name}' needs a range to be integrated over"
@@ -123,9 +133,9 @@ def finish_output(draft: Draft, system: System, producer: str, findings: Finding
         findings.unknown("unknown-defuzzifier", "the method", word, _DEFUZZIFIERS)
 
 
-def _weighted(draft: Draft, method: str, at: Word, findings: Findings) -> None:
-    # To MATLAB and Octave every rule counts for itself, whatever AggMethod says.
-    draft.aggregation = "sum"
+def _weighted(draft: Draft, method: str, producer: str, at: Word, findings: Findings) -> None:
+    if producer == "matlab":  # every rule counts for itself, whatever AggMethod says
+        draft.aggregation = "sum"
     kinds = {term.shape.kind for term in draft.terms}
     if kinds and kinds <= MONOTONIC:
         draft.defuzzifier = Defuzzifier("tsukamoto")
@@ -134,6 +144,20 @@ def _weighted(draft: Draft, method: str, at: Word, findings: Findings) -> None:
         message = f"'{draft.name}' has sets where a weighted defuzzifier needs values"
         findings.error("set-as-value", message, at)
     draft.defuzzifier = Defuzzifier(method)
+
+
+def _maximum_of_nothing(draft: Draft) -> float:
+    """Return what fuzzylite 7 takes for the maximum of an empty output: all samples are it."""
+    defuzzifier = draft.defuzzifier
+    half_step = 0.5 * (draft.high - draft.low) / (defuzzifier.resolution or 1)
+    match defuzzifier.method:
+        case "mean-of-maximum":
+            return 0.5 * (draft.low + draft.high)
+        case "smallest-of-maximum":
+            return draft.low + half_step
+        case "largest-of-maximum":
+            return draft.high - half_step
+    return math.nan
 
 
 def _values_as_sets(draft: Draft, producer: str, at: Word, findings: Findings) -> None:
@@ -169,31 +193,43 @@ def rules_in_model(
     if producer == "fuzzylite":
         norms = Norms(conjunction, disjunction, implication)
         return RuleBuilder(drafts, findings).block("", norms, texts)
-    rules = [
-        Rule(text.antecedent, text.conclusions, text.weight, text.span) for text in texts
-    ]
-    return RuleBlock(
-        tuple(_value_hedges(rule, drafts, findings) for rule in rules),
-        "",
-        conjunction,
-        disjunction,
-        implication,
-    )
+    rules = [Rule(text.antecedent, text.conclusions, text.weight, text.span) for text in texts]
+    if producer == "octave":
+        rules = [each for rule in rules for each in _octave_rules(rule, drafts, findings)]
+    return RuleBlock(tuple(rules), "", conjunction, disjunction, implication)
 
 
-def _value_hedges(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> Rule:
-    """Leave out hedges on values, which Octave ignores: a hedge needs a set."""
-    plain = []
+def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> list[Rule]:
+    """Express two habits of Octave's toolkit: it aggregates values that are equal, whatever
+    their names, and a hedge on a value takes the root of the firing strength.
+    """
+    plain, hedged_ones = [], []
     for consequent in rule.consequents:
-        draft = drafts[consequent.variable]
-        weighted = draft.defuzzifier.method in ("weighted-average", "weighted-sum", "tsukamoto")
-        if consequent.hedges and weighted:
-            message = f"a hedge on the value '{consequent.term}' does nothing and is left out"
-            findings.warn("dropped-hedge", message, consequent.span)
-            plain.append(replace(consequent, hedges=()))
-        else:
-            plain.append(consequent)
-    return replace(rule, consequents=tuple(plain))
+        weighted = drafts[consequent.variable].defuzzifier.method in WEIGHTED.values()
+        named = same_value(consequent, drafts)
+        (hedged_ones if weighted and named.hedges else plain).append(named)
+    rules = [replace(rule, consequents=tuple(plain))] if plain else []
+    for consequent in hedged_ones:
+        hedges = tuple(map(_root, consequent.hedges))
+        weight = hedged_weight(rule.weight, hedges)
+        if weight is None:
+            message = "a negated value and a weight cannot be carried together"
+            findings.loss("hedged-weight", message, consequent.span)
+            weight = rule.weight
+        antecedent = hedged(hedges, rule.antecedent)
+        bare = (replace(consequent, hedges=()),)
+        rules.append(Rule(antecedent, bare, weight, rule.span))
+    return rules
+
+
+def _root(hedge: Hedge) -> Hedge:
+    """Return the hedge that undoes a power; ``not`` stays."""
+    swapped = {"very": "somewhat", "somewhat": "very"}.get(hedge.name)
+    if swapped:
+        return Hedge(swapped)
+    if hedge.name in POWERS:
+        return Hedge("power", 1.0 / (hedge.exponent or POWERS[hedge.name]))
+    return hedge
 
 
 def _bounded(draft: Draft) -> bool:

@@ -94,7 +94,9 @@ class _Reader:
     def _section(self, section: Section, inputs: int) -> None:
         key = (section.kind, section.number)
         if key in self.seen:
-            message = f"the section [{section.kind.capitalize()}{section.number or ''}] stands twice"
+            message = (
+                f"the section [{section.kind.capitalize()}{section.number or ''}] stands twice"
+            )
             self.findings.error("duplicate-section", message, section.span)
             return
         self.seen[key] = section.span
@@ -232,8 +234,8 @@ class _Reader:
             self.findings.info("rounded-number", message, span)
         message = {
             "fuzzylite": "read with the defaults of fuzzylite: 1000 midpoints, nan where no rule fires",
-            "octave": "read with the defaults of Octave's toolkit: trapezoid rule over 101 points, "
-            "nan where no rule fires",
+            "octave": "read with the defaults of Octave's toolkit: sums over 101 points, nan where no "
+            "rule fires",
             "matlab": "read with the defaults of MATLAB: sums over 101 points, the middle of the "
             "range where no rule fires",
         }[self.producer]

@@ -36,8 +36,23 @@ _ORDER: dict[str, tuple[str, tuple[int, ...]]] = {
     "singletonmf": ("singleton", (0,)),
 }
 MATLAB_SHAPES = frozenset(
-    "trimf trapmf gaussmf gauss2mf gbellmf sigmf dsigmf psigmf zmf smf pimf linsmf linzmf "
-    "constant linear".split()
+    [
+        "trimf",
+        "trapmf",
+        "gaussmf",
+        "gauss2mf",
+        "gbellmf",
+        "sigmf",
+        "dsigmf",
+        "psigmf",
+        "zmf",
+        "smf",
+        "pimf",
+        "linsmf",
+        "linzmf",
+        "constant",
+        "linear",
+    ]
 )
 """What MATLAB reads; Octave's toolkit has these but for linsmf and linzmf."""
 

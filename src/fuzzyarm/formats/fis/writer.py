@@ -1,2 +1,5 @@
 """stub"""
-def write_fis(*a, **k): raise NotImplementedError
+
+
+def write_fis(*a, **k):
+    raise NotImplementedError

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzyarm.formats.draft import Draft
+from fuzzyarm.formats.draft import VALUES, Draft
 from fuzzyarm.formats.fll.lines import Line
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.numerals import number
@@ -21,7 +21,6 @@ DEFAULT_RESOLUTION = 1000
 """Of fuzzylite 7 and 8; version 6 took 100 and always wrote it."""
 
 MAX_RESOLUTION = 10_000_000
-VALUES = frozenset({"singleton", "linear", "formula"})
 MONOTONIC = frozenset({"arc", "concave", "ramp", "sigmoid", "s", "z"})
 
 
@@ -68,9 +67,7 @@ def _check_sets(draft: Draft, at: Word, findings: Findings) -> None:
         findings.loss("value-as-set", message, at)
 
 
-def settle_weighted(
-    draft: Draft, method: str, kind: str, at: Word, findings: Findings
-) -> None:
+def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Findings) -> None:
     """Set a weighted defuzzifier, Takagi-Sugeno or Tsukamoto by `kind` or by the terms."""
     kinds = {term.shape.kind for term in draft.terms}
     if kind == "Automatic":

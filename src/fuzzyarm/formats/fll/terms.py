@@ -87,9 +87,7 @@ def _fuzzy(name: Word, values: list[float], findings: Findings) -> Shape | None:
     return make_shape(kind, values, name, findings, height=height)
 
 
-def linear_shape(
-    values: list[float], inputs: int, at: Word, findings: Findings
-) -> Shape | None:
+def linear_shape(values: list[float], inputs: int, at: Word, findings: Findings) -> Shape | None:
     """Return a linear consequent; a missing constant is 0."""
     if len(values) == inputs:
         values = [*values, 0.0]

@@ -1,0 +1,191 @@
+"""Formats by suffix: read any file that holds a rule base, write any."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.formats.fcl import parse_fcl, write_fcl
+from fuzzyarm.formats.fis import parse_fis, write_fis
+from fuzzyarm.formats.fll import parse_fll, write_fll
+from fuzzyarm.formats.imported import MAX_CHARACTERS, Exported, Findings, Imported
+from fuzzyarm.rulebase.diagnostic import Diagnostic, Span
+from fuzzyarm.rulebase.model import RuleBase
+
+FOREIGN = (".fll", ".fcl", ".fis")
+"""Suffixes of other programs' files."""
+
+SUFFIXES = (".frb", *FOREIGN)
+"""Every suffix that :func:`parse` and :func:`write` know."""
+
+Producer = Literal["fuzzylite", "jfuzzylogic", "matlab", "octave"]
+
+PRODUCERS = {
+    ".fll": ("fuzzylite",),
+    ".fcl": ("jfuzzylogic", "fuzzylite"),
+    ".fis": ("matlab", "octave", "fuzzylite"),
+}
+"""Programs whose meaning a file of that suffix can have."""
+
+
+class FormatError(FuzzyarmError, ValueError):
+    """A suffix or a producer that is not known."""
+
+
+def suffix_of(path: str | os.PathLike[str]) -> str:
+    """Return the suffix of `path` in small letters.
+
+    Raises
+    ------
+    FormatError
+        If no format has it.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in SUFFIXES:
+        known = ", ".join(SUFFIXES)
+        raise FormatError(f"{os.fspath(path)}: a rule base ends in {known}, not '{suffix}'")
+    return suffix
+
+
+def parse(
+    text: str,
+    suffix: str,
+    path: str = "<text>",
+    *,
+    producer: str | None = None,
+    block: str | None = None,
+    lossy: bool = False,
+) -> Imported:
+    """Read `text` as the format of `suffix`; never raises on any text.
+
+    Parameters
+    ----------
+    text : str
+        Any text.
+    suffix : str
+        One of :data:`SUFFIXES`.
+    path : str
+        Name of the file, for the diagnostics.
+    producer : str, optional
+        Whose meaning to take, one of :data:`PRODUCERS` for the suffix; told from the text
+        by default.
+    block : str, optional
+        The function block of an FCL file with several.
+    lossy : bool
+        Whether a loss that changes numbers is a warning rather than an error.
+
+    Raises
+    ------
+    FormatError
+        If `suffix` or `producer` is not known.
+    """
+    if producer is not None and producer not in PRODUCERS.get(suffix, ()):
+        known = ", ".join(PRODUCERS.get(suffix, ())) or "none"
+        raise FormatError(f"no program '{producer}' writes {suffix} files (known: {known})")
+    match suffix:
+        case ".fll":
+            return parse_fll(text, path, lossy=lossy)
+        case ".fcl":
+            return parse_fcl(text, path, dialect=producer, block=block, lossy=lossy)
+        case ".fis":
+            return parse_fis(text, path, producer=producer, lossy=lossy)
+        case ".frb":
+            return _own(text, path)
+    raise FormatError(f"no format has the suffix '{suffix}'")
+
+
+def _own(text: str, path: str) -> Imported:
+    from fuzzyarm.rulebase import parse as parse_rulebase
+
+    parsed = parse_rulebase(text, path)
+    return Imported(parsed.rulebase, parsed.diagnostics, "fuzzyarm")
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    producer: str | None = None,
+    block: str | None = None,
+    lossy: bool = False,
+) -> Imported:
+    """Read the file at `path` by its suffix.
+
+    Parameters
+    ----------
+    path : str or PathLike
+        A ``.frb``, ``.fll``, ``.fcl`` or ``.fis`` file, UTF-8 or else Latin-1.
+    producer, block, lossy
+        As for :func:`parse`.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    FormatError
+        If the suffix or the producer is not known.
+    """
+    suffix = suffix_of(path)
+    name = os.fspath(path)
+    with Path(path).open("rb") as file:
+        data = file.read(4 * MAX_CHARACTERS + 1)
+    text, findings = decoded(data, name)
+    imported = parse(text, suffix, name, producer=producer, block=block, lossy=lossy)
+    diagnostics = tuple(sorted((*findings, *imported.diagnostics), key=lambda d: d.span))
+    return replace(imported, diagnostics=diagnostics)
+
+
+def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
+    """Return the text of UTF-8 bytes, or of Latin-1 with a warning at the first bad byte."""
+    try:
+        return data.decode("utf-8-sig"), ()
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line = before.count(b"\n") + 1
+        column = len(before) - before.rfind(b"\n")
+        findings = Findings(path)
+        byte = data[error.start]
+        message = f"the byte 0x{byte:02x} is no UTF-8; the whole file is read as Latin-1"
+        findings.warn("not-utf-8", message, Span(line, column, line, column + 1))
+        return data.decode("latin-1"), findings.all()
+
+
+def write(
+    rulebase: RuleBase, suffix: str, *, producer: str | None = None, lossy: bool = False
+) -> Exported:
+    """Return `rulebase` in the format of `suffix`.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Any.
+    suffix : str
+        One of :data:`SUFFIXES`.
+    producer : str, optional
+        The program to write for, one of :data:`PRODUCERS` for the suffix; by default the
+        one whose sampling the outputs have.
+    lossy : bool
+        Whether to write even where that program would give other numbers.
+
+    Raises
+    ------
+    FormatError
+        If `suffix` or `producer` is not known.
+    """
+    if producer is not None and producer not in PRODUCERS.get(suffix, ()):
+        known = ", ".join(PRODUCERS.get(suffix, ())) or "none"
+        raise FormatError(f"no program '{producer}' reads {suffix} files (known: {known})")
+    match suffix:
+        case ".fll":
+            return write_fll(rulebase, lossy=lossy)
+        case ".fcl":
+            return write_fcl(rulebase, dialect=producer, lossy=lossy)
+        case ".fis":
+            return write_fis(rulebase, producer=producer, lossy=lossy)
+        case ".frb":
+            from fuzzyarm.rulebase import write as write_rulebase
+
+            return Exported(write_rulebase(rulebase))
+    raise FormatError(f"no format has the suffix '{suffix}'")
