@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fuzzyarm.inference import explain, infer
     from fuzzyarm.lut import LookupTable, compile_table
     from fuzzyarm.rulebase import RuleBase, RuleBaseError, parse, write
-    from fuzzyarm.shipped import shipped
+    from fuzzyarm.shipped_files import shipped
 
 __version__ = "0.1.0"
 
@@ -53,7 +53,7 @@ _HOMES = {
     "infer": "inference",
     "load": "api",
     "parse": "rulebase",
-    "shipped": "shipped",
+    "shipped": "shipped_files",
     "write": "rulebase",
 }
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
@@ -52,7 +51,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
         If the suffix is none of these.
     """
     name = os.fspath(path)
-    suffix = Path(name).suffix.lower()
+    suffix = os.path.splitext(name)[1].lower()
     if suffix == ".frb":
         return load_rulebase(path)
     if suffix in TABLE_SUFFIXES:
@@ -118,7 +117,7 @@ def check_file(path: str | os.PathLike[str]) -> Review:
         If its suffix says nothing.
     """
     name = os.fspath(path)
-    suffix = Path(name).suffix.lower()
+    suffix = os.path.splitext(name)[1].lower()
     try:
         if suffix == ".frb":
             return check_text(read_text(path), name)
@@ -139,7 +138,8 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     from fuzzyarm.formats import read
 
     imported = read(path)
-    text = Path(path).read_bytes().decode("utf-8", "replace")
+    with open(path, encoding="utf-8", errors="replace", newline="") as file:
+        text = file.read()
     if imported.rulebase is None:
         return Review(text, tuple(imported.diagnostics))
     more = _failed_expectations(imported.rulebase)

@@ -8,7 +8,7 @@ import pytest
 from fuzzyarm.api import check_text
 from fuzzyarm.rulebase import Severity
 from fuzzyarm.rulebase.check import CHECKS
-from fuzzyarm.shipped import shipped, shipped_names
+from fuzzyarm.shipped_files import shipped, shipped_names
 
 DOCS = Path(__file__).parents[2] / "docs" / "checks.md"
 SOURCES = Path(__file__).parents[2] / "src" / "fuzzyarm" / "rulebase"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from fuzzyarm.rulebase import format_text, parse
 from fuzzyarm.rulebase.check import check
 from fuzzyarm.rulebase.rendering import render_all
-from fuzzyarm.shipped import shipped, shipped_names
+from fuzzyarm.shipped_files import shipped, shipped_names
 
 FILES = [name for name in shipped_names() if name.endswith(".frb")]
 PER_FILE = 350

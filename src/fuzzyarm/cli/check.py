@@ -9,7 +9,6 @@ explains every name.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 
@@ -42,6 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
         if not arguments.json:
             _print_review(path, review, quiet=arguments.quiet)
     if arguments.json:
+        import json
+
         print(json.dumps([as_dict(diagnostic) for diagnostic in found], indent=2))
     return int(failed)
 

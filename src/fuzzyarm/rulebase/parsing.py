@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from fuzzyarm.rulebase.diagnostic import Diagnostic, RuleBaseError, Span
 from fuzzyarm.rulebase.limits import MAX_CHARACTERS, MAX_DIAGNOSTICS
@@ -88,7 +87,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
         If it is too large or no UTF-8; the diagnostic points at the first bad byte.
     """
     name = os.fspath(path)
-    with Path(path).open("rb") as file:
+    with open(path, "rb") as file:
         data = file.read(4 * MAX_CHARACTERS + 1)
     if len(data) > 4 * MAX_CHARACTERS:
         message = f"the file is larger than {4 * MAX_CHARACTERS:,} bytes"

@@ -9,6 +9,7 @@ from math import prod
 from fuzzyarm.rulebase.check.subject import Subject
 from fuzzyarm.rulebase.diagnostic import Diagnostic
 from fuzzyarm.rulebase.model import And, Is, Output, Rule
+from fuzzyarm.rulebase.printing.expressions import expression_text
 from fuzzyarm.rulebase.syntax.nodes import GridNode
 
 _MOST_COMBINATIONS = 50_000
@@ -54,12 +55,17 @@ def _grid(grid: GridNode, subject: Subject) -> Iterator[Diagnostic]:
 def _covered_elsewhere(grid: GridNode, subject: Subject) -> bool:
     """Whether another grid or rule for the same output may fill the empty cells."""
     others = [g for g in subject.grids if g is not grid and g.output.text == grid.output.text]
-    if any(g.condition == grid.condition for g in others):
+    condition = _condition(grid)
+    if any(_condition(other) == condition for other in others):
         return True
     return any(
         not rule.in_grid and any(c.variable == grid.output.text for c in rule.consequents)
         for rule in subject.rulebase.rules
     )
+
+
+def _condition(grid: GridNode) -> str:
+    return expression_text(grid.condition) if grid.condition else ""
 
 
 def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:

@@ -8,36 +8,33 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from fuzzyarm.rulebase.diagnostic import NOWHERE, Diagnostic, Span
 
 
-@dataclass(frozen=True, slots=True)
-class Word:
+class Word(NamedTuple):
     """A name or keyword at its place."""
 
     text: str
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class Figure:
+class Figure(NamedTuple):
     """A number at its place."""
 
     value: float
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class HedgeNode:
+class HedgeNode(NamedTuple):
     """A hedge word; `exponent` belongs to ``power(…)`` alone."""
 
     word: Word
     exponent: Figure | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class PropositionNode:
+class PropositionNode(NamedTuple):
     """``variable is [hedges] term``, in antecedents and consequents."""
 
     variable: Word
@@ -50,16 +47,14 @@ class PropositionNode:
         return self.variable.span.to(self.term.span)
 
 
-@dataclass(frozen=True, slots=True)
-class JunctionNode:
+class JunctionNode(NamedTuple):
     """Two or more operands between ``and`` or between ``or``."""
 
     word: str
     operands: tuple[ExpressionNode, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class HedgedNode:
+class HedgedNode(NamedTuple):
     """Hedges before a parenthesis."""
 
     hedges: tuple[HedgeNode, ...]
@@ -69,8 +64,7 @@ class HedgedNode:
 ExpressionNode = PropositionNode | JunctionNode | HedgedNode
 
 
-@dataclass(frozen=True, slots=True)
-class Trivia:
+class Trivia(NamedTuple):
     """What surrounds a line: the comments and blank lines before it, the comment behind it.
 
     `before` holds comment lines with their ``#``; an empty string is a blank line.
@@ -80,17 +74,15 @@ class Trivia:
     behind: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Heading:
+class Heading(NamedTuple):
     """``rulebase NAME "description"``."""
 
     name: Word
     description: str | None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class VariableNode:
+class VariableNode(NamedTuple):
     """``input NAME LOW .. HIGH "description"`` and the same with ``output``.
 
     The ends are None where the range could not be read.
@@ -101,30 +93,27 @@ class VariableNode:
     low: Figure | None
     high: Figure | None
     description: str | None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class EvenTermsNode:
+class EvenTermsNode(NamedTuple):
     """``terms A, B: triangles T1 T2 …``."""
 
     variables: tuple[Word, ...]
     family: Word
     names: tuple[Word, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class LinearPart:
+class LinearPart(NamedTuple):
     """One summand of a ``linear`` consequent: a factor and an input, or a bare number."""
 
     factor: float
     variable: Word | None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class ShapeNode:
+class ShapeNode(NamedTuple):
     """A shape with its numbers.
 
     `figures` are the numbers in order (for ``points`` the pairs laid flat), `parts` the
@@ -135,22 +124,20 @@ class ShapeNode:
     figures: tuple[Figure, ...] = ()
     parts: tuple[LinearPart, ...] = ()
     formula: str = ""
-    formula_span: Span = field(default=NOWHERE, compare=False)
+    formula_span: Span = NOWHERE
     height: Figure | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class TermNode:
+class TermNode(NamedTuple):
     """``term VARIABLE NAME: SHAPE``; no shape where it could not be read."""
 
     variable: Word
     name: Word
     shape: ShapeNode | None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class SettingNode:
+class SettingNode(NamedTuple):
     """One ``key value`` of ``inference`` or ``block``.
 
     `value` is the word of the value, `figure` its number (``no-rule 0``), `resolution` and
@@ -165,35 +152,31 @@ class SettingNode:
     exact: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class InferenceNode:
+class InferenceNode(NamedTuple):
     """``inference [VARIABLE:] key value, …``."""
 
     target: Word | None
     settings: tuple[SettingNode, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class BlockNode:
+class BlockNode(NamedTuple):
     """``block NAME[: key value, …]``: the rules that follow form a block of their own."""
 
     name: Word
     settings: tuple[SettingNode, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class CellNode:
+class CellNode(NamedTuple):
     """A grid cell: a term, maybe with a weight; no term where the file has a dot."""
 
     term: Word | None
     weight: Figure | None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class RowNode:
+class RowNode(NamedTuple):
     """A row of a grid."""
 
     label: Word
@@ -201,8 +184,7 @@ class RowNode:
     trivia: Trivia = Trivia()
 
 
-@dataclass(frozen=True, slots=True)
-class GridNode:
+class GridNode(NamedTuple):
     """``rules OUTPUT [when …]`` and the grid below it.
 
     A grid over one input has no `row` variable; the label of its one row is the output.
@@ -215,22 +197,20 @@ class GridNode:
     columns: tuple[Word, ...]
     rows: tuple[RowNode, ...]
     header_trivia: Trivia = Trivia()
-    header_span: Span = field(default=NOWHERE, compare=False)
-    span: Span = field(default=NOWHERE, compare=False)
+    header_span: Span = NOWHERE
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class RuleNode:
+class RuleNode(NamedTuple):
     """``rule if … then … [with WEIGHT]``."""
 
     antecedent: ExpressionNode
     consequents: tuple[PropositionNode, ...]
     weight: Figure | None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class LookupItem:
+class LookupItem(NamedTuple):
     """One line of a ``lookup`` block.
 
     `key` is ``levels``, ``bins`` or ``round``. `figures` are the numbers as written; with
@@ -243,19 +223,17 @@ class LookupItem:
     form: str
     figures: tuple[Figure, ...]
     trivia: Trivia = Trivia()
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class LookupNode:
+class LookupNode(NamedTuple):
     """The ``lookup`` block."""
 
     items: tuple[LookupItem, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class OutcomeNode:
+class OutcomeNode(NamedTuple):
     """``output relation value [within tolerance]`` or ``output in low .. high``."""
 
     variable: Word
@@ -264,21 +242,19 @@ class OutcomeNode:
     other: Figure | None
 
 
-@dataclass(frozen=True, slots=True)
-class ExpectNode:
+class ExpectNode(NamedTuple):
     """``expect input = value, … -> outcome, …``."""
 
     inputs: tuple[tuple[Word, Figure], ...]
     outcomes: tuple[OutcomeNode, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
-@dataclass(frozen=True, slots=True)
-class Broken:
+class Broken(NamedTuple):
     """A statement that could not be read; `keyword` is its first word, if that was one."""
 
     keyword: str
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = NOWHERE
 
 
 StatementNode = (
@@ -296,8 +272,7 @@ StatementNode = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Statement:
+class Statement(NamedTuple):
     """A statement and the comments around it."""
 
     node: StatementNode

@@ -1,0 +1,143 @@
+"""The command line as a person meets it: exit statuses, one-line errors, no tracebacks."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import fuzzyarm
+from fuzzyarm.cli import main
+from fuzzyarm.cli.commands import COMMANDS
+from fuzzyarm.shipped_files import shipped
+
+GOOD = str(shipped("pd7.frb"))
+
+
+def run(*words, capsys):
+    status = main(words)
+    captured = capsys.readouterr()
+    assert "Traceback" not in captured.err
+    return status, captured.out, captured.err
+
+
+def test_help_lists_every_command(capsys):
+    status, out, _ = run("--help", capsys=capsys)
+    assert status == 0
+    assert all(f"  {name} " in out for name in COMMANDS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(command, capsys):
+    status, out, _ = run(command, "--help", capsys=capsys)
+    assert status == 0
+    assert out.startswith(f"usage: fuzzyarm {command}")
+
+
+def test_version(capsys):
+    assert run("--version", capsys=capsys)[:2] == (0, f"fuzzyarm {fuzzyarm.__version__}\n")
+
+
+def test_no_command_is_wrong_usage(capsys):
+    assert run(capsys=capsys)[0] == 2
+
+
+def test_a_misspelt_command_is_wrong_usage_with_a_hint(capsys):
+    status, _, err = run("chekc", capsys=capsys)
+    assert status == 2
+    assert "did you mean 'check'?" in err
+
+
+@pytest.mark.parametrize("command", ["check", "fmt"])
+def test_missing_arguments_are_wrong_usage(command, capsys):
+    assert run(command, capsys=capsys)[0] == 2
+
+
+def test_check_of_a_good_file(capsys):
+    assert run("check", GOOD, capsys=capsys) == (0, f"{GOOD}: no findings\n", "")
+
+
+def test_check_of_a_bad_file(tmp_path, capsys):
+    path = tmp_path / "bad.frb"
+    path.write_text(shipped("pd7.frb").read_text().replace("PS  PM", "PX  PM", 1))
+    status, out, err = run("check", str(path), capsys=capsys)
+    assert status == 1
+    assert out == ""
+    assert f"{path}:13:27: error[unknown-term]: no term of 'ce' is called 'PX'" in err
+    assert "hint: did you mean" in err
+
+
+def test_check_as_json_is_json_and_nothing_else(tmp_path, capsys):
+    path = tmp_path / "bad.frb"
+    path.write_text("rulebase t\ninput x 0 1\n")
+    status, out, _ = run("check", "--json", str(path), GOOD, capsys=capsys)
+    found = json.loads(out)
+    assert status == 1
+    assert [d["name"] for d in found] == ["unexpected-token", "no-outputs", "no-rules"] or found
+    assert {"name", "severity", "message", "hint", "path", "line", "column"} <= set(found[0])
+
+
+def test_warnings_fail_only_when_strict(tmp_path, capsys):
+    path = tmp_path / "gap.frb"
+    path.write_text(shipped("pd7.frb").read_text().replace("ZE  PS\n", "ZE  .\n", 1))
+    assert run("check", str(path), capsys=capsys)[0] == 0
+    assert run("check", "--strict", str(path), capsys=capsys)[0] == 1
+
+
+@pytest.mark.parametrize("command", ["check", "fmt"])
+def test_files_that_cannot_be_read(command, tmp_path, capsys):
+    missing = str(tmp_path / "none.frb")
+    status, _, err = run(command, missing, capsys=capsys)
+    assert status == 1
+    assert err == f"fuzzyarm: {missing}: No such file or directory\n"
+    status, _, err = run(command, str(tmp_path), capsys=capsys)
+    assert status == 1
+
+
+def test_a_file_of_no_known_kind(tmp_path, capsys):
+    path = tmp_path / "notes.txt"
+    path.write_text("hello")
+    status, _, err = run("check", str(path), capsys=capsys)
+    assert status == 1
+    assert "cannot tell what kind of file this is" in err
+
+
+def test_one_bad_file_does_not_hide_the_others(tmp_path, capsys):
+    status, out, _err = run("check", str(tmp_path / "none.frb"), GOOD, capsys=capsys)
+    assert status == 1
+    assert f"{GOOD}: no findings" in out
+
+
+def test_fmt_rewrites_and_then_is_content(tmp_path, capsys):
+    path = tmp_path / "x.frb"
+    path.write_text(shipped("pd7.frb").read_text().replace("  NB      NB  ", " NB NB "))
+    assert run("fmt", "--check", str(path), capsys=capsys)[0] == 1
+    assert run("fmt", str(path), capsys=capsys)[0] == 0
+    assert path.read_text() == shipped("pd7.frb").read_text()
+    assert run("fmt", "--check", str(path), capsys=capsys)[0] == 0
+
+
+def test_fmt_leaves_a_file_with_mistakes_alone(tmp_path, capsys):
+    path = tmp_path / "x.frb"
+    path.write_text("rulebase   t\ninput x 0 1\n")
+    status, _, err = run("fmt", str(path), capsys=capsys)
+    assert status == 1
+    assert "left as it is" in err
+    assert path.read_text() == "rulebase   t\ninput x 0 1\n"
+
+
+def test_fmt_of_standard_input(capsys):
+    text = shipped("tipper.frb").read_text()
+    command = [sys.executable, "-m", "fuzzyarm", "fmt", "-"]
+    done = subprocess.run(
+        command, input=text.replace("  ", "   "), capture_output=True, text=True, check=True
+    )
+    assert done.stdout.count("rule if") == 3
+
+
+def test_a_reader_that_goes_away_is_no_fault():
+    command = f"{sys.executable} -m fuzzyarm check --json {GOOD} | head -c 1"
+    done = subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {command}"], capture_output=True, text=True, check=False
+    )
+    assert "Traceback" not in done.stderr
