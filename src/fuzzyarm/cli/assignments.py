@@ -13,7 +13,9 @@ class WordError(FuzzyarmError, ValueError):
     """A word on the command line that says nothing sensible."""
 
 
-def read_assignments(words: Iterable[str], names: Iterable[str]) -> dict[str, float]:
+def read_assignments(
+    words: Iterable[str], names: Iterable[str], *, what: str = "input"
+) -> dict[str, float]:
     """Return the values in words like ``e=1.3`` or ``e=1.3,ce=-2``.
 
     Parameters
@@ -22,6 +24,8 @@ def read_assignments(words: Iterable[str], names: Iterable[str]) -> dict[str, fl
         From the command line.
     names : iterable of str
         The names that may be given a value.
+    what : str
+        What the names are, for the message.
 
     Raises
     ------
@@ -34,7 +38,7 @@ def read_assignments(words: Iterable[str], names: Iterable[str]) -> dict[str, fl
         if name not in known:
             hint, _ = near_hint(name, known)
             listed = ", ".join(known) or "none"
-            raise WordError(f"there is no input '{name}'", hint=hint or f"there are: {listed}")
+            raise WordError(f"there is no {what} '{name}'", hint=hint or f"there are: {listed}")
         if name in values:
             raise WordError(f"'{name}' is given twice")
         values[name] = read_number(text, name)

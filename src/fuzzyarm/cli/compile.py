@@ -136,4 +136,4 @@ def _progress() -> Iterator[Callable[[str], None] | None]:
     from rich.console import Console
 
     with Console(stderr=True).status("compiling") as status:
-        yield lambda words: status.update(words)
+        yield status.update

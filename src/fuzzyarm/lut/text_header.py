@@ -180,6 +180,7 @@ def _read_numbers(
 
 
 def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
+    """Read ``low .. high step s``, ``low .. high count n``, or numbers, maybe ``mirrored``."""
     start = cursor.span
     first = cursor.figure(f"the {word} as numbers")
     if cursor.accept(".."):

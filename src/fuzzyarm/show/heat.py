@@ -46,8 +46,9 @@ class HeatGrid:
             if k:
                 yield _line([])
             span = range(start, stop)
-            yield _line([(_padded(self.corner, left), "bold")]
-                        + [(_boxed(self.columns[j], widths[j], gap), "bold") for j in span])  # fmt: skip
+            parts = [(_padded(self.corner, left), "bold")]
+            parts += [(_boxed(self.columns[j], widths[j], gap), "bold") for j in span]
+            yield _line(parts)
             for label, row in zip(self.rows, self.cells, strict=True):
                 parts = [(_padded(label, left), "bold")]
                 parts += [(_boxed(row[j][0], widths[j], gap), row[j][1]) for j in span]

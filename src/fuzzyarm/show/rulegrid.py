@@ -67,8 +67,8 @@ def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
 def _worth_drawing(
     grids: list[RuleGrid], others: list[Rule], block: RuleBlock
 ) -> tuple[list[RuleGrid], list[Rule]]:
-    """Give up grids with fewer than four cells; rules shown in no grid go to the others."""
-    kept = [grid for grid in grids if len(grid.cells) >= 4 or not grid.row]
+    """Give up grids with very few cells; rules shown in no grid go to the others."""
+    kept = [grid for grid in grids if len(grid.cells) >= (4 if grid.row else 3)]
     shown = {id(rule) for grid in kept for cell in grid.cells.values() for rule, _ in cell}
     loose = {id(rule) for rule in others}
     listed = [rule for rule in block.rules if id(rule) in loose or id(rule) not in shown]

@@ -10,9 +10,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-DIVERGING_MAP = "RdBu_r"
-SEQUENTIAL_MAP = "viridis"
-
 _DIVERGING = ((33, 102, 172), (146, 197, 222), (247, 247, 247), (244, 165, 130), (178, 24, 43))
 _SEQUENTIAL = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
 
@@ -41,7 +38,7 @@ class Scale:
 
     def colour(self, value: float) -> tuple[int, int, int]:
         """Return red, green and blue, 0 to 255."""
-        stops = _DIVERGING if self.diverging else _SEQUENTIAL
+        stops = self.stops
         place = self.share(value) * (len(stops) - 1)
         i = min(int(place), len(stops) - 2)
         part = place - i
@@ -61,9 +58,9 @@ class Scale:
         return f"{self.ink(value)} on #{red:02x}{green:02x}{blue:02x}"
 
     @property
-    def colour_map(self) -> str:
-        """The name of the matplotlib colour map with the same colours."""
-        return DIVERGING_MAP if self.diverging else SEQUENTIAL_MAP
+    def stops(self) -> tuple[tuple[int, int, int], ...]:
+        """The colours at even distances from `low` to `high`."""
+        return _DIVERGING if self.diverging else _SEQUENTIAL
 
 
 def scale_of(values: Iterable[float], low: float | None = None, high: float | None = None) -> Scale:

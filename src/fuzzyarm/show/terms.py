@@ -11,13 +11,13 @@ from fuzzyarm.rulebase.geometry import corner_points
 from fuzzyarm.rulebase.membership import membership
 from fuzzyarm.rulebase.model import RuleBase, Shape, Variable
 from fuzzyarm.rulebase.shapes import SHAPES
+from fuzzyarm.show.curves import block
 from fuzzyarm.show.words import name_words, number_words, shape_words
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions
     from rich.text import Text
 
-_BLOCKS = " ▁▂▃▄▅▆▇█"
 _WIDEST = 61
 
 
@@ -44,13 +44,12 @@ class TermPlots:
 
         yield Text(variable_words(self.variable), style="bold")
         names = [name_words(term.name) for term in self.variable.terms]
-        words = [shape_words(term.shape, self.rulebase) for term in self.variable.terms]
+        words = [shape_words(term.shape, self.rulebase, digits=5) for term in self.variable.terms]
         if not names:
             return
         left = max(map(len, names))
-        room = (
-            options.max_width - left - 5 - max((len(w) for w in words if len(w) <= 30), default=0)
-        )
+        behind = max((len(text) for text in words if len(text) <= 30), default=0)
+        room = options.max_width - left - 5 - behind - (7 if self.at is not None else 0)
         width = max(15, min(_WIDEST, room))
         width -= 1 - width % 2  # an odd number has a middle
         low, high = visible_range(self.variable)
@@ -89,7 +88,7 @@ def visible_range(variable: Variable) -> tuple[float, float]:
 def blocks(shape: Shape, points: list[float]) -> str:
     """Return the membership at `points` in blocks of eight heights.
 
-    Any membership above zero shows; a peak between two points shows on the nearer one.
+    A peak between two points shows on the nearer one.
     """
     degrees = [membership(shape, x) for x in points]
     if len(points) > 1:
@@ -98,11 +97,7 @@ def blocks(shape: Shape, points: list[float]) -> str:
             i = round((x - points[0]) / step)
             if 0 <= i < len(points) and points[0] <= x <= points[-1]:
                 degrees[i] = max(degrees[i], membership(shape, x))
-    return "".join(_BLOCKS[_height(degree)] for degree in degrees)
-
-
-def _height(degree: float) -> int:
-    return 0 if degree <= 0.0 else max(1, min(8, round(8 * degree)))
+    return "".join(block(degree) for degree in degrees)
 
 
 def ruler(low: float, high: float, width: int) -> str:

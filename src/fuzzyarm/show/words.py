@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from fuzzyarm.rulebase.model import Expression, Hedge, Hedged, Is, Or, Rule, RuleBase, Shape
 from fuzzyarm.rulebase.printing.words import name_text, number_text
 
@@ -60,13 +62,16 @@ def consequent_words(rule: Rule, term: str) -> str:
     return term if rule.weight == 1.0 else f"{term}*{number_text(rule.weight)}"
 
 
-def shape_words(shape: Shape, rulebase: RuleBase | None = None) -> str:
-    """Return a shape with its numbers."""
+def shape_words(
+    shape: Shape, rulebase: RuleBase | None = None, *, digits: int | None = None
+) -> str:
+    """Return a shape with its numbers, in full or to a few `digits` for reading."""
     if shape.kind == "formula":
         return f"formula {shape.formula}"
     if shape.kind == "linear":
         return _linear_words(shape, rulebase)
-    numbers = " ".join(number_text(x) for x in shape.parameters)
+    spell = number_text if digits is None else partial(number_words, digits=digits)
+    numbers = " ".join(spell(x) for x in shape.parameters)
     height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
     return f"{shape.kind} {numbers}{height}"
 

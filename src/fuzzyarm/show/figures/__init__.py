@@ -1,0 +1,23 @@
+"""Figures with matplotlib: memberships, control surfaces, tables, one inference.
+
+Each function returns a :class:`matplotlib.figure.Figure` that belongs to nobody (no global
+state, no window); :func:`save_figure` writes it.
+"""
+
+from __future__ import annotations
+
+from fuzzyarm.show.figures.inference import inference_figure
+from fuzzyarm.show.figures.memberships import memberships_figure
+from fuzzyarm.show.figures.overview import rulebase_figure
+from fuzzyarm.show.figures.save import FigureFileError, save_figure
+from fuzzyarm.show.figures.surface import surface_figure, table_figure
+
+__all__ = [
+    "FigureFileError",
+    "inference_figure",
+    "memberships_figure",
+    "rulebase_figure",
+    "save_figure",
+    "surface_figure",
+    "table_figure",
+]

@@ -1,0 +1,61 @@
+"""The look that all figures share. Colours by Okabe and Ito, safe for colour-blind eyes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.show.scale import Scale
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7A6A00", "#333333")
+DASHES = ("-", "--", "-.")
+MARK = "#111111"
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of the given size in inches."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04, hspace=0.05)  # type: ignore[union-attr, call-arg]
+    return figure
+
+
+def line_style(index: int) -> dict[str, Any]:
+    """Return colour and dashes of the line number `index`: no two alike among 24."""
+    dash = DASHES[(index // len(COLOURS)) % len(DASHES)]
+    return {"color": COLOURS[index % len(COLOURS)], "linestyle": dash}
+
+
+def colour_map(scale: Scale) -> Any:
+    """Return the matplotlib colour map with the colours that the terminal has."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    stops = [tuple(part / 255 for part in stop) for stop in scale.stops]
+    return LinearSegmentedColormap.from_list("fuzzyarm", stops)
+
+
+def tidy(axes: Axes) -> None:
+    """Take away what is no information."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.tick_params(labelsize=8)
+    axes.grid(visible=True, color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def safe(text: str) -> str:
+    """Return `text` with dollar signs that matplotlib does not take for mathematics."""
+    return text.replace("$", r"\$")
+
+
+def axis_label(name: str, description: str) -> str:
+    """Return ``name: description`` for an axis, broken where it is long."""
+    import textwrap
+
+    label = f"{name}: {description}" if description else name
+    return safe("\n".join(textwrap.wrap(label, 42)))
