@@ -9,6 +9,7 @@ from fuzzyarm.rulebase.diagnostic import Diagnostic, RuleBaseError, Span
 from fuzzyarm.rulebase.limits import MAX_CHARACTERS, MAX_DIAGNOSTICS
 from fuzzyarm.rulebase.meaning.elaborate import elaborate
 from fuzzyarm.rulebase.model import RuleBase
+from fuzzyarm.rulebase.syntax.memory import ParseMemory
 from fuzzyarm.rulebase.syntax.nodes import Document
 from fuzzyarm.rulebase.syntax.parser import parse_document
 
@@ -37,7 +38,7 @@ class Parsed:
         return None if any(d.is_error for d in self.diagnostics) else self.partial
 
 
-def parse(text: str, path: str = "<text>") -> Parsed:
+def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) -> Parsed:
     """Read `text` as a rule base; never raises.
 
     Parameters
@@ -46,13 +47,15 @@ def parse(text: str, path: str = "<text>") -> Parsed:
         Any text at all.
     path : str
         Name of the file, for the diagnostics.
+    memory : ParseMemory, optional
+        What is known of an earlier version of the text; makes reading quicker.
 
     Returns
     -------
     Parsed
         The rule base where there is no error, and every mistake in order.
     """
-    document = parse_document(text)
+    document = parse_document(text, memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
     partial, findings = elaborate(document)
     found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]

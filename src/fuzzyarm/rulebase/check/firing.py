@@ -58,6 +58,8 @@ def silent_point(rulebase: RuleBase, output: Output) -> dict[str, float] | None:
     grids = _thinned([_active_terms(variable) for variable in variables])
     index = _plain_index([(b, r) for b, r in rules if _is_plain(b, r)])
     others = [(b, r) for b, r in rules if not _is_plain(b, r)]
+    if not others and _fires_everywhere(index, [v.name for v in variables], grids):
+        return None
     for cell in product(*grids):
         active = {v.name: terms for v, (_, terms) in zip(variables, cell, strict=True)}
         if _plain_fires(index, active) or _other_fires(others, active):
@@ -114,6 +116,24 @@ def _plain_fires(index: _Index, active: dict[str, dict[str, float]]) -> bool:
         any(terms in wanted for terms in product(*(active[name] for name in names)))
         for names, wanted in index.items()
     )
+
+
+def _fires_everywhere(index: _Index, names: list[str], grids: list[list[_Active]]) -> bool:
+    """Whether plain rules fire at every point: to ask where the fewest terms hold is enough."""
+    fewest = [[(0.0, dict.fromkeys(terms, 1.0)) for terms in _smallest(grid)] for grid in grids]
+    return all(
+        _plain_fires(index, {n: terms for n, (_, terms) in zip(names, cell, strict=True)})
+        for cell in product(*fewest)
+    )
+
+
+def _smallest(grid: list[_Active]) -> list[frozenset[str]]:
+    """Return the sets of terms in `grid` of which no other one is a part."""
+    smallest: list[frozenset[str]] = []
+    for terms in sorted({frozenset(terms) for _, terms in grid}, key=len):
+        if not any(known <= terms for known in smallest):
+            smallest.append(terms)
+    return smallest
 
 
 def _other_fires(rules: list[tuple[RuleBlock, Rule]], active: dict[str, dict[str, float]]) -> bool:

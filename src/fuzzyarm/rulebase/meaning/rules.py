@@ -15,6 +15,7 @@ from fuzzyarm.rulebase.model import (
     Or,
     Rule,
 )
+from fuzzyarm.rulebase.printing.words import name_text
 from fuzzyarm.rulebase.shapes import SHAPES
 from fuzzyarm.rulebase.syntax.nodes import (
     ExpressionNode,
@@ -76,7 +77,7 @@ def _judge_single_row(node: GridNode, scope: Scope) -> None:
                 f" '{node.output.text}'",
                 line.label.span,
                 hint="a grid over two inputs has a header like  e \\ ce  NB ZE PB",
-                replacement=node.output.text if len(node.rows) == 1 else None,
+                replacement=name_text(node.output.text) if len(node.rows) == 1 else None,
             )
 
 

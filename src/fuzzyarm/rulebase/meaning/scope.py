@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from fuzzyarm.rulebase.diagnostic import Diagnostic, Related, Severity, Span
 from fuzzyarm.rulebase.model import Defuzzifier, Term
 from fuzzyarm.rulebase.near import near_hint
+from fuzzyarm.rulebase.printing.words import name_text
 from fuzzyarm.rulebase.syntax.nodes import VariableNode, Word
 
 
@@ -98,5 +99,5 @@ class Scope:
             hint = f"there are {shown}"
         self.report(
             name, f"no {what} is called '{word.text}'", word.span, hint=hint,
-            replacement=replacement,
+            replacement=None if replacement is None else name_text(replacement),
         )  # fmt: skip

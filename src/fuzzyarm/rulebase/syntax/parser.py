@@ -6,24 +6,27 @@ from fuzzyarm.rulebase.diagnostic import Diagnostic, Span
 from fuzzyarm.rulebase.limits import MAX_CHARACTERS, MAX_LINE
 from fuzzyarm.rulebase.syntax.cursor import Cursor, Fault
 from fuzzyarm.rulebase.syntax.lines import Group, allowances, group_lines
-from fuzzyarm.rulebase.syntax.nodes import Broken, Document, Statement, Trivia
+from fuzzyarm.rulebase.syntax.memory import ParseMemory
+from fuzzyarm.rulebase.syntax.nodes import Broken, Document, Statement, StatementNode, Trivia
 from fuzzyarm.rulebase.syntax.statements import read_statement
-from fuzzyarm.rulebase.syntax.tokens import split_lines, tokenize
+from fuzzyarm.rulebase.syntax.tokens import split_lines
 
 
-def parse_document(text: str) -> Document:
+def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
     """Return the syntax tree of `text` with every lexical and syntactic mistake.
 
     A statement that cannot be read is kept as :class:`Broken`, and reading goes on with
-    the next one.
+    the next one. With a `memory`, what has not changed since the last text is not read again.
     """
     too_large = _size_fault(text)
     if too_large is not None:
         return Document((), diagnostics=(too_large,))
     diagnostics: list[Diagnostic] = []
-    lines = tokenize(text, diagnostics)
+    memory = memory or ParseMemory()
+    lines = memory.tokenize(text, diagnostics)
     groups, ending = group_lines(lines, diagnostics)
-    statements = tuple(_read_group(group, diagnostics) for group in groups)
+    statements = tuple(_read_group(group, diagnostics, memory) for group in groups)
+    memory.finish()
     return Document(statements, ending, allowances(lines), _first_at_each_place(diagnostics))
 
 
@@ -35,16 +38,27 @@ def _first_at_each_place(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...
     return tuple(sorted(first.values(), key=lambda diagnostic: diagnostic.span))
 
 
-def _read_group(group: Group, diagnostics: list[Diagnostic]) -> Statement:
+def _read_group(group: Group, diagnostics: list[Diagnostic], memory: ParseMemory) -> Statement:
     trivia = Trivia(group.before, group.behind)
+    known = memory.recall(group)
+    if known is None:
+        found: list[Diagnostic] = []
+        node = _read_node(group, found)
+        memory.keep(group, node, found)
+        known = node, tuple(found)
+    diagnostics += known[1]
+    return Statement(known[0], trivia)
+
+
+def _read_node(group: Group, diagnostics: list[Diagnostic]) -> StatementNode:
     # A token that the lexer has already complained of needs no second complaint.
     if any(token.kind == "bad" for token in group.tokens):
-        return Statement(Broken(group.keyword, Cursor(group.tokens).whole), trivia)
+        return Broken(group.keyword, Cursor(group.tokens).whole)
     try:
-        return Statement(read_statement(group, diagnostics), trivia)
+        return read_statement(group, diagnostics)
     except Fault as fault:
         diagnostics.append(fault.diagnostic)
-        return Statement(Broken(group.keyword, Cursor(group.tokens).whole), trivia)
+        return Broken(group.keyword, Cursor(group.tokens).whole)
 
 
 def _size_fault(text: str) -> Diagnostic | None:

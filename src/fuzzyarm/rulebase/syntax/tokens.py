@@ -86,12 +86,13 @@ def split_lines(text: str) -> list[str]:
 def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[Line]:
     """Return the lines of `text` as tokens; what is no token goes to `diagnostics`."""
     return [
-        _tokenize_line(number, line, diagnostics)
+        tokenize_line(number, line, diagnostics)
         for number, line in enumerate(split_lines(text), start=1)
     ]
 
 
-def _tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line:
+def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line:
+    """Return one line as tokens; `number` is its place from 1."""
     tokens: list[Token] = []
     comment = ""
     for match in _TOKEN.finditer(text):

@@ -1,0 +1,57 @@
+"""What the last reading of a text found, so that the next one costs only what has changed.
+
+An editor reads the same file again after every key stroke. Lines and statements that stand
+where they stood are taken over; the result is the same with a memory and without.
+"""
+
+from __future__ import annotations
+
+from fuzzyarm.rulebase.diagnostic import Diagnostic
+from fuzzyarm.rulebase.syntax.lines import Group
+from fuzzyarm.rulebase.syntax.nodes import StatementNode
+from fuzzyarm.rulebase.syntax.tokens import Line, split_lines, tokenize_line
+
+Found = tuple[Diagnostic, ...]
+
+
+class ParseMemory:
+    """The lines and statements of one text as they were read last."""
+
+    def __init__(self) -> None:
+        self._lines: list[tuple[str, Line, Found]] = []
+        self._statements: dict[int, tuple[Group, StatementNode, Found]] = {}
+        self._fresh: dict[int, tuple[Group, StatementNode, Found]] = {}
+
+    @property
+    def lines(self) -> list[Line]:
+        """The lines of the last text as tokens."""
+        return [line for _, line, _ in self._lines]
+
+    def tokenize(self, text: str, diagnostics: list[Diagnostic]) -> list[Line]:
+        """Return what :func:`fuzzyarm.rulebase.syntax.tokens.tokenize` returns."""
+        before = self._lines
+        self._lines = []
+        for index, line in enumerate(split_lines(text)):
+            entry = before[index] if index < len(before) else None
+            if entry is None or entry[0] != line:
+                found: list[Diagnostic] = []
+                entry = (line, tokenize_line(index + 1, line, found), tuple(found))
+            diagnostics += entry[2]
+            self._lines.append(entry)
+        return self.lines
+
+    def recall(self, group: Group) -> tuple[StatementNode, Found] | None:
+        """Return the statement of `group` and its diagnostics if it was read here before."""
+        known = self._statements.get(group.tokens[0].line)
+        if known is None or known[0].tokens != group.tokens or known[0].lines != group.lines:
+            return None
+        self._fresh[group.tokens[0].line] = known
+        return known[1], known[2]
+
+    def keep(self, group: Group, node: StatementNode, found: list[Diagnostic]) -> None:
+        """Remember the statement that `group` was read as."""
+        self._fresh[group.tokens[0].line] = (group, node, tuple(found))
+
+    def finish(self) -> None:
+        """Forget what the text that has just been read does not have."""
+        self._statements, self._fresh = self._fresh, {}
