@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.rulebase import Diagnostic, RuleBase, RuleBaseError, load_rulebase, parse, read_text
+from fuzzyarm.rulebase import (
+    Diagnostic,
+    Parsed,
+    RuleBase,
+    RuleBaseError,
+    load_rulebase,
+    parse,
+    read_text,
+)
 from fuzzyarm.rulebase.check import check as check_rulebase
 
 if TYPE_CHECKING:
@@ -97,7 +105,11 @@ def check_text(text: str, path: str = "<text>") -> Review:
 
     Never raises, whatever the text.
     """
-    parsed = parse(text, path)
+    return check_parsed(parse(text, path), text, path)
+
+
+def check_parsed(parsed: Parsed, text: str, path: str = "<text>") -> Review:
+    """Check a text that has been parsed already; as :func:`check_text`."""
     if parsed.rulebase is None:
         return Review(text, parsed.diagnostics)
     more = _failed_expectations(parsed.rulebase)
