@@ -86,6 +86,8 @@ def _clone(
     root: bool = False,
 ) -> Any:
     """Copy a kernel and those it calls, each over globals that name the copies."""
+    if not hasattr(function, _MARK):
+        return function  # a callable of the user's, bound to a name of an interpreted kernel
     if function in done:
         return done[function]
     plain = cast(FunctionType, function)
@@ -105,8 +107,6 @@ def _clone(
 def _called(
     function: FunctionType, bindings: Mapping[str, Callable[..., Any]]
 ) -> dict[str, Callable[..., Any]]:
-    if not hasattr(function, _MARK):
-        return {}
     found = {}
     for name in function.__code__.co_names:
         value = bindings.get(name, function.__globals__.get(name))

@@ -26,6 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("rows", nargs="*", metavar="ROW", help="which rows; all by default")
     parser.add_argument("--list", action="store_true", help="list the rows")
     parser.add_argument("--plot", metavar="DIR", help="draw the error profiles into a folder")
+    parser.add_argument("--markdown", action="store_true", help="print tables for a page")
     parser.add_argument("--json", action="store_true")
 
 
@@ -45,10 +46,12 @@ def run(arguments: argparse.Namespace) -> int:
         results.append(result)
         if arguments.plot:
             _plot(result, Path(arguments.plot))
-        if not arguments.json:
+        if not (arguments.json or arguments.markdown):
             print(_as_text(result), end="\n\n")
     if arguments.json:
         print(json.dumps([_as_json(result) for result in results], indent=1))
+    elif arguments.markdown:
+        print("\n".join(_markdown(results)))
     else:
         _summary(results)
     if missing:
@@ -119,6 +122,26 @@ def _as_text(result: Reproduced) -> str:
     if judgement.note:
         lines.append(f"  note: {judgement.note}")
     return "\n".join(lines)
+
+
+def _markdown(results: list[Reproduced]) -> Iterator[str]:
+    """Yield a table: published and reproduced figures of each row and variant."""
+    yield "| row | variant | first trajectory: RMS, last 1; RMS, last 2 | second | RMS off | |"
+    yield "|---|---|---|---|---|---|"
+    for result in results:
+        row, judgement = result.published, result.judgement
+        for name, figures in (("published", row.figures), (result.variant, result.figures)):
+            cells = [
+                ", ".join(f"{value:.4f}" for value in figures[i : i + 2]) for i in range(0, 8, 2)
+            ]
+            own = name != "published"
+            off = f"{100 * judgement.worst_rms:.2f} %" if own else ""
+            verdict = ("agrees" if judgement.within else "differs") if own else ""
+            label = "" if own else f"{row.table} {row.row}, {row.condition}"
+            yield (
+                f"| {label} | {name} | {cells[0]}; {cells[1]} | {cells[2]}; {cells[3]} "
+                f"| {off} | {verdict} |"
+            )
 
 
 def _line(name: str, cells: list[str]) -> str:
