@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import gc
 import importlib
 import os
 import sys
@@ -30,6 +31,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 = fine, 1 = the input is at fault, 2 = wrong usage, 130 = interrupted.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    # A command makes many small objects and ends soon: looking for cycles among them takes
+    # longer than reading the file that they come from.
+    gc.set_threshold(200_000)
     try:
         return _dispatch(words)
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
