@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 
 from fuzzyarm.formats.draft import unique_name
-from fuzzyarm.formats.imported import Findings
+from fuzzyarm.formats.imported import Exported, Findings
 from fuzzyarm.rulebase.model import Expression, Hedge, Hedged, Input, Is, Output, RuleBase
 
 HEADER = "Written by fuzzyarm"
@@ -159,13 +159,25 @@ def note_outside(variables: tuple[Input | Output, ...], findings: Findings, prog
             findings.loss("outside-range", message)
 
 
-def note_chaining(rulebase: RuleBase, findings: Findings, program: str) -> None:
-    """Report outputs that later rules use as inputs."""
+def note_chaining(rulebase: RuleBase, findings: Findings, program: str, *, own: bool) -> None:
+    """Report outputs in antecedents, but where `own` those that their own block concludes.
+
+    fuzzylite takes their activation so far; that is the same only where all rules that
+    conclude the output stand in the block, before those that use it.
+    """
     outputs = {output.name for output in rulebase.outputs}
-    for rule in rulebase.rules:
-        for name in sorted(variables_in(rule.antecedent) & outputs):
-            message = f"a rule uses the value of the output '{name}', which {program} does not do"
-            findings.loss("chained-output", message, rule.span)
+    last: dict[str, tuple[int, int]] = {}
+    for number, block in enumerate(rulebase.blocks):
+        for index, rule in enumerate(block.rules):
+            last |= {consequent.variable: (number, index) for consequent in rule.consequents}
+    for number, block in enumerate(rulebase.blocks):
+        for index, rule in enumerate(block.rules):
+            for name in sorted(variables_in(rule.antecedent) & outputs):
+                writer = last.get(name, (number, -1))
+                if own and writer[0] == number and writer[1] < index:
+                    continue
+                message = f"a rule uses the output '{name}' in a way that {program} does not"
+                findings.loss("chained-output", message, rule.span)
 
 
 def variables_in(expression: Expression) -> set[str]:
@@ -191,3 +203,12 @@ def without_any(hedges: tuple[Hedge, ...]) -> tuple[tuple[Hedge, ...], bool]:
         if hedge.name == "any":
             return hedges[: index + 1], True
     return hedges, False
+
+
+def best(attempts: list[Exported]) -> Exported:
+    """Return the first attempt with the fewest losses, counting warnings last."""
+
+    def cost(attempt: Exported) -> tuple[int, int]:
+        return len(attempt.errors), sum(d.severity == "warning" for d in attempt.diagnostics)
+
+    return min(attempts, key=cost)

@@ -25,6 +25,7 @@ from fuzzyarm.rulebase.model import (
     Or,
     Rule,
     RuleBlock,
+    propositions,
 )
 
 MAX_NODES = 2_000
@@ -60,10 +61,23 @@ class RuleBuilder:
         self.variables = variables
         self.findings = findings
         self._fired: dict[tuple[str, str], list[tuple[Rule, Norms]]] = {}
+        self._own: frozenset[str] = frozenset()
 
-    def block(self, name: str, norms: Norms, texts: list[RuleText]) -> RuleBlock:
-        """Return the block of the rules `texts`."""
+    def block(
+        self,
+        name: str,
+        norms: Norms,
+        texts: list[RuleText],
+        later: frozenset[str] = frozenset(),
+    ) -> RuleBlock:
+        """Return the block of the rules `texts`.
+
+        An output that its own rules conclude before any rule uses it stands for its
+        activation in the model too; any other is put in. `later` are the outputs that
+        later blocks conclude.
+        """
         rules: list[Rule] = []
+        self._own = _finished_in(texts) - later
         for text in texts:
             self._need_norms(text, norms)
             for rule in self._rules(text, norms):
@@ -145,6 +159,8 @@ class RuleBuilder:
         draft = self.variables.get(proposition.variable)
         if draft is None or (draft.enabled and not draft.is_output):
             return proposition
+        if draft.enabled and draft.name in self._own:
+            return proposition
         if any(h.name == "any" for h in proposition.hedges):
             return self._constant(proposition, proposition.hedges)
         if not draft.enabled:
@@ -215,6 +231,21 @@ def hedged_weight(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
         else:
             return None
     return weight
+
+
+def concluded(texts: list[RuleText]) -> frozenset[str]:
+    """Return the outputs that rules conclude."""
+    return frozenset(c.variable for text in texts for c in text.conclusions)
+
+
+def _finished_in(texts: list[RuleText]) -> frozenset[str]:
+    """Return the outputs whose last conclusion stands before their first use."""
+    last = {c.variable: i for i, text in enumerate(texts) for c in text.conclusions}
+    first: dict[str, int] = {}
+    for index, text in enumerate(texts):
+        for part in propositions(text.antecedent):
+            first.setdefault(part.variable, index)
+    return frozenset(name for name, index in last.items() if index < first.get(name, len(texts)))
 
 
 def _size(expression: Expression) -> int:

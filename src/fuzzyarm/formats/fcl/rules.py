@@ -9,7 +9,7 @@ from fuzzyarm.formats.export import variables_in
 from fuzzyarm.formats.fcl.cursor import Cursor, SyntaxFaultError
 from fuzzyarm.formats.fcl.dialect import RULES
 from fuzzyarm.formats.fcl.lexer import SECTIONS
-from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder
+from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder, concluded
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FCL_CONJUNCTIONS, FCL_DISJUNCTIONS, JFUZZYLOGIC_PAIRS
 from fuzzyarm.formats.propositions import RuleFaultError, RuleParser, RuleText
@@ -106,20 +106,26 @@ def blocks_in_model(
 ) -> tuple[RuleBlock, ...]:
     """Return the blocks; set the aggregation of outputs from ACCU in a rule block."""
     builder = RuleBuilder(variables, findings)
+    on = [text for text in texts if _is_on(text, findings)]
+    rules = [_rules(text, variables, dialect, findings) for text in on]
     blocks = []
-    for text in texts:
-        if not text.enabled:
-            message = f"the block '{text.word.text}' is switched off; its rules are left out"
-            findings.warn("disabled-block", message, text.word)
-            continue
+    for index, text in enumerate(on):
         norms, accumulation = _norms(text, dialect, findings)
-        rules = _rules(text, variables, dialect, findings)
-        _accumulate(rules, accumulation, variables, accumulations, dialect, findings)
+        _accumulate(rules[index], accumulation, variables, accumulations, dialect, findings)
+        name = text.word.text
         if dialect == "fuzzylite":
-            blocks.append(builder.block(text.word.text, norms, rules))
+            later = frozenset[str]().union(*map(concluded, rules[index + 1 :]))
+            blocks.append(builder.block(name, norms, rules[index], later))
         else:
-            blocks.append(_plain_block(text.word.text, norms, rules, variables, findings))
+            blocks.append(_plain_block(name, norms, rules[index], variables, findings))
     return tuple(blocks)
+
+
+def _is_on(text: BlockText, findings: Findings) -> bool:
+    if not text.enabled:
+        message = f"the block '{text.word.text}' is switched off; its rules are left out"
+        findings.warn("disabled-block", message, text.word)
+    return text.enabled
 
 
 def _rules(

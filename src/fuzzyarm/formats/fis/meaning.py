@@ -13,7 +13,7 @@ from fuzzyarm.formats.fuzzylite_rules import POWERS, Norms, RuleBuilder, hedged_
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS
 from fuzzyarm.formats.propositions import RuleText, hedged
-from fuzzyarm.rulebase.model import Defuzzifier, Hedge, Rule, RuleBlock, Shape, Term
+from fuzzyarm.rulebase.model import Defuzzifier, Hedge, Output, Rule, RuleBlock, Shape, Term
 
 PRODUCERS = ("matlab", "octave", "fuzzylite")
 
@@ -59,6 +59,8 @@ def detect(text: str) -> str:
     ).lower()
     if "fuzzylite" in comments or _FUZZYLITE_KEYS.search(text):
         return "fuzzylite"
+    if "for matlab" in comments:
+        return "matlab"
     if "octave" in comments or "fuzzy-logic-toolkit" in comments:
         return "octave"
     rules = text.lower().partition("[rules]")[2]
@@ -123,7 +125,7 @@ def finish_output(draft: Draft, system: System, producer: str, findings: Finding
             sampling = "trapezoid"
         draft.defuzzifier = Defuzzifier(INTEGRAL[name], resolution, sampling)
         if producer == "fuzzylite" and _is_nan(draft.no_rule):
-            draft.no_rule = _maximum_of_nothing(draft)
+            draft.no_rule = maximum_of_nothing(draft)
         _values_as_sets(draft, producer, at, findings)
         if not _bounded(draft):
             message = f"the output '{draft.name}' needs a range to be integrated over"
@@ -146,7 +148,7 @@ def _weighted(draft: Draft, method: str, producer: str, at: Word, findings: Find
     draft.defuzzifier = Defuzzifier(method)
 
 
-def _maximum_of_nothing(draft: Draft) -> float:
+def maximum_of_nothing(draft: Draft | Output) -> float:
     """Return what fuzzylite 7 takes for the maximum of an empty output: all samples are it."""
     defuzzifier = draft.defuzzifier
     half_step = 0.5 * (draft.high - draft.low) / (defuzzifier.resolution or 1)
@@ -210,7 +212,7 @@ def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> l
         (hedged_ones if weighted and named.hedges else plain).append(named)
     rules = [replace(rule, consequents=tuple(plain))] if plain else []
     for consequent in hedged_ones:
-        hedges = tuple(map(_root, consequent.hedges))
+        hedges = tuple(map(root, consequent.hedges))
         weight = hedged_weight(rule.weight, hedges)
         if weight is None:
             message = "a negated value and a weight cannot be carried together"
@@ -222,7 +224,7 @@ def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> l
     return rules
 
 
-def _root(hedge: Hedge) -> Hedge:
+def root(hedge: Hedge) -> Hedge:
     """Return the hedge that undoes a power; ``not`` stays."""
     swapped = {"very": "somewhat", "somewhat": "very"}.get(hedge.name)
     if swapped:

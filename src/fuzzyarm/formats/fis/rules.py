@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from fuzzyarm.formats.draft import Draft
+from fuzzyarm.formats.fuzzylite_rules import POWERS
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.numerals import number
 from fuzzyarm.formats.propositions import NOT, RuleText
@@ -56,13 +57,18 @@ def fraction_of(hedges: tuple[Hedge, ...], producer: str) -> float | None:
     for fraction, said in table.items():
         if said == hedges:
             return fraction
-    if producer == "fuzzylite" or len(hedges) != 1:
+    if producer == "fuzzylite" or len(hedges) != 1 or hedges[0].name not in POWERS:
         return None
-    exponent = hedges[0].exponent
-    if exponent is None or not 0.0 < exponent < 10.0:
+    fraction = round((hedges[0].exponent or POWERS[hedges[0].name]) / 10.0, 6)
+    if not 0.0 < fraction < 1.0:
         return None
-    fraction = round(exponent / 10.0, 6)
-    return fraction if hedges_of(fraction, producer) == hedges else None
+    read = hedges_of(fraction, producer) or ()
+    return fraction if len(read) == 1 and exponent(read[0]) == exponent(hedges[0]) else None
+
+
+def exponent(hedge: Hedge) -> float:
+    """Return the power that a hedge is; 1 for one that is none."""
+    return hedge.exponent or POWERS.get(hedge.name, 1.0)
 
 
 @dataclass(frozen=True, slots=True)

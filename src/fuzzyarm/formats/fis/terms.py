@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fuzzyarm.formats.fis.lines import bracketed
-from fuzzyarm.formats.fll.terms import FLL_SHAPES, formula_shape, linear_shape
+from fuzzyarm.formats.fll.terms import FLL_SHAPES, formula_shape, fuzzylite_formula, linear_shape
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.numerals import all_written, numbers
 from fuzzyarm.formats.shaping import make_shape
@@ -114,10 +114,10 @@ def _crossed(values: list[float]) -> list[float]:
     return values
 
 
-def fis_term(shape: Shape) -> tuple[str, str]:
-    """Return kind and bracketed numbers of a shape."""
+def fis_term(shape: Shape, producer: str) -> tuple[str, str]:
+    """Return kind and bracketed numbers of a shape, as `producer` calls it."""
     if shape.kind == "formula":
-        return "function", f"[{shape.formula}]"
+        return "function", f"[{fuzzylite_formula(shape.formula)}]"
     height = () if shape.height == 1.0 else (shape.height,)
     if shape.kind == "singleton":
         return "constant", f"[{all_written(shape.parameters)}]"
@@ -127,18 +127,10 @@ def fis_term(shape: Shape) -> tuple[str, str]:
         return "discretemf", f"[{all_written((*shape.parameters, *height))}]"
     name = _SINGLE_NAMES[shape.kind]
     if shape.kind == "ramp":
-        return _ramp(shape, height)
+        name = "linsmf" if shape.parameters[0] <= shape.parameters[1] else "linzmf"
+        name = "rampmf" if producer == "fuzzylite" else name
     _, order = _ORDER[name]
     values = [0.0] * len(order)
     for position, index in enumerate(order):
         values[index] = shape.parameters[position]
     return name, f"[{all_written((*values, *height))}]"
-
-
-def _ramp(shape: Shape, height: tuple[float, ...]) -> tuple[str, str]:
-    zero, one = shape.parameters
-    if height:
-        return "rampmf", f"[{all_written((zero, one, *height))}]"
-    if zero <= one:
-        return "linsmf", f"[{all_written((zero, one))}]"
-    return "linzmf", f"[{all_written((one, zero))}]"

@@ -9,7 +9,7 @@ from fuzzyarm.formats.draft import Draft, add_term
 from fuzzyarm.formats.fll.lines import Line, fll_lines
 from fuzzyarm.formats.fll.outputs import settle_defuzzifier
 from fuzzyarm.formats.fll.terms import shape_of
-from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder
+from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder, concluded
 from fuzzyarm.formats.imported import Findings, Imported, Word, too_long
 from fuzzyarm.formats.norms import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS
 from fuzzyarm.formats.numerals import number, rounded
@@ -271,15 +271,13 @@ class _Reader:
 
     def _finish_blocks(self) -> tuple[RuleBlock, ...]:
         builder = RuleBuilder(self.variables, self.findings)
-        return tuple(
-            builder.block(
-                block.name,
-                Norms(block.conjunction, block.disjunction, block.implication),
-                self._rules(block),
-            )
-            for block in self.blocks
-            if self._is_on(block)
-        )
+        texts = [(block, self._rules(block)) for block in self.blocks if self._is_on(block)]
+        blocks = []
+        for index, (block, rules) in enumerate(texts):
+            norms = Norms(block.conjunction, block.disjunction, block.implication)
+            later = frozenset[str]().union(*(concluded(each) for _, each in texts[index + 1 :]))
+            blocks.append(builder.block(block.name, norms, rules, later))
+        return tuple(blocks)
 
     def _is_on(self, block: _Block) -> bool:
         if not block.enabled:

@@ -16,7 +16,7 @@ from fuzzyarm.formats.export import (
 from fuzzyarm.formats.fll.outputs import DEFAULT_RESOLUTION, INTEGRAL, VALUES
 from fuzzyarm.formats.fll.terms import term_text
 from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
-from fuzzyarm.formats.fuzzylite_text import rule_text
+from fuzzyarm.formats.fuzzylite_text import rule_text, said_rules
 from fuzzyarm.formats.imported import Exported, Findings
 from fuzzyarm.formats.norms import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS, reverse
 from fuzzyarm.formats.numerals import written
@@ -44,7 +44,7 @@ def write_fll(rulebase: RuleBase, *, lossy: bool = False) -> Exported:
     """
     findings = Findings(lossy=lossy)
     note_left_out(rulebase, findings, descriptions=True)
-    note_chaining(rulebase, findings, "fuzzylite")
+    note_chaining(rulebase, findings, "fuzzylite", own=True)
     names = identifiers(rulebase, findings, FUZZYLITE_WORDS)
     lines = [f"# {HEADER}.", f"Engine: {one_line(rulebase.name, '#', findings)}"]
     if rulebase.description:
@@ -129,5 +129,5 @@ def _block(block: RuleBlock, names: Names, findings: Findings) -> list[str]:
         f"  disjunction: {_DISJUNCTIONS[block.disjunction]}",
         f"  implication: {_CONJUNCTIONS[block.implication]}",
         "  activation: General",
-        *(f"  rule: {rule_text(rule, block, names, findings)}" for rule in block.rules),
+        *(f"  rule: {rule_text(said, block, names, findings)}" for said in said_rules(block)),
     ]
