@@ -177,6 +177,7 @@ def test_every_mistake_is_reported_in_one_run_and_in_order():
         ("input x 0 .. 1 @", "unexpected-character", ""),
         ("input x 0 .. 1 2", "trailing-text", ""),
         ("input if 0 .. 1", "reserved-word", "'if'"),
+        ("input very 0 .. 1", "reserved-word", "'very'"),
         ("term u X: triangle 1 2", "wrong-parameter-count", ""),
         ("term u X: gaussian 1 0", "bad-shape", ""),
         ('term u X: formula "1 +"', "bad-formula", ""),
@@ -298,3 +299,17 @@ def test_a_byte_order_mark_is_no_mistake(tmp_path):
 def test_windows_line_ends_mean_the_same():
     text = HEAD + "rules u\n  e \\ ce N Z P\n  N N N Z\n"
     assert parse(text.replace("\n", "\r\n")).rulebase == parse(text).rulebase
+
+
+@pytest.mark.parametrize(
+    "word", ["power", "levels", "step", "in", "exact", "input", "round", "error"]
+)
+def test_words_that_their_place_tells_apart_are_names(word):
+    text = (
+        f"rulebase {word}\ninput {word} 0 .. 1\noutput u 0 .. 1\nterms {word}: triangles A B\n"
+        f"term u {word}: triangle 0 0.5 1\nrule if {word} is A then u is {word}\n"
+        f"rule if {word} is not B then u is {word}\nexpect {word} = 0 -> u = 0.5\n"
+    )
+    parsed = parse(text)
+    assert parsed.diagnostics == ()
+    assert parse(format_text(text)).rulebase == parsed.rulebase

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from fuzzyarm.cli.commands import COMMANDS
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.rulebase.diagnostic import RuleBaseError
 
 EXIT_INPUT = 1
 EXIT_USAGE = 2
@@ -38,6 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _dispatch(words)
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
+    except RuleBaseError as error:
+        print(_all_mistakes(error), file=sys.stderr)
+        return EXIT_INPUT
     except FuzzyarmError as error:
         print(f"fuzzyarm: {error}", file=sys.stderr)
         return EXIT_INPUT
@@ -63,6 +67,18 @@ def _dispatch(words: list[str]) -> int:
     status = module.run(parser.parse_args(words[1:]))
     sys.stdout.flush()
     return int(status)
+
+
+def _all_mistakes(error: RuleBaseError) -> str:
+    from fuzzyarm.rulebase.rendering import render_all
+
+    errors = [diagnostic for diagnostic in error.diagnostics if diagnostic.is_error]
+    try:
+        with open(errors[0].path, encoding="utf-8", errors="replace", newline="") as file:
+            text = file.read()
+    except (OSError, ValueError, IndexError):
+        text = ""
+    return render_all(errors, text)
 
 
 def _overview(words: list[str], command: str | None) -> int:

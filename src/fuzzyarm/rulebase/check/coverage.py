@@ -18,10 +18,11 @@ def find(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``coverage-gap`` once for each gap."""
     for variable in subject.rulebase.inputs:
         if variable.terms:
-            yield from _gaps(variable)
+            yield from gaps_of(variable)
 
 
-def _gaps(variable: Input) -> Iterator[Diagnostic]:
+def gaps_of(variable: Input) -> Iterator[Diagnostic]:
+    """Yield a ``coverage-gap`` for each stretch of `variable` that no term covers."""
     points = probe_points(variable)
     bare = [all(membership(term.shape, x) < FAINT for term in variable.terms) for x in points]
     i = 0

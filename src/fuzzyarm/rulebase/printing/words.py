@@ -6,12 +6,12 @@ import math
 
 from fuzzyarm.rulebase.syntax.nodes import Figure, HedgeNode, Word
 from fuzzyarm.rulebase.syntax.tokens import is_plain_name, quote
-from fuzzyarm.rulebase.syntax.words import RESERVED
+from fuzzyarm.rulebase.syntax.words import QUOTED
 
 
 def name_text(name: str) -> str:
     """Return a name as it stands in a file, in single quotes where it must."""
-    return name if is_plain_name(name) and name not in RESERVED else quote(name, "'")
+    return name if is_plain_name(name) and name not in QUOTED else quote(name, "'")
 
 
 def word_text(word: Word) -> str:

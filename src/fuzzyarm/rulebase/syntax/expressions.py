@@ -13,6 +13,7 @@ from fuzzyarm.rulebase.syntax.nodes import (
     PropositionNode,
     Word,
 )
+from fuzzyarm.rulebase.syntax.tokens import Token
 from fuzzyarm.rulebase.syntax.words import HEDGE_WORDS
 
 
@@ -83,6 +84,8 @@ def read_hedges(cursor: Cursor) -> tuple[HedgeNode, ...]:
         token = cursor.peek()
         if token is None or token.kind != "name" or token.text not in HEDGE_WORDS:
             return tuple(hedges)
+        if token.text == "power" and not _opens(cursor.peek(1)):
+            return tuple(hedges)
         cursor.take()
         exponent = None
         if token.text == "power":
@@ -90,6 +93,10 @@ def read_hedges(cursor: Cursor) -> tuple[HedgeNode, ...]:
             exponent = cursor.figure("the exponent")
             cursor.expect(")", "after the exponent")
         hedges.append(HedgeNode(Word(HEDGE_WORDS[token.text], token.span), exponent))
+
+
+def _opens(token: Token | None) -> bool:
+    return token is not None and token.kind == "mark" and token.text == "("
 
 
 def read_consequents(cursor: Cursor) -> tuple[PropositionNode, ...]:

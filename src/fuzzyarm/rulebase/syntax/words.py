@@ -34,8 +34,12 @@ HEDGE_WORDS: dict[str, str] = {
 }
 """Hedges as written → the hedge they mean."""
 
-RESERVED = frozenset(
-    {*STATEMENTS, *LOOKUP_ITEMS, *CONNECTIVES, *SETTINGS, *HEDGE_WORDS}
-    | {"inf", "nan", "step", "count", "mirrored", "within", "in", "height", "exact"}
-)
-"""Words that a name must not be written as without quotes."""
+RESERVED = frozenset({*CONNECTIVES, *HEDGE_WORDS, "inf", "nan"} - {"power"})
+"""Words that a name must not be written as without quotes.
+
+As few as possible: all others are told apart by their place. (`power` is a hedge only
+before a parenthesis.)
+"""
+
+QUOTED = frozenset({*RESERVED, *STATEMENTS})
+"""Words that are printed in quotes as names: at the start of a line they would mean more."""
