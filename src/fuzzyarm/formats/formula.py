@@ -31,6 +31,10 @@ _JFUZZYLOGIC = {
 }  # fmt: skip
 
 
+JFUZZYLOGIC_NAMES = {ours: theirs.upper() for theirs, ours in _JFUZZYLOGIC.items()}
+"""Function of the model → jFuzzyLogic's name of it."""
+
+
 class FormulaError(ValueError):
     """What is wrong with a formula, in words."""
 
@@ -66,26 +70,44 @@ def names_in(node: Node) -> set[str]:
     return {name for argument in node.arguments for name in names_in(argument)}
 
 
-def write_formula(node: Node, rename: dict[str, str] | None = None) -> str:
-    """Return the text of a tree; every operand that is an operation stands in parentheses."""
-    if node.is_call:
-        inner = ", ".join(write_formula(a, rename) for a in node.arguments)
-        return f"{node.symbol}({inner})"
-    if not node.arguments:
-        return (rename or {}).get(node.symbol, node.symbol)
-    if len(node.arguments) == 1:
-        return f"-{_operand(node.arguments[0], rename)}"
-    left, right = node.arguments
-    if node.symbol in "+*" and left.symbol == node.symbol and len(left.arguments) == 2:
-        first = write_formula(left, rename)  # a + b + c needs no parentheses
-    else:
-        first = _operand(left, rename)
-    return f"{first} {node.symbol} {_operand(right, rename)}"
+def write_formula(
+    node: Node, rename: dict[str, str] | None = None, functions: dict[str, str] | None = None
+) -> str:
+    """Return the text of a tree; every operand that is an operation stands in parentheses.
+
+    Parameters
+    ----------
+    node : Node
+        The tree.
+    rename : dict, optional
+        Variables that are called otherwise in the text.
+    functions : dict, optional
+        Functions that are.
+    """
+    return _Text(rename or {}, functions or {}).of(node)
 
 
-def _operand(node: Node, rename: dict[str, str] | None) -> str:
-    text = write_formula(node, rename)
-    return f"({text})" if node.arguments and not node.is_call else text
+@dataclass(frozen=True, slots=True)
+class _Text:
+    rename: dict[str, str]
+    functions: dict[str, str]
+
+    def of(self, node: Node) -> str:
+        if node.is_call:
+            inner = ", ".join(map(self.of, node.arguments))
+            return f"{self.functions.get(node.symbol, node.symbol)}({inner})"
+        if not node.arguments:
+            return self.rename.get(node.symbol, node.symbol)
+        if len(node.arguments) == 1:
+            return f"-{self._operand(node.arguments[0])}"
+        left, right = node.arguments
+        chain = node.symbol in "+*" and left.symbol == node.symbol and len(left.arguments) == 2
+        first = self.of(left) if chain else self._operand(left)  # a + b + c needs none
+        return f"{first} {node.symbol} {self._operand(right)}"
+
+    def _operand(self, node: Node) -> str:
+        text = self.of(node)
+        return f"({text})" if node.arguments and not node.is_call else text
 
 
 def _is_number(symbol: str) -> bool:

@@ -145,11 +145,19 @@ class _Writer:
             if self.producer == "matlab" and output.aggregation != "sum":
                 message = f"MATLAB adds up the rules of '{output.name}' whatever the aggregation"
                 self.findings.loss("unsupported-norm", message)
+            self._check_equal_values(output)
             return "wtaver" if method == "weighted-average" else "wtsum"
         if kinds & VALUES:
             message = f"'{output.name}' has values among its terms, which cannot be integrated"
             self.findings.loss("value-as-set", message)
         return self._sampled(output)
+
+    def _check_equal_values(self, output: Output) -> None:
+        shapes = [term.shape for term in output.terms]
+        if self.producer == "octave" and output.aggregation != "sum":
+            if len(set(shapes)) < len(shapes):
+                message = f"Octave's toolkit makes one of equal terms of '{output.name}'"
+                self.findings.loss("equal-values", message)
 
     def _sampled(self, output: Output) -> str:
         defuzzifier = output.defuzzifier
