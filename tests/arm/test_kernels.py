@@ -107,3 +107,11 @@ def test_digest_covers_every_kernel_file(monkeypatch, tmp_path):
     kernels._digest(run_loop, {"control": summed_torque})
     wanted = {"loop.py", "dynamics.py", "integrators.py", "signals.py", "dispatch.py", "pd.py"}
     assert wanted | {"model_reference.py", "kernels.py", "decentralised.py"} <= set(read)
+
+
+@pytest.mark.slow
+def test_without_any_writable_folder_it_compiles_anew(monkeypatch):
+    from numba.core.caching import CompileResultCacheImpl
+
+    monkeypatch.setattr(CompileResultCacheImpl, "_locator_classes", [])
+    assert build(added, compiled=True)(0.1, 0.2) == added(0.1, 0.2)

@@ -56,6 +56,13 @@ def test_time_accumulates_while_it_does_not_exceed_the_duration(duration, single
     assert (points.segment == 0).sum() == count
 
 
+def test_long_single_precision_segments_are_not_cut_short():
+    points = sample(reach(segment=600.0, hold=0.01), STUDY_CONVENTIONAL)
+    first = points.segment == 0
+    assert points.time[first][-1] + 0.0031 > 600.0
+    assert points.position[first][-1, 0] == pytest.approx(points.position[-1, 0], abs=1e-5)
+
+
 def test_quintic_agrees_with_the_interpolating_polynomial():
     # The one polynomial of degree five with these ends: solved, not written down.
     duration, end = 1.7, math.radians(63.0)

@@ -74,7 +74,10 @@ def build(
     machine: Any = partial(numba.njit, error_model="numpy", nogil=True, forceinline=True)
     root = _clone(function, bindings, {}, machine, root=True)
     root.__qualname__ = f"{root.__qualname__}_{_digest(function, bindings)}"
-    return cast(Callable[..., Any], machine(root, cache=True))
+    try:
+        return cast(Callable[..., Any], machine(root, cache=True))
+    except RuntimeError:  # neither the package folder nor the user's can be written
+        return cast(Callable[..., Any], machine(root))
 
 
 def _clone(

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -125,23 +125,25 @@ def _as_text(result: Reproduced) -> str:
 
 
 def _markdown(results: list[Reproduced]) -> Iterator[str]:
-    """Yield a table: published and reproduced figures of each row and variant."""
-    yield "| row | variant | first trajectory: RMS, last 1; RMS, last 2 | second | RMS off | |"
+    """Yield a table: the published figures of each row, and what each variant gives."""
+    yield "| row | | first trajectory: RMS, last 1; RMS, last 2 | second | RMS off | |"
     yield "|---|---|---|---|---|---|"
+    shown = ""
     for result in results:
         row, judgement = result.published, result.judgement
-        for name, figures in (("published", row.figures), (result.variant, result.figures)):
-            cells = [
-                ", ".join(f"{value:.4f}" for value in figures[i : i + 2]) for i in range(0, 8, 2)
-            ]
-            own = name != "published"
-            off = f"{100 * judgement.worst_rms:.2f} %" if own else ""
-            verdict = ("agrees" if judgement.within else "differs") if own else ""
-            label = "" if own else f"{row.table} {row.row}, {row.condition}"
-            yield (
-                f"| {label} | {name} | {cells[0]}; {cells[1]} | {cells[2]}; {cells[3]} "
-                f"| {off} | {verdict} |"
-            )
+        if row.identifier != shown:
+            label = f"{row.table} {row.row}, {row.condition}"
+            yield f"| {label} | published | {_eight(row.figures)} | | |"
+            shown = row.identifier
+        verdict = "agrees" if judgement.within else "differs"
+        off = f"{100 * judgement.worst_rms:.2f} %"
+        yield f"| | {result.variant} | {_eight(result.figures)} | {off} | {verdict} |"
+
+
+def _eight(figures: Sequence[float]) -> str:
+    cells = [f"{value:.4f}" for value in figures]
+    first, second = (f"{cells[i]}, {cells[i + 1]}; {cells[i + 2]}, {cells[i + 3]}" for i in (0, 4))
+    return f"{first} | {second}"
 
 
 def _line(name: str, cells: list[str]) -> str:

@@ -43,8 +43,8 @@ _BOUNDS = {
 
 _NOTES = {
     "4.2.5.1/pid": (
-        "the final error of link 1 on the first trajectory is 0.0013° where 0.0 was printed: a slow "
-        "swing of the integral has not died out (double precision leaves 0.0024°)"
+        "the final error of link 1 on the first trajectory is 0.0013° where 0.0 was printed: a "
+        "slow swing of the integral has not died out (double precision leaves 0.0024°)"
     ),
     "acdid": "the maximum of link 2 is a difference of nearly cancelling terms (chaotic)",
     "acdid+ie": "the maximum of link 2 is a difference of nearly cancelling terms (chaotic)",
