@@ -1,0 +1,127 @@
+"""Convert a rule base between .frb, .fll, .fcl and .fis, by suffix.
+
+    fuzzyarm convert tipper.fis tipper.frb
+    fuzzyarm convert robot.fcl robot.fll --from jfuzzylogic
+
+Everything that does not come across is said, with its place in the file. What would change
+a number is an error, and nothing is written, unless --lossy.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from fuzzyarm.files import write_atomically
+from fuzzyarm.formats import PRODUCERS, Imported, read, suffix_of, write
+from fuzzyarm.rulebase import Diagnostic, RuleBase
+from fuzzyarm.rulebase.diagnostic import NOWHERE
+from fuzzyarm.rulebase.rendering import render
+
+_PROGRAMS = sorted({program for programs in PRODUCERS.values() for program in programs})
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fuzzyarm convert``."""
+    parser.add_argument("source", metavar="IN", help=".frb, .fll, .fcl or .fis")
+    parser.add_argument("target", metavar="OUT", help=".frb, .fll, .fcl or .fis")
+    parser.add_argument("--lossy", action="store_true", help="go on where numbers will differ")
+    parser.add_argument(
+        "--from", dest="producer", choices=_PROGRAMS, help="the program IN was written for"
+    )
+    parser.add_argument(
+        "--for", dest="consumer", choices=_PROGRAMS, help="the program OUT is written for"
+    )
+    parser.add_argument("--block", metavar="NAME", help="the function block of an .fcl with several")
+    parser.add_argument("--quiet", "-q", action="store_true", help="print errors only")
+    parser.add_argument("--json", action="store_true", help="print what was found as JSON")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Convert one file; return 1 if it cannot be read or written faithfully."""
+    target = suffix_of(arguments.target)
+    imported = read(
+        arguments.source,
+        producer=arguments.producer,
+        block=arguments.block,
+        lossy=arguments.lossy,
+    )
+    found = list(imported.diagnostics)
+    text = None
+    if imported.rulebase is not None:
+        named = _named(imported.rulebase, arguments.source)
+        exported = write(named, target, producer=arguments.consumer, lossy=arguments.lossy)
+        text = exported.text
+        # A rule knows where it stood in the file that was read.
+        found += [replace(d, path=arguments.source) for d in exported.diagnostics]
+    if text is not None:
+        write_atomically(arguments.target, text)
+    _report(arguments, imported, found, written=text is not None)
+    return 0 if text is not None else 1
+
+
+def _named(rulebase: RuleBase, path: str) -> RuleBase:
+    """Give a rule base without a name that of its file."""
+    return rulebase if rulebase.name.strip() else replace(rulebase, name=Path(path).stem)
+
+
+def _report(
+    arguments: argparse.Namespace, imported: Imported, found: list[Diagnostic], *, written: bool
+) -> None:
+    if arguments.json:
+        print(json.dumps(_as_json(arguments, imported, found, written=written), indent=2))
+        return
+    shown = [d for d in found if d.is_error or not arguments.quiet]
+    if shown:
+        stream = sys.stderr if not written else sys.stdout
+        colour = stream.isatty() and "NO_COLOR" not in os.environ
+        text = _text(arguments.source)
+        for diagnostic in shown:
+            print(_shown(diagnostic, text, colour=colour), file=stream)
+    if not written:
+        print(f"fuzzyarm: {arguments.target}: not written", file=sys.stderr)
+    elif not arguments.quiet:
+        print(f"{arguments.target}: written, {_summary(found)}")
+
+
+def _shown(diagnostic: Diagnostic, text: str, *, colour: bool) -> str:
+    if diagnostic.span != NOWHERE:
+        return render(diagnostic, text, colour=colour)
+    hint = f"\n       = hint: {diagnostic.hint}" if diagnostic.hint else ""
+    label = f"{diagnostic.severity}[{diagnostic.name}]"
+    return f"{diagnostic.path}: {label}: {diagnostic.message}{hint}"
+
+
+def _summary(found: list[Diagnostic]) -> str:
+    warnings = sum(d.severity == "warning" for d in found)
+    return "nothing lost" if not warnings else f"{warnings} warning(s)"
+
+
+def _text(path: str) -> str:
+    return Path(path).read_bytes().decode("utf-8", "replace").removeprefix("\ufeff")
+
+
+def _as_json(
+    arguments: argparse.Namespace, imported: Imported, found: list[Diagnostic], *, written: bool
+) -> dict[str, object]:
+    return {
+        "source": arguments.source,
+        "target": arguments.target,
+        "producer": imported.producer,
+        "written": written,
+        "diagnostics": [
+            {
+                "name": d.name,
+                "severity": str(d.severity),
+                "message": d.message,
+                "hint": d.hint,
+                "line": d.line,
+                "column": d.column,
+            }
+            for d in found
+        ],
+    }
