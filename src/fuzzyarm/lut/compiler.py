@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm import __version__
 from fuzzyarm.lut.axis import Axis, TableError
-from fuzzyarm.lut.numbers import evenly, number
+from fuzzyarm.lut.numbers import evenly
 from fuzzyarm.lut.table import LookupTable
 from fuzzyarm.rulebase.limits import MAX_LEVELS
 from fuzzyarm.rulebase.model import Input, Output, RuleBase
@@ -189,31 +189,13 @@ def evaluate(
     names: Sequence[str],
     points: Sequence[NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Return the inference on the open mesh of `points`, one 1-D array for each input.
-
-    Raises
-    ------
-    TableError
-        If the output has no value (NaN) somewhere.
-    """
+    """Return the inference on the open mesh of `points`, one 1-D array for each input."""
     from fuzzyarm.inference import infer
 
     mesh = np.ix_(*points)
     inputs: dict[str, NDArray[np.float64]] = dict(zip(names, mesh, strict=True))
     result = np.asarray(infer(rulebase, inputs)[output], dtype=np.float64)
-    values = np.broadcast_to(result, [array.size for array in points])
-    bad = ~np.isfinite(values)
-    if bad.any():
-        where = np.argwhere(bad)[0]
-        place = ", ".join(
-            f"{name} = {number(float(x[i]))}"
-            for name, x, i in zip(names, points, where, strict=True)
-        )
-        raise TableError(
-            f"output '{output}' has no value at {place}",
-            hint="say in the file what it is where no rule fires",
-        )
-    return values
+    return np.broadcast_to(result, [array.size for array in points])
 
 
 def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:

@@ -67,11 +67,12 @@ def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
 def _worth_drawing(
     grids: list[RuleGrid], others: list[Rule], block: RuleBlock
 ) -> tuple[list[RuleGrid], list[Rule]]:
-    """Give up grids with very few cells; rules shown in no grid go to the others."""
+    """Give up grids with very few cells; their rules go to the others."""
     kept = [grid for grid in grids if len(grid.cells) >= (4 if grid.row else 3)]
-    shown = {id(rule) for grid in kept for cell in grid.cells.values() for rule, _ in cell}
+    given_up = [grid for grid in grids if grid not in kept]
     loose = {id(rule) for rule in others}
-    listed = [rule for rule in block.rules if id(rule) in loose or id(rule) not in shown]
+    loose |= {id(rule) for grid in given_up for cell in grid.cells.values() for rule, _ in cell}
+    listed = [rule for rule in block.rules if id(rule) in loose]
     return kept, listed
 
 

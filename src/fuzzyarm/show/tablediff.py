@@ -52,7 +52,7 @@ def summary_words(diff: TableDiff) -> str:
 def change_words(diff: TableDiff, change: CellChange) -> str:
     """Return one changed cell as ``e = 1, ce = -2: 0.5 -> 0.7``."""
     place = ", ".join(
-        f"{name_words(name)} = {number(level)}"
+        f"{name_words(name)} = {number_words(level)}"
         for name, level in zip(diff.before.names, change.levels, strict=True)
     )
     return f"{place}: {number(change.before)} -> {number(change.after)}"

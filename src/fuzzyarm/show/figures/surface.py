@@ -198,9 +198,9 @@ def _plane(
     space.tick_params(labelsize=7, pad=0)
     for axis in (space.xaxis, space.yaxis, space.zaxis):
         axis.set_major_locator(MaxNLocator(5))
-    space.set_box_aspect((1, 1, 0.8), zoom=1.0)
+    space.set_box_aspect((1, 1, 0.8), zoom=0.94)
     flat = part.add_subplot(grid[1])
-    image = flat.pcolormesh(columns, rows, values, shading="gouraud", **limits)
+    image = flat.pcolormesh(columns, rows, values, shading="gouraud", rasterized=True, **limits)
     if float(values.max()) - float(values.min()) > 1e-12:
         lines = flat.contour(columns, rows, values, levels=9, colors="#222222", linewidths=0.6)
         flat.clabel(lines, fontsize=7, inline_spacing=2)

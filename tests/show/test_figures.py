@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fuzzyarm.inference import explain, infer
+from fuzzyarm.lut import Axis, LookupTable, compile_table
+from fuzzyarm.show.figures import (
+    FigureFileError,
+    inference_figure,
+    memberships_figure,
+    rulebase_figure,
+    save_figure,
+    surface_figure,
+    table_figure,
+)
+
+ASYMMETRIC = LookupTable(
+    (Axis("e", (-1, 0, 2), description="error, V"), Axis("ce", (0, 10, 20, 40))),
+    "u",
+    [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]],
+)
+
+
+def labels(axes) -> list[str]:
+    return [text.get_text() for text in axes.texts]
+
+
+def test_the_cells_of_a_table_stand_where_they_stand_in_the_file():
+    figure = table_figure(ASYMMETRIC)
+    axes = figure.axes[0]
+    np.testing.assert_array_equal(axes.images[0].get_array(), ASYMMETRIC.values)
+    assert (axes.get_ylabel(), axes.get_xlabel()) == ("e: error, V", "ce")
+    assert [t.get_text() for t in axes.get_yticklabels()] == ["-1", "0", "2"]
+    assert [t.get_text() for t in axes.get_xticklabels()] == ["0", "10", "20", "40"]
+    place = {text.get_text(): text.get_position() for text in axes.texts}
+    assert place["12"] == (3, 2)  # column, row
+    assert place["4"] == (3, 0)
+
+
+def test_the_map_of_a_surface_has_the_second_input_to_the_right(lopsided):
+    figure = surface_figure(lopsided)
+    flat = next(axes for axes in figure.axes if axes.get_ylabel().startswith("a"))
+    assert flat.get_xlabel() == "b: second input, mm"
+    mesh = flat.collections[0]
+    values = np.asarray(mesh.get_array()).reshape(121, 121)
+    places = mesh.get_coordinates()
+    for i, j in [(0, 120), (120, 0), (30, 90)]:
+        b, a = places[i, j]
+        assert values[i, j] == pytest.approx(infer(lopsided, a=a, b=b)["y"])
+
+
+def test_more_inputs_are_held_at_the_middle_or_where_one_says():
+    from fuzzyarm.rulebase import parse
+
+    text = (
+        "rulebase r\ninput a 0 .. 1\ninput b 0 .. 4\ninput c 0 .. 1\noutput y 0 .. 1\n"
+        "terms a, b, c, y: triangles LO HI\n"
+        "rule if a is LO and b is LO then y is LO\nrule if a is HI or b is HI then y is HI\n"
+        "rule if c is HI then y is HI\nrule if c is LO then y is LO\n"
+    )
+    rulebase = parse(text).rulebase
+    middle = surface_figure(rulebase)
+    assert any(axes.get_title() == "c = 0.5" for axes in middle.axes)
+    named = surface_figure(rulebase, at={"b": 3})
+    assert any(axes.get_title() == "b = 3" for axes in named.axes)
+    assert any(axes.get_xlabel() == "c" for axes in named.axes)
+
+
+def test_one_input_gives_a_line_and_steps():
+    from fuzzyarm.rulebase import parse
+
+    text = "rulebase r\ninput a 0 .. 1\noutput y 0 .. 1\nterms a, y: triangles LO HI\n"
+    rulebase = parse(text + "rule if a is LO then y is HI\nrule if a is HI then y is LO\n").rulebase
+    line = surface_figure(rulebase).axes[0].lines[0]
+    assert line.get_ydata()[0] == pytest.approx(infer(rulebase, a=0.0)["y"])
+    assert line.get_ydata()[-1] == pytest.approx(infer(rulebase, a=1.0)["y"])
+    table = compile_table(rulebase, levels=5)
+    steps = table_figure(table, at={"a": 0.3}).axes[0].lines[0]
+    assert set(steps.get_ydata()) == set(table.values)
+
+
+def test_every_term_is_named_in_its_panel(lopsided):
+    figure = memberships_figure(lopsided)
+    assert [labels(axes) for axes in figure.axes] == [
+        ["LO", "HI"],
+        ["N", "Z", "P"],
+        ["S", "M", "L"],
+    ]
+    assert figure.axes[0].get_xlabel() == "a: first input, V"
+
+
+def test_the_picture_of_an_inference_shows_its_value(lopsided):
+    trace = explain(lopsided, a=3.5, b=0.25)
+    figure = inference_figure(lopsided, trace)
+    output = next(axes for axes in figure.axes if axes.get_xlabel().startswith("y"))
+    value = trace.outputs[0].value
+    assert output.get_title().startswith(f"y = {value:.6g}")
+    assert any(np.allclose(line.get_xdata(), value) for line in output.lines)
+    named = [text.get_text().split()[0] for text in output.get_legend().get_texts()]
+    assert named == [each.term for each in trace.outputs[0].consequents]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")]
+)
+def test_the_same_figure_gives_the_same_bytes(tmp_path, lopsided, suffix, start):
+    paths = [tmp_path / f"{k}{suffix}" for k in "ab"]
+    for path in paths:
+        save_figure(memberships_figure(lopsided), path, dpi=60)
+    first, second = (path.read_bytes() for path in paths)
+    assert first == second
+    assert first.startswith(start)
+
+
+def test_unknown_figure_formats_are_refused(tmp_path, lopsided):
+    with pytest.raises(FigureFileError, match=r"'x.gif' .*known: \.png, \.svg, \.pdf"):
+        save_figure(memberships_figure(lopsided), tmp_path / "x.gif")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_with_dollars_are_no_mathematics(tmp_path, lopsided_text):
+    from fuzzyarm.rulebase import parse
+
+    text = lopsided_text.replace("first input, V", "price, $ and $x_$")
+    save_figure(rulebase_figure(parse(text).rulebase), tmp_path / "x.svg")
+    assert "price, $ and $x_$" in (tmp_path / "x.svg").read_text("utf-8")

@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from fuzzyarm.rulebase import parse
+from fuzzyarm.show.console import plain_text
+from fuzzyarm.show.rulediff import compare_rulebases
+from fuzzyarm.show.rulegrid import find_grids, rules_view
+from fuzzyarm.show.words import expression_words, rule_words
+
+HEADER = """\
+rulebase r
+input a 0 .. 1
+input b 0 .. 1
+input c 0 .. 1
+output y 0 .. 1
+output z 0 .. 1
+terms a, b, c: triangles LO HI
+terms y, z: triangles S M L
+"""
+
+
+def rulebase(text: str):
+    parsed = parse(HEADER + text)
+    assert parsed.rulebase is not None, parsed.diagnostics
+    return parsed.rulebase
+
+
+def test_rules_in_words_form_the_same_grid_whatever_their_order():
+    grid = rulebase("rules y\n a \\ b LO HI\n LO S M\n HI M L\n")
+    loose = rulebase(
+        "rule if a is HI and b is HI then y is L\n"
+        "rule if a is LO and b is LO then y is S\n"
+        "rule if a is HI and b is LO then y is M\n"
+        "rule if a is LO and b is HI then y is M\n"
+    )
+    assert plain_text(rules_view(grid)) == plain_text(rules_view(loose))
+    assert compare_rulebases(grid, loose).same
+
+
+def test_further_conditions_make_further_grids():
+    base = rulebase(
+        "rules y when c is LO\n a \\ b LO HI\n LO S S\n HI S S\n"
+        "rules y when c is HI\n a \\ b LO HI\n LO L L\n HI L L\n"
+    )
+    text = plain_text(rules_view(base))
+    assert text.index("when c is LO") < text.index("S") < text.index("when c is HI")
+
+
+def test_contradictions_weights_holes_and_several_outputs():
+    base = rulebase(
+        "rules y\n a \\ b LO HI\n LO S .\n HI M*0.5 L\n"
+        "rule if a is LO and b is LO then y is L\n"
+        "rule if a is LO and b is HI then y is M and z is S\n"
+        "rule if a is LO then z is S\n"
+        "rule if a is very LO or b is not HI then z is L with 0.25\n"
+    )
+    grids, others = find_grids(base.blocks[0])
+    assert [(g.output, g.row, g.column) for g in grids] == [("y", "a", "b")]
+    text = plain_text(rules_view(base))
+    assert "S/L" in text
+    assert "M*0.5" in text
+    assert [rule_words(rule) for rule in others] == [
+        "if a is LO and b is HI then y is M and z is S",
+        "if a is LO then z is S",
+        "if a is very LO or b is not HI then z is L with 0.25",
+    ]
+
+
+def test_words_keep_the_parentheses_that_matter():
+    text = "rule if (a is LO or b is LO) and not (b is HI and c is somewhat LO) then y is S\n"
+    rule = rulebase(text).blocks[0].rules[0]
+    words = expression_words(rule.antecedent)
+    assert words == "(a is LO or b is LO) and not (b is HI and c is somewhat LO)"
+    again = rulebase(f"rule if {words} then y is S\n").blocks[0].rules[0]
+    assert again == rule
+
+
+def test_differences_name_each_rule():
+    before = rulebase("rules y\n a \\ b LO HI\n LO S M\n HI M L\n")
+    after = rulebase("rules y\n a \\ b LO HI\n LO S L\n HI . L\nrule if c is LO then z is S\n")
+    diff = compare_rulebases(before, after)
+    assert [(c.kind, c.what, c.before, c.after) for c in diff.rules] == [
+        ("changed", "if a is LO and b is HI", "y is M", "y is L"),
+        ("removed", "if a is HI and b is LO", "y is M", ""),
+        ("added", "if c is LO", "", "z is S"),
+    ]
+    assert not diff.terms
+    assert compare_rulebases(before, before).same
