@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.parameters import ArmParameters, constants
-from fuzzyarm.arm.signals import Pair, Pose, Reference, State, pose_of, stored
+from fuzzyarm.arm.signals import Pair, Pose, Reference, State, stored
 
 Vector = NDArray[np.float64]
 
@@ -173,19 +173,3 @@ def potential_energy(arm: ArmParameters, state: State) -> float:
     p = constants(arm)
     first, second = state.position
     return float(p[5] * np.sin(first) + p[6] * np.sin(first + second))
-
-
-__all__ = [
-    "PLANT_SIZE",
-    "coriolis_matrix",
-    "forward_dynamics",
-    "friction_matrix",
-    "gravity_torque",
-    "inverse_dynamics",
-    "joint_acceleration",
-    "kinetic_energy",
-    "mass_matrix",
-    "model_torque",
-    "pose_of",
-    "potential_energy",
-]

@@ -41,18 +41,18 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     ready = [row for row in rows if runnable(row)]
     missing = [row for row in rows if not runnable(row)]
-    results = []
-    for result in _watched(ready):
-        results.append(result)
-        if arguments.plot:
+    # Nothing is printed while the bar is on the screen: it would swallow it.
+    results = list(_watched(ready))
+    if arguments.plot:
+        for result in results:
             _plot(result, Path(arguments.plot))
-        if not (arguments.json or arguments.markdown):
-            print(_as_text(result), end="\n\n")
     if arguments.json:
         print(json.dumps([_as_json(result) for result in results], indent=1))
     elif arguments.markdown:
         print("\n".join(_markdown(results)))
     else:
+        for result in results:
+            print(_as_text(result), end="\n\n")
         _summary(results)
     if missing:
         names = ", ".join(dict.fromkeys(row.controller for row in missing))

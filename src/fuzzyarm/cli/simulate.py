@@ -36,12 +36,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     path.add_argument(
         "--trajectory", choices=["reach", "reach-return", "pick-and-place"], default="reach-return"
     )
-    path.add_argument(
+    where = path.add_mutually_exclusive_group()
+    where.add_argument(
         "--angles", nargs=2, type=float, metavar=("A1", "A2"), help="where to turn to, degrees"
     )
     path.add_argument("--segment", type=float, metavar="SECONDS", help="duration of each segment")
     path.add_argument("--hold", type=float, metavar="SECONDS", help="duration of the hold")
-    path.add_argument(
+    where.add_argument(
         "--way-points", nargs="+", metavar="A1,A2", help="move through these, degrees, instead"
     )
     load = parser.add_argument_group("load")

@@ -25,7 +25,7 @@ from fuzzyarm.control import (
     pure_feed_forward,
 )
 from fuzzyarm.control.controller import CompiledController, Controller, Sum
-from fuzzyarm.control.gains import Gain, Origin
+from fuzzyarm.control.gains import Origin
 from fuzzyarm.control.law import Law
 from fuzzyarm.errors import FuzzyarmError
 
@@ -234,16 +234,3 @@ _ENTRIES = (
 
 CATALOGUE: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
 """Every controller by its name."""
-
-__all__ = [
-    "CATALOGUE",
-    "Entry",
-    "Gain",
-    "Start",
-    "UnknownControllerError",
-    "Variant",
-    "controller",
-    "integral_action",
-    "near_names",
-    "study_conventions",
-]

@@ -14,7 +14,6 @@ It adds to every other controller with ``+``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from fuzzyarm.arm.signals import Clock, Pair, Reference, State, pose_of
 from fuzzyarm.control.dispatch import law_torque
@@ -199,8 +198,3 @@ def unknown_gain(controller: Controller, name: str) -> GainError:
     known = ", ".join(dict.fromkeys(key.split(".")[0] for key in controller.gains)) or "none"
     hint = f"did you mean {near[0]}?" if near else f"its gains: {known}"
     return GainError(f"{controller.name} has no gain '{name}'", name=name, hint=hint)
-
-
-def relabelled(gain: Gain, origin: str) -> Gain:
-    """Return the gain with another origin."""
-    return replace(gain, origin=origin)  # type: ignore[arg-type]
