@@ -44,7 +44,7 @@ def group_lines(
 
     A line that starts with a statement word starts a statement. Any other line belongs to
     the statement above it if it is indented (or if that is a grid); else it is an
-    ``unknown-statement``.
+    ``unknown-statement``, read on as the nearest statement if there is a near one.
     """
     groups: list[Group] = []
     waiting: list[str] = []
@@ -59,8 +59,13 @@ def group_lines(
         elif groups and _belongs(line, groups[-1]):
             _extend(groups[-1], line, waiting)
         else:
-            diagnostics.append(_unknown_statement(first))
-            continue
+            diagnostic = _unknown_statement(first)
+            diagnostics.append(diagnostic)
+            if diagnostic.replacement is None:
+                continue
+            # Read on as what was probably meant, so that one slip does not look like many.
+            meant = first._replace(kind="name", text=diagnostic.replacement)
+            groups.append(Group([meant, *line.tokens[1:]], tuple(waiting), line.comment))
         waiting = []
     while waiting and waiting[-1] == "":
         waiting.pop()
