@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.parameters import ArmParameters, constants
 from fuzzyarm.arm.signals import Pair, Pose, Reference, State, stored
+from fuzzyarm.kernels import kernel
 
 Vector = NDArray[np.float64]
 

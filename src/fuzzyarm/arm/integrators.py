@@ -6,8 +6,8 @@
 from __future__ import annotations
 
 from fuzzyarm.arm.dynamics import joint_acceleration
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Pair, Pose, State, pose_of, stored
+from fuzzyarm.kernels import kernel
 
 
 @kernel

@@ -7,8 +7,8 @@ from typing import NamedTuple
 from fuzzyarm.arm.conventions import ITERATIONS
 from fuzzyarm.arm.dynamics import PLANT_SIZE
 from fuzzyarm.arm.integrators import runge_kutta, semi_implicit
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State, pose_of, stored
+from fuzzyarm.kernels import kernel
 
 LAST = ITERATIONS - 1
 """The iteration of a set point in which its sample is taken."""

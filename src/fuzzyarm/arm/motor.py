@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzyarm.arm.kernels import kernel
+from fuzzyarm.kernels import kernel
 
 TORQUE_CONSTANT = 0.066
 """Of both motors, N m/A, and, in V s/rad, their back-EMF constant."""

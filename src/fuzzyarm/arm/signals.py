@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fuzzyarm.arm.kernels import kernel
+from fuzzyarm.kernels import kernel
 
 Pair = tuple[float, float]
 """One number per joint."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from fuzzyarm.arm.dynamics import model_torque
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.parameters import ESTIMATE, constants
 from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.critically_damped import BANDWIDTH, SLIDING, sliding_reference
 from fuzzyarm.control.gains import Gain, Gains
 from fuzzyarm.control.law import Law, hold, model_gains, model_of
+from fuzzyarm.kernels import kernel
 
 ADAPTATION = Gain("Gamma", (100.0,) * 7, "1/s", "adaptation of P1 … P7")
 SLIP = Gain(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from fuzzyarm.arm.dynamics import model_torque
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.parameters import UNLOADED
 from fuzzyarm.arm.signals import Pair, Pose, Reference, State
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain
 from fuzzyarm.control.law import Law, model_gains, pack_with_model
+from fuzzyarm.kernels import kernel
 
 MODEL = UNLOADED.with_values(J_1=0.0, J_2=0.0)
 """What the controllers of chapter 4 know: the unloaded arm without its motors."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from fuzzyarm.arm.dynamics import model_torque
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Pair, Pose, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.computed_torque import MODEL
 from fuzzyarm.control.gains import Gain
 from fuzzyarm.control.law import Law, model_gains, pack_with_model
+from fuzzyarm.kernels import kernel
 
 BANDWIDTH = Gain("Lambda", (100.0, 100.0), "1/s", "position error in the reference velocity")
 SLIDING = Gain("K_D", (50.0, 50.0), "N m s/rad", "reference velocity minus velocity")

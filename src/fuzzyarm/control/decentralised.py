@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Clock, Pair, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain, Gains
 from fuzzyarm.control.law import Law
+from fuzzyarm.kernels import kernel
 
 POSITION = Gain("p_2", (1650.0, 1650.0), "1/rad", "position error in r", "identified")
 VELOCITY = Gain("p_3", (50.0, 50.0), "s/rad", "velocity error in r", "identified")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State
 from fuzzyarm.control.adaptive_critically_damped import adaptive_critically_damped_torque
 from fuzzyarm.control.computed_torque import computed_torque
@@ -24,6 +23,7 @@ from fuzzyarm.control.kinds import (
 from fuzzyarm.control.model_reference import model_reference_torque
 from fuzzyarm.control.pd import pd_torque
 from fuzzyarm.control.pure_feed_forward import pure_feed_forward_torque
+from fuzzyarm.kernels import kernel
 
 
 @kernel

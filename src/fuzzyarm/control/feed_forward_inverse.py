@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from fuzzyarm.arm.dynamics import model_torque
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Pair, Pose, Reference, State
 from fuzzyarm.control import kinds
 from fuzzyarm.control.computed_torque import MODEL
 from fuzzyarm.control.law import Law, model_gains, pack_with_model
 from fuzzyarm.control.pd import DERIVATIVE, PROPORTIONAL, pd_torque
+from fuzzyarm.kernels import kernel
 
 
 @kernel

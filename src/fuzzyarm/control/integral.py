@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Clock, Pair, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain, Gains
 from fuzzyarm.control.law import Law
+from fuzzyarm.kernels import kernel
 
 INTEGRAL = Gain("K_I", (50.0, 50.0), "N m/rad", "sum of the position errors (no dt)")
 WHOLE_RUN = Gain("whole_run", (0.0,), "1", "0: the sum is cleared after each set point; 1: never")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.parameters import ESTIMATE
 from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain, Gains
 from fuzzyarm.control.law import Law, hold, model_gains, pack_with_model
+from fuzzyarm.kernels import kernel
 
 STIFFNESS = Gain(
     "K_1", (500.0, 500.0), "1/s²", "position in the reference model", "identified", True

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Pair, Reference, State
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain
 from fuzzyarm.control.law import Law
+from fuzzyarm.kernels import kernel
 
 PROPORTIONAL = Gain("K_P", (100.0, 100.0), "N m/rad", "position error")
 DERIVATIVE = Gain("K_D", (50.0, 50.0), "N m s/rad", "velocity error")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from fuzzyarm.arm.dynamics import model_torque
-from fuzzyarm.arm.kernels import kernel
 from fuzzyarm.arm.signals import Pair, Reference, State, pose_of
 from fuzzyarm.control import kinds
 from fuzzyarm.control.computed_torque import MODEL
 from fuzzyarm.control.gains import Gain
 from fuzzyarm.control.law import Law, model_gains, pack_with_model
 from fuzzyarm.control.pd import DERIVATIVE, PROPORTIONAL, pd_torque
+from fuzzyarm.kernels import kernel
 
 STABILISING = Gain(
     "sigma", (100.0, 100.0), "N m/rad³", "error times its squared norm; σ K₂⁻¹ K in one", "own"

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from fuzzyarm.arm import norms
 from fuzzyarm.arm.conventions import ITERATIONS, PLAIN, SET_POINT_PERIOD, Conventions
 from fuzzyarm.arm.faults import ArmError
-from fuzzyarm.arm.kernels import build, jit_wanted
 from fuzzyarm.arm.loop import Setting, run_loop
 from fuzzyarm.arm.parameters import ArmParameters, constants
 from fuzzyarm.arm.payload import Schedule, schedule
@@ -23,6 +22,7 @@ from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State
 from fuzzyarm.arm.trajectory import SetPoints, Trajectory, sample
 from fuzzyarm.control.controller import CompiledController, Controller
 from fuzzyarm.control.dispatch import summed_torque
+from fuzzyarm.kernels import build, jit_wanted
 
 Vector = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from fuzzyarm.arm import kernels
-from fuzzyarm.arm.kernels import build, jit_wanted, kernel
+from fuzzyarm.kernels import build, jit_wanted, kernel
 
 
 @kernel
