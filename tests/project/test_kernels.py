@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from fuzzyarm.arm import kernels
+from fuzzyarm import kernels
 from fuzzyarm.kernels import build, jit_wanted, kernel
 
 

@@ -91,7 +91,7 @@ def test_the_arm_knows_nothing_of_fuzzy_sets(path):
 
 def test_the_language_uses_the_standard_library_only():
     for path in MODULES:
-        if package_of(path) in ("rulebase", "errors", "files", "kernels", "shipped_files"):
+        if package_of(path) in ("rulebase", "errors", "files", "shipped_files"):
             for module, _ in imported_modules(path):
                 top = module.split(".")[0]
                 assert top == "fuzzyarm" or top in sys.stdlib_module_names, (path, module)

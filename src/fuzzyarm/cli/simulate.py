@@ -193,7 +193,7 @@ def _overrides(words: list[str]) -> dict[str, list[float]]:
 
 def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> str:
     """Say how much longer an interpreted run took than a compiled one of the same length."""
-    from fuzzyarm.arm.kernels import jit_wanted
+    from fuzzyarm.kernels import jit_wanted
     from fuzzyarm.control import controller, simulate
 
     if result.compiled or not jit_wanted():
