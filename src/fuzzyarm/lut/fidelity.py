@@ -16,6 +16,7 @@ from fuzzyarm.lut.table import LookupTable
 from fuzzyarm.rulebase.model import RuleBase
 
 _DENSE_POINTS = 160_000
+_MOST_POINTS = 2_000_000
 _SLAB = 262_144
 
 
@@ -77,10 +78,7 @@ def measure_fidelity(
         One for each mode.
     """
     chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
-    share = max(3, round(_DENSE_POINTS ** (1.0 / len(table.axes))))
-    grids = [_dense(axis, share) for axis in table.axes]
-    points = [x for x, _ in grids]
-    weights = [w for _, w in grids]
+    points, weights = _dense_grid(table.axes)
     tallies = {mode: _Tally() for mode in chosen}
     rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
     for start in range(0, points[0].size, rows):
@@ -96,19 +94,53 @@ def measure_fidelity(
     return tuple(tallies[mode].result(mode, table.names, sizes) for mode in chosen)
 
 
-def _dense(axis: Axis, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return increasing points on `axis` and their weights: 1 on the even ones, else 0."""
+_Points = list[NDArray[np.float64]]
+
+
+def _dense_grid(axes: Sequence[Axis]) -> tuple[_Points, _Points]:
+    """Return the points along each axis and their weights: 1 on the even ones, else 0.
+
+    With many inputs the points besides the even ones are given up, so that the grid does
+    not explode.
+    """
+    count = max(3, round(_DENSE_POINTS ** (1.0 / len(axes))))
+    even = [np.linspace(*_ends(axis), count) for axis in axes]
+    for choose in (_levels_and_edges, _levels, _nothing):
+        points = [
+            np.unique(np.concatenate([x, _inside(choose(axis, count), axis)]))
+            for axis, x in zip(axes, even, strict=True)
+        ]
+        if math.prod(x.size for x in points) <= _MOST_POINTS:
+            break
+    weights = [np.isin(x, e).astype(np.float64) for x, e in zip(points, even, strict=True)]
+    return points, weights
+
+
+def _ends(axis: Axis) -> tuple[float, float]:
     low = axis.low if math.isfinite(axis.low) else axis.levels[0]
     high = axis.high if math.isfinite(axis.high) else axis.levels[-1]
-    even = np.linspace(low, high, count)
-    levels = np.array(axis.levels)
+    return low, high
+
+
+def _inside(points: NDArray[np.float64], axis: Axis) -> NDArray[np.float64]:
+    low, high = _ends(axis)
+    return points[(points >= low) & (points <= high)]
+
+
+def _levels_and_edges(axis: Axis, count: int) -> NDArray[np.float64]:
+    """Return the levels and both sides of every threshold; of very many, the levels alone."""
     edges = np.array([*axis.thresholds("bins"), *axis.thresholds("nearest")])
-    extra = np.concatenate([levels, edges, np.nextafter(edges, np.inf)])
-    if extra.size > 4 * count:  # so many levels that the even points are dense enough
-        extra = levels
-    extra = extra[(extra >= low) & (extra <= high)]
-    points = np.unique(np.concatenate([even, extra]))
-    return points, np.isin(points, even).astype(np.float64)
+    if edges.size > count:
+        return _levels(axis, count)
+    return np.concatenate([axis.levels, edges, np.nextafter(edges, np.inf)])
+
+
+def _levels(axis: Axis, count: int) -> NDArray[np.float64]:
+    return np.array(axis.levels)
+
+
+def _nothing(axis: Axis, count: int) -> NDArray[np.float64]:
+    return np.empty(0)
 
 
 class _Tally:

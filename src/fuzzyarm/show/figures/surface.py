@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.lut.numbers import column_of_numbers
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fuzzyarm.lut import LookupTable
+
+_GAP = 1.2345e300
+"""Stands for *no value* on its way through the inference, which knows no NaN."""
 
 _LINE = 601
 _PLANE = 121
@@ -73,8 +76,6 @@ def surface_figure(
 
 def draw_response(part: Any, rulebase: RuleBase, output: Output, at: Mapping[str, float]) -> None:
     """Draw one output of `rulebase` into a figure or a part of one."""
-    from fuzzyarm.inference import infer
-
     free, fixed = _free_and_fixed(rulebase, at)
     sides = [side_of(variable) for variable in free]
     target = Side(output.name, output.description, output.low, output.high)
@@ -83,13 +84,29 @@ def draw_response(part: Any, rulebase: RuleBase, output: Output, at: Mapping[str
     counts = _LINE if len(sides) == 1 else _PLANE
     grid = np.ix_(*(np.linspace(side.low, side.high, counts) for side in sides))
     inputs = {**fixed, **{side.name: values for side, values in zip(sides, grid, strict=True)}}
-    values = np.broadcast_to(infer(rulebase, inputs)[output.name], [counts] * len(sides))
-    title = _fixed_words(fixed)
+    values = np.broadcast_to(_with_gaps(rulebase, output, inputs), [counts] * len(sides))
+    notes = [_fixed_words(fixed), "blank: no rule fires" if _has_gaps(values) else ""]
+    title = "\n".join(filter(None, notes))
     if len(sides) == 1:
         _line(part.subplots(), sides[0], target, grid[0], values, title)
         return
     point = [at[side.name] for side in sides if side.name in at]
     _plane(part, sides, target, [x.ravel() for x in grid], values, title, point)
+
+
+def _with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
+    """Return the inference, NaN where no rule fires and the file states no value for that."""
+    import numpy as np
+
+    from fuzzyarm.inference import infer
+
+    if not isinstance(output.no_rule, str):
+        return infer(rulebase, inputs)[output.name]
+    others = {o.name: 0.0 for o in rulebase.outputs if o.no_rule == "hold"}
+    marked = tuple(replace(o, no_rule=_GAP) if o is output else o for o in rulebase.outputs)
+    others.pop(output.name, None)
+    values = np.asarray(infer(replace(rulebase, outputs=marked), inputs, held=others)[output.name])
+    return np.where(values == _GAP, np.nan, values)
 
 
 def _free_and_fixed(
@@ -181,7 +198,8 @@ def _plane(
     """Draw a surface in space on the left, its map with contour lines on the right."""
     from matplotlib.ticker import MaxNLocator
 
-    scale = scale_of([float(values.min()), float(values.max())])
+    least, most = _ends(values)
+    scale = scale_of([least, most])
     limits = {"cmap": colour_map(scale), "vmin": scale.low, "vmax": scale.high}
     grid = part.add_gridspec(1, 2, width_ratios=[1.15, 1.0])
     space = part.add_subplot(grid[0], projection="3d")
@@ -200,8 +218,15 @@ def _plane(
         axis.set_major_locator(MaxNLocator(5))
     space.set_box_aspect((1, 1, 0.8), zoom=0.94)
     flat = part.add_subplot(grid[1])
-    image = flat.pcolormesh(columns, rows, values, shading="gouraud", rasterized=True, **limits)
-    if float(values.max()) - float(values.min()) > 1e-12:
+    image = flat.pcolormesh(
+        columns,
+        rows,
+        values,
+        shading="nearest" if _has_gaps(values) else "gouraud",
+        rasterized=True,
+        **limits,
+    )
+    if most - least > 1e-12:
         lines = flat.contour(columns, rows, values, levels=9, colors="#222222", linewidths=0.6)
         flat.clabel(lines, fontsize=7, inline_spacing=2)
     if len(at) == 2:
@@ -213,6 +238,20 @@ def _plane(
     bar.set_label(target.label, fontsize=9)
     bar.ax.tick_params(labelsize=8)
     flat.set_title(safe(title), fontsize=9)
+
+
+def _has_gaps(values: Any) -> bool:
+    import numpy as np
+
+    return bool(np.isnan(values).any())
+
+
+def _ends(values: Any) -> tuple[float, float]:
+    """Return the least and the largest value; 0 and 0 where there is none."""
+    import numpy as np
+
+    sound = values[np.isfinite(values)]
+    return (float(sound.min()), float(sound.max())) if sound.size else (0.0, 0.0)
 
 
 def _cells(
