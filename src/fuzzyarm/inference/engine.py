@@ -25,7 +25,7 @@ from fuzzyarm.inference.errors import (
 )
 from fuzzyarm.inference.membership import apply_hedges, membership
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan
-from fuzzyarm.inference.scalar import check_names
+from fuzzyarm.inference.scalar import check_names, stands_in_for_nan
 from fuzzyarm.inference.snorms import SNORMS
 from fuzzyarm.inference.tnorms import TNORMS
 from fuzzyarm.rulebase.model import And, Expression, Hedge, Hedged, Is, Output, RuleBase, Variable
@@ -178,6 +178,8 @@ class _Chunk:
             return
         if planned.rule.weight != 1.0:
             strength = strength * planned.rule.weight
+        if planned.threshold > 0.0:
+            strength = np.where(strength > planned.threshold, strength, 0.0)
         for output, member in self._members.get(index, ()):
             self._strengths[output].add(member, strength)
 
@@ -241,7 +243,10 @@ class _Chunk:
         value = np.broadcast_to(value, self.shape)
         if not fired.all():
             value = np.where(fired, value, self._no_rule(output, ~fired))
-        if np.isnan(value).any():
+        if stands_in_for_nan(output):
+            fired = fired & ~np.isnan(value)
+            value = value if fired.all() else np.where(fired, value, self._no_rule(output, ~fired))
+        elif np.isnan(value).any():
             where = np.unravel_index(int(np.isnan(value).argmax()), self.shape)
             point = ", ".join(f"{n} = {v:.6g}" for n, v in self._point(where).items())
             raise NotANumberError(output.name, f"has none at {point}")

@@ -104,6 +104,7 @@ class PlannedRule:
     conjunction: str
     disjunction: str
     degrees: frozenset[str]
+    threshold: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +221,13 @@ def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule
         open_outputs = frozenset(name for name in used if last_writer.get(name, -1) == number)
         start = len(rules)
         rules += [
-            PlannedRule(rule, block.conjunction, block.disjunction, _reads(rule, open_outputs))
+            PlannedRule(
+                rule,
+                block.conjunction,
+                block.disjunction,
+                _reads(rule, open_outputs),
+                block.threshold,
+            )
             for rule in block.rules
         ]
         steps += [start + i for i in _sorted_rules(block, open_outputs)]

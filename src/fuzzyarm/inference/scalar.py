@@ -73,6 +73,7 @@ class _Conjunction(NamedTuple):
     numbers: tuple[int, ...]
     weight: float
     norm: Norm
+    threshold: float
 
 
 Action = Callable[[Point], None]
@@ -144,7 +145,8 @@ class Prepared:
             planned = self.plan.rules[index]
             parts = list(propositions(planned.rule.antecedent))
             numbers = tuple(self._number(part) for part in parts)
-            entry = _Conjunction(index, numbers, planned.rule.weight, TNORMS[planned.conjunction])
+            weight, norm = planned.rule.weight, TNORMS[planned.conjunction]
+            entry = _Conjunction(index, numbers, weight, norm, planned.threshold)
             order = sorted(range(len(parts)), key=lambda i: (parts[i].variable, i))
             variables = tuple(parts[i].variable for i in order)
             key = tuple(numbers[i] for i in order)
@@ -170,12 +172,12 @@ class Prepared:
 
     def _fire(self, point: Point, entries: list[_Conjunction]) -> None:
         degrees, fired = point.degrees, point.fired
-        for rule, numbers, weight, norm in entries:
+        for rule, numbers, weight, norm, threshold in entries:
             strength = degrees[numbers[0]]
             for number in numbers[1:]:
                 strength = norm(strength, degrees[number])
             strength *= weight
-            if strength > 0.0:
+            if strength > threshold:
                 for output, member in self._consequents[rule]:
                     fired[output].append((member, strength))
 
@@ -183,10 +185,11 @@ class Prepared:
         planned = self.plan.rules[index]
         truth = self._compile_expression(planned.rule.antecedent, planned)
         weight, consequents = planned.rule.weight, self._consequents[index]
+        threshold = planned.threshold
 
         def visit(point: Point) -> None:
             strength = truth(point) * weight
-            if strength > 0.0:
+            if strength > threshold:
                 for output, member in consequents:
                     point.fired[output].append((member, strength))
 
@@ -241,7 +244,10 @@ class Prepared:
             fired = point.fired[name]
             value = defuzzify_one(output_plan, fired, point.values, self._names) if fired else None
             if value is not None and math.isnan(value):
-                raise NotANumberError(name, "has none at " + _written(point.values, self._names))
+                if not stands_in_for_nan(output):
+                    where = _written(point.values, self._names)
+                    raise NotANumberError(name, f"has none at {where}")
+                value = None
             if value is None:
                 point.silent.add(name)
                 point.values[name] = self._no_rule(output, point)
@@ -306,7 +312,8 @@ class Prepared:
         """
         planned = self.plan.rules[rule]
         truth = self._compile_expression(planned.rule.antecedent, planned)
-        return truth(point) * planned.rule.weight
+        strength = truth(point) * planned.rule.weight
+        return strength if strength > planned.threshold else 0.0
 
     @property
     def chained(self) -> tuple[str, ...]:
@@ -410,6 +417,15 @@ def _outside(name: str, value: float, low: float, high: float, outside: str) -> 
     if math.isinf(value):
         raise NotANumberError(name, f"is infinite ({value})")
     return value
+
+
+def stands_in_for_nan(output: Output) -> bool:
+    """Whether the value for no rule also stands in where a formula has none.
+
+    That is so where it is held, or NaN itself: such an output may be without a value.
+    """
+    no_rule = output.no_rule
+    return no_rule == "hold" or (isinstance(no_rule, float) and math.isnan(no_rule))
 
 
 def bring_into_range(variable: Variable, value: float) -> float:

@@ -239,6 +239,17 @@ class RuleBlock:
     """Rules that share their norms. Blocks are evaluated in order.
 
     A later block may use an output of an earlier one as an input (chaining).
+
+    Attributes
+    ----------
+    rules : tuple of Rule
+        In order.
+    name : str
+        Free; empty where a file has one block.
+    conjunction, disjunction, implication : str
+        Names of norms.
+    threshold : float
+        A rule fires only where its firing strength is greater than this.
     """
 
     rules: tuple[Rule, ...] = ()
@@ -246,6 +257,7 @@ class RuleBlock:
     conjunction: str = "min"
     disjunction: str = "max"
     implication: str = "min"
+    threshold: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
