@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 
 from fuzzyarm.formats.draft import unique_name
 from fuzzyarm.formats.imported import Exported, Findings
+from fuzzyarm.rulebase.diagnostic import Severity
 from fuzzyarm.rulebase.model import Expression, Hedge, Hedged, Input, Is, Output, RuleBase
 
+ERROR, WARNING = Severity.ERROR, Severity.WARNING
 HEADER = "Written by fuzzyarm"
 
 _IDENTIFIER = re.compile(r"[^\W\d]\w*\Z")
@@ -180,6 +182,21 @@ def note_chaining(rulebase: RuleBase, findings: Findings, program: str, *, own: 
                 findings.loss("chained-output", message, rule.span)
 
 
+def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: float) -> None:
+    """Report blocks whose threshold is not the one that the program has."""
+    for block in rulebase.blocks:
+        if block.threshold == usual:
+            continue
+        message = (
+            f"rules of the block '{block.name}' fire above {block.threshold}, to {program} "
+            f"above {usual}"
+        )
+        if max(block.threshold, usual) > 1e-6:
+            findings.loss("threshold", message)
+        else:
+            findings.info("threshold", message)
+
+
 def variables_in(expression: Expression) -> set[str]:
     """Return the names of the variables in an antecedent."""
     if isinstance(expression, Is):
@@ -206,9 +223,10 @@ def without_any(hedges: tuple[Hedge, ...]) -> tuple[tuple[Hedge, ...], bool]:
 
 
 def best(attempts: list[Exported]) -> Exported:
-    """Return the first attempt with the fewest losses, counting warnings last."""
+    """Return the first attempt with the fewest errors, then warnings, then remarks."""
 
-    def cost(attempt: Exported) -> tuple[int, int]:
-        return len(attempt.errors), sum(d.severity == "warning" for d in attempt.diagnostics)
+    def cost(attempt: Exported) -> tuple[int, int, int]:
+        graves = [d.severity for d in attempt.diagnostics]
+        return graves.count(ERROR), graves.count(WARNING), len(graves)
 
     return min(attempts, key=cost)

@@ -34,16 +34,28 @@ MAX_NODES = 2_000
 POWERS = {"very": 2.0, "somewhat": 0.5, "extremely": 3.0, "power": 1.0}
 """Exponents of the hedges that are powers; that of ``power`` is its own number."""
 
+MACHINE_EPSILON = 1e-6
+"""What the C++ program takes for zero: a rule that fires less does not fire."""
+
 NEVER = (Hedge("not"), Hedge("any"))
 
 
 @dataclass(frozen=True, slots=True)
 class Norms:
-    """The norms of a block; None where the file gives none."""
+    """The norms of a block; None where the file gives none.
+
+    Attributes
+    ----------
+    conjunction, disjunction, implication : str or None
+        Names in the model.
+    threshold : float
+        Firing strengths up to this count as none.
+    """
 
     conjunction: str | None = None
     disjunction: str | None = None
     implication: str | None = None
+    threshold: float = 0.0
 
 
 class RuleBuilder:
@@ -70,11 +82,11 @@ class RuleBuilder:
         texts: list[RuleText],
         later: frozenset[str] = frozenset(),
     ) -> RuleBlock:
-        """Return the block of the rules `texts`.
+        """Return the block of the rules `texts`; `later` blocks conclude other outputs.
 
-        An output that its own rules conclude before any rule uses it stands for its
-        activation in the model too; any other is put in. `later` are the outputs that
-        later blocks conclude.
+        An output in an antecedent is replaced by the conditions that lead to it, where
+        that is exact. Otherwise it stays where the model means the same: an output that
+        rules of its own block conclude, all of them before the first that uses it.
         """
         rules: list[Rule] = []
         self._own = _finished_in(texts) - later
@@ -91,6 +103,7 @@ class RuleBuilder:
             norms.conjunction or "min",
             norms.disjunction or "max",
             norms.implication or "min",
+            norms.threshold,
         )
 
     def _need_norms(self, text: RuleText, norms: Norms) -> None:
@@ -159,8 +172,6 @@ class RuleBuilder:
         draft = self.variables.get(proposition.variable)
         if draft is None or (draft.enabled and not draft.is_output):
             return proposition
-        if draft.enabled and draft.name in self._own:
-            return proposition
         if any(h.name == "any" for h in proposition.hedges):
             return self._constant(proposition, proposition.hedges)
         if not draft.enabled:
@@ -185,6 +196,8 @@ class RuleBuilder:
             self.findings.warn("never-activated", message, proposition.span)
             return self._constant(proposition, NEVER)
         reason = self._why_not(fired, output, norms)
+        if reason and output.name in self._own:
+            return proposition
         if reason:
             message = (
                 f"fuzzylite takes the activation of '{output.name} is {proposition.term}' so "
@@ -203,6 +216,8 @@ class RuleBuilder:
         return antecedents[0] if len(antecedents) == 1 else Or(antecedents)
 
     def _why_not(self, fired: list[tuple[Rule, Norms]], output: Draft, norms: Norms) -> str:
+        if any(other.threshold > norms.threshold for _, other in fired):
+            return "the block that leads to it has a threshold"
         if any(rule.weight != 1.0 for rule, _ in fired):
             return "a rule that leads to it has a weight"
         if len(fired) > 1 and output.aggregation != norms.disjunction:

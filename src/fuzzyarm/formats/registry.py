@@ -185,7 +185,18 @@ def write(
         case ".fis":
             return write_fis(rulebase, producer=producer, lossy=lossy)
         case ".frb":
-            from fuzzyarm.rulebase import write as write_rulebase
-
-            return Exported(write_rulebase(rulebase))
+            return _write_own(rulebase)
     raise FormatError(f"no format has the suffix '{suffix}'")
+
+
+def _write_own(rulebase: RuleBase) -> Exported:
+    """Write a ``.frb`` text, unless the language would refuse it."""
+    from fuzzyarm.rulebase import parse as parse_rulebase
+    from fuzzyarm.rulebase import write as write_rulebase
+
+    text = write_rulebase(rulebase)
+    findings = Findings()
+    for diagnostic in parse_rulebase(text).diagnostics:
+        if diagnostic.is_error:
+            findings.error(diagnostic.name, diagnostic.message)
+    return Exported(None if findings.failed else text, findings.all())

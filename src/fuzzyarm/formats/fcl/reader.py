@@ -11,6 +11,7 @@ from fuzzyarm.formats.fcl.dialect import detect, finish_output
 from fuzzyarm.formats.fcl.lexer import SECTIONS, fcl_words
 from fuzzyarm.formats.fcl.rules import BlockText, blocks_in_model, read_block
 from fuzzyarm.formats.fcl.terms import fcl_shape
+from fuzzyarm.formats.fcl.walk import settle_edges
 from fuzzyarm.formats.imported import Findings, Imported, Word, too_long
 from fuzzyarm.formats.norms import FCL_DISJUNCTIONS
 from fuzzyarm.formats.numerals import number
@@ -314,6 +315,8 @@ class _Reader:
         if math.isinf(draft.low) and math.isinf(draft.high):
             self._estimate(draft)
         draft.settle_range(self.findings)
+        if draft.is_output and self.dialect == "jfuzzylogic":
+            settle_edges(draft, self.findings)
 
     def _estimate(self, draft: Draft) -> None:
         integrated = draft.is_output and draft.defuzzifier.resolution is not None

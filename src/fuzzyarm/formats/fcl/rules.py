@@ -9,7 +9,7 @@ from fuzzyarm.formats.export import variables_in
 from fuzzyarm.formats.fcl.cursor import Cursor, SyntaxFaultError
 from fuzzyarm.formats.fcl.dialect import RULES
 from fuzzyarm.formats.fcl.lexer import SECTIONS
-from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder, concluded
+from fuzzyarm.formats.fuzzylite_rules import MACHINE_EPSILON, Norms, RuleBuilder, concluded
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FCL_CONJUNCTIONS, FCL_DISJUNCTIONS, JFUZZYLOGIC_PAIRS
 from fuzzyarm.formats.propositions import RuleFaultError, RuleParser, RuleText
@@ -154,7 +154,8 @@ def _norms(block: BlockText, dialect: str, findings: Findings) -> tuple[Norms, s
         if dialect == "jfuzzylogic" and key in ("AND", "OR"):
             _pair(found, key, norm, word, findings)
         found[key] = norm
-    norms = Norms(found.get("AND"), found.get("OR"), found.get("ACT"))
+    threshold = MACHINE_EPSILON if dialect == "fuzzylite" else 0.0
+    norms = Norms(found.get("AND"), found.get("OR"), found.get("ACT"), threshold)
     if dialect == "jfuzzylogic":
         norms = Norms(norms.conjunction or "min", norms.disjunction or "max", norms.implication)
     return norms, found.get("ACCU")

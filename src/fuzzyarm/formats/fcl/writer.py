@@ -14,12 +14,14 @@ from fuzzyarm.formats.export import (
     note_chaining,
     note_left_out,
     note_outside,
+    note_threshold,
     one_line,
 )
 from fuzzyarm.formats.fcl.dialect import INTEGRAL, SAMPLINGS
 from fuzzyarm.formats.fcl.lexer import KEYWORDS
 from fuzzyarm.formats.fcl.plain_text import plain_rule, plain_term
 from fuzzyarm.formats.fll.terms import term_text
+from fuzzyarm.formats.fuzzylite_rules import MACHINE_EPSILON
 from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
 from fuzzyarm.formats.fuzzylite_text import rule_text, said_rules
 from fuzzyarm.formats.imported import Exported, Findings
@@ -89,6 +91,7 @@ class _Writer:
         own = self.dialect == "fuzzylite"
         note_left_out(rulebase, findings, descriptions=False)
         note_chaining(rulebase, findings, self.program, own=own)
+        note_threshold(rulebase, findings, self.program, MACHINE_EPSILON if own else 0.0)
         note_outside(rulebase.inputs, findings, self.program)
         if not own:
             note_outside(rulebase.outputs, findings, self.program)

@@ -9,7 +9,13 @@ from dataclasses import dataclass, field, replace
 from fuzzyarm.formats.draft import Draft, same_value
 from fuzzyarm.formats.fis.lines import Section, key_and_value, unquoted
 from fuzzyarm.formats.fll.outputs import MONOTONIC, VALUES, settle_weighted
-from fuzzyarm.formats.fuzzylite_rules import POWERS, Norms, RuleBuilder, hedged_weight
+from fuzzyarm.formats.fuzzylite_rules import (
+    MACHINE_EPSILON,
+    POWERS,
+    Norms,
+    RuleBuilder,
+    hedged_weight,
+)
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS
 from fuzzyarm.formats.propositions import RuleText, hedged
@@ -126,7 +132,7 @@ def finish_output(draft: Draft, system: System, producer: str, findings: Finding
         draft.defuzzifier = Defuzzifier(INTEGRAL[name], resolution, sampling)
         if producer == "fuzzylite" and _is_nan(draft.no_rule):
             draft.no_rule = maximum_of_nothing(draft)
-        _values_as_sets(draft, producer, at, findings)
+        _values_as_sets(draft, system, producer, at, findings)
         if not _bounded(draft):
             message = f"the output '{draft.name}' needs a range to be integrated over"
             findings.error("bad-range", message, draft.word)
@@ -162,23 +168,36 @@ def maximum_of_nothing(draft: Draft | Output) -> float:
     return math.nan
 
 
-def _values_as_sets(draft: Draft, producer: str, at: Word, findings: Findings) -> None:
+def _values_as_sets(
+    draft: Draft, system: System, producer: str, at: Word, findings: Findings
+) -> None:
     """Express constants that are integrated: to fuzzylite a constant is a set of that height."""
     for index, term in enumerate(draft.terms):
         if term.shape.kind not in VALUES:
             continue
-        if producer == "fuzzylite" and term.shape.kind == "singleton" and _bounded(draft):
+        height = _height(term, system, findings) if producer == "fuzzylite" else 0.0
+        if height > 0.0 and _bounded(draft):
             message = (
                 f"fuzzylite integrates the constant '{term.name}' as a set of that height "
                 "over the whole range"
             )
             findings.warn("value-as-set", message, term.span)
-            height = term.shape.parameters[0]
             shape = Shape("rectangle", (draft.low, draft.high), height)
             draft.terms[index] = Term(term.name, shape, term.span)
             continue
         message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
         findings.loss("value-as-set", message, at)
+
+
+def _height(term: Term, system: System, findings: Findings) -> float:
+    """Return the height of the set that a constant is to fuzzylite; 0 where it is none."""
+    if term.shape.kind != "singleton":
+        return 0.0
+    value = term.shape.parameters[0]
+    if value > 1.0:  # a higher set is cut at the firing strength all the same, but only by min
+        implication = system.norm("impmethod", FIS_CONJUNCTIONS, "min", findings)
+        return 1.0 if implication == "min" else 0.0
+    return max(value, 0.0)
 
 
 def rules_in_model(
@@ -193,7 +212,7 @@ def rules_in_model(
     disjunction = system.norm("ormethod", FIS_DISJUNCTIONS, "max", findings)
     implication = system.norm("impmethod", FIS_CONJUNCTIONS, "min", findings)
     if producer == "fuzzylite":
-        norms = Norms(conjunction, disjunction, implication)
+        norms = Norms(conjunction, disjunction, implication, MACHINE_EPSILON)
         return RuleBuilder(drafts, findings).block("", norms, texts)
     rules = [Rule(text.antecedent, text.conclusions, text.weight, text.span) for text in texts]
     if producer == "octave":

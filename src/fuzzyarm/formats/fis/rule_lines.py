@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-from fuzzyarm.formats.fis.rules import fraction_of
 from fuzzyarm.formats.fis.meaning import root
+from fuzzyarm.formats.fis.rules import fraction_of
 from fuzzyarm.formats.fuzzylite_text import Said, said_rules, weight_before
 from fuzzyarm.formats.imported import Findings
 from fuzzyarm.formats.numerals import written
 from fuzzyarm.formats.propositions import NOT
-from fuzzyarm.rulebase.model import And, Consequent, Expression, Hedge, Hedged, Is, Or, Rule, RuleBase, RuleBlock
+from fuzzyarm.rulebase.model import (
+    And,
+    Consequent,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    Rule,
+    RuleBase,
+    RuleBlock,
+)
 
 
 def rule_lines(rulebase: RuleBase, producer: str, findings: Findings) -> list[str]:

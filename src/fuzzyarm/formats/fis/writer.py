@@ -11,12 +11,14 @@ from fuzzyarm.formats.export import (
     note_chaining,
     note_left_out,
     note_outside,
+    note_threshold,
     one_line,
 )
 from fuzzyarm.formats.fis.meaning import INTEGRAL, PRODUCERS, SAMPLINGS, maximum_of_nothing
 from fuzzyarm.formats.fis.rule_lines import rule_lines
 from fuzzyarm.formats.fis.terms import MATLAB_SHAPES, fis_term
 from fuzzyarm.formats.fll.outputs import MONOTONIC
+from fuzzyarm.formats.fuzzylite_rules import MACHINE_EPSILON
 from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
 from fuzzyarm.formats.imported import Exported, Findings
 from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS, reverse
@@ -72,6 +74,8 @@ class _Writer:
         rulebase, findings = self.rulebase, self.findings
         note_left_out(rulebase, findings, descriptions=False)
         note_chaining(rulebase, findings, self.program, own=False)
+        usual = MACHINE_EPSILON if self.producer == "fuzzylite" else 0.0
+        note_threshold(rulebase, findings, self.program, usual)
         note_outside(rulebase.inputs, findings, self.program)
         if self.producer != "fuzzylite":
             note_outside(rulebase.outputs, findings, self.program)

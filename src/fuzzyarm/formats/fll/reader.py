@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, field
 
@@ -29,6 +30,7 @@ class _Block:
     conjunction: str | None = None
     disjunction: str | None = None
     implication: str | None = None
+    threshold: float = 0.0
     rules: list[Line] = field(default_factory=list)
     span: Span = NOWHERE
 
@@ -212,9 +214,12 @@ class _Reader:
         if method in FLL_CONJUNCTIONS:  # fuzzylite 5 said activation for implication
             block.implication = FLL_CONJUNCTIONS[method]
         elif method in _ACTIVATIONS:
-            if not _fires_all(words):
+            threshold = _threshold(words)
+            if threshold is None:
                 message = f"the activation method '{line.value.text[:60]}' cannot be carried"
                 self.findings.loss("unsupported-activation", message, line.value)
+            else:
+                block.threshold = threshold
         elif method != "none":
             self.findings.unknown("unknown-activation", "the method", words[0], _ACTIVATIONS)
 
@@ -274,7 +279,9 @@ class _Reader:
         texts = [(block, self._rules(block)) for block in self.blocks if self._is_on(block)]
         blocks = []
         for index, (block, rules) in enumerate(texts):
-            norms = Norms(block.conjunction, block.disjunction, block.implication)
+            norms = Norms(
+                block.conjunction, block.disjunction, block.implication, block.threshold
+            )
             later = frozenset[str]().union(*(concluded(each) for _, each in texts[index + 1 :]))
             blocks.append(builder.block(block.name, norms, rules, later))
         return tuple(blocks)
@@ -316,13 +323,20 @@ def identifier(name: str) -> str:
     return f"_{cleaned}" if cleaned[0].isnumeric() else cleaned
 
 
-def _fires_all(words: list[Word]) -> bool:
-    """Whether an activation method lets every rule with a positive degree fire."""
+def _threshold(words: list[Word]) -> float | None:
+    """Return the firing strength below which a rule is left out; None for other methods.
+
+    ``Threshold >= t`` is the next number below t: strengths are numbers of the machine.
+    """
     if words[0].text == "General":
-        return True
-    if words[0].text != "Threshold":
-        return False
-    rest = [word.text for word in words[1:]]
-    if not rest:
-        return True  # greater than 0
-    return rest[0] in (">", ">=") and number(rest[-1]) == 0.0
+        return 0.0
+    values = [word.text for word in words[1:]]
+    if words[0].text != "Threshold" or len(values) not in (0, 2):
+        return None
+    if not values:
+        return 0.0  # greater than 0
+    limit = number(values[1])
+    if limit is None or not math.isfinite(limit) or values[0] not in (">", ">="):
+        return None
+    below = limit if values[0] == ">" else math.nextafter(limit, -math.inf)
+    return max(below, 0.0)

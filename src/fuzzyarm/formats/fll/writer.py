@@ -128,6 +128,10 @@ def _block(block: RuleBlock, names: Names, findings: Findings) -> list[str]:
         f"  conjunction: {_CONJUNCTIONS[block.conjunction]}",
         f"  disjunction: {_DISJUNCTIONS[block.disjunction]}",
         f"  implication: {_CONJUNCTIONS[block.implication]}",
-        "  activation: General",
+        f"  activation: {_activation(block)}",
         *(f"  rule: {rule_text(said, block, names, findings)}" for said in said_rules(block)),
     ]
+
+
+def _activation(block: RuleBlock) -> str:
+    return "General" if block.threshold == 0.0 else f"Threshold > {written(block.threshold)}"
