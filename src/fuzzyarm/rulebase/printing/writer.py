@@ -210,10 +210,11 @@ def _block(block: RuleBlock, rulebase: RuleBase) -> Iterator[StatementNode]:
         same = _norms(block) == _norms(first)
         yield BlockNode(Word(block.name), () if same else _norms(block))
     for piece in split_into_grids(block.rules, rulebase):
-        yield _rule(piece) if isinstance(piece, Rule) else _grid(piece)
+        yield rule_node(piece) if isinstance(piece, Rule) else _grid(piece)
 
 
-def _rule(rule: Rule) -> RuleNode:
+def rule_node(rule: Rule) -> RuleNode:
+    """Return a rule as it would be written."""
     consequents = tuple(
         PropositionNode(Word(c.variable), _hedges(c.hedges), Word(c.term)) for c in rule.consequents
     )

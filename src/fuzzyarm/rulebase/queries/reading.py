@@ -1,0 +1,116 @@
+"""A text with everything that reading it brought to light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from fuzzyarm.rulebase.diagnostic import Span
+from fuzzyarm.rulebase.model import Input, Output, RuleBase
+from fuzzyarm.rulebase.parsing import Parsed, parse
+from fuzzyarm.rulebase.queries.occurrences import Occurrence, find_occurrences
+from fuzzyarm.rulebase.syntax.memory import ParseMemory
+from fuzzyarm.rulebase.syntax.nodes import Document, StatementNode
+from fuzzyarm.rulebase.syntax.tokens import Line, Token, split_lines
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A text, its tokens, its syntax tree and what the sound part of it means.
+
+    Attributes
+    ----------
+    text : str
+        As it was given.
+    parsed : Parsed
+        Tree, meaning and mistakes.
+    lines : tuple of Line
+        The tokens, line by line.
+    """
+
+    text: str
+    parsed: Parsed
+    lines: tuple[Line, ...]
+
+    @property
+    def document(self) -> Document:
+        """The syntax tree."""
+        return self.parsed.document
+
+    @property
+    def model(self) -> RuleBase:
+        """What the sound statements mean."""
+        return self.parsed.partial
+
+    @cached_property
+    def raw_lines(self) -> list[str]:
+        """The lines of the text without their ends."""
+        return split_lines(self.text)
+
+    @cached_property
+    def occurrences(self) -> tuple[Occurrence, ...]:
+        """Every place of every name, in the order of the text."""
+        return find_occurrences(self.document, self.lines)
+
+    def raw_line(self, line: int) -> str:
+        """Return the text of a line, empty beyond the end."""
+        return self.raw_lines[line - 1] if 1 <= line <= len(self.raw_lines) else ""
+
+    def tokens_of(self, line: int) -> tuple[Token, ...]:
+        """Return the tokens of a line, none beyond the end."""
+        return self.lines[line - 1].tokens if 1 <= line <= len(self.lines) else ()
+
+    def token_at(self, line: int, column: int) -> Token | None:
+        """Return the token that a cursor touches, the one behind it before the one in front."""
+        touched = [t for t in self.tokens_of(line) if t.column <= column <= t.end]
+        return touched[-1] if touched else None
+
+    def variable(self, name: str) -> Input | Output | None:
+        """Return the variable called `name`, or None."""
+        try:
+            return self.model.variable(name)
+        except KeyError:
+            return None
+
+    @cached_property
+    def extents(self) -> list[tuple[StatementNode, int, int]]:
+        """Every statement with its first and last line, the lines below it included."""
+        nodes = [statement.node for statement in self.document.statements]
+        starts = [node.span.line for node in nodes]
+        ends = [*(start - 1 for start in starts[1:]), len(self.lines)]
+        found = []
+        for node, start, stop in zip(nodes, starts, ends, strict=False):
+            end = stop
+            while end > start and not self.tokens_of(end):
+                end -= 1
+            found.append((node, start, end))
+        return found
+
+    def statement_at(self, line: int) -> tuple[StatementNode, int, int] | None:
+        """Return the statement that has tokens on `line` or around it."""
+        for extent in self.extents:
+            if extent[1] <= line <= extent[2]:
+                return extent
+        return None
+
+
+def read(text: str, path: str = "<text>", memory: ParseMemory | None = None) -> Reading:
+    """Read a text; never raises.
+
+    Parameters
+    ----------
+    text : str
+        Anything.
+    path : str
+        Named in the diagnostics.
+    memory : ParseMemory, optional
+        Of an earlier version of the same text.
+    """
+    memory = memory or ParseMemory()
+    parsed = parse(text, path, memory)
+    return Reading(text, parsed, tuple(memory.lines))
+
+
+def contains(span: Span, line: int, column: int) -> bool:
+    """Whether a cursor at this place touches `span`, its end included."""
+    return (span.line, span.column) <= (line, column) <= (span.end_line, span.end_column)
