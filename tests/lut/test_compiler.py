@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import infer
 from fuzzyarm.lut import TableError, compile_table, compile_with_report, measure_fidelity
 from fuzzyarm.lut import compiler as compiler_module
@@ -123,7 +122,7 @@ def test_no_value_is_refused_with_the_place():
         "rulebase r\ninput a 0 .. 4\noutput y 0 .. 1\nterms y: triangles S L\n"
         "term a LO: triangle 0 0 1\ninference no-rule nan\nrule if a is LO then y is S\n"
     )
-    with pytest.raises(FuzzyarmError, match=r"'y' has none at a = [14]"):
+    with pytest.raises(TableError, match="'y' has no value at a = 1 "):
         compile_table(base, levels=(0, 1, 4))
 
 

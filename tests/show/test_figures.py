@@ -125,3 +125,21 @@ def test_names_with_dollars_are_no_mathematics(tmp_path, lopsided_text):
     text = lopsided_text.replace("first input, V", "price, $ and $x_$")
     save_figure(rulebase_figure(parse(text).rulebase), tmp_path / "x.svg")
     assert "price, $ and $x_$" in (tmp_path / "x.svg").read_text("utf-8")
+
+
+def test_a_surface_is_blank_where_no_rule_fires(tmp_path):
+    from fuzzyarm.rulebase import parse
+
+    text = (
+        "rulebase r\ninput a 0 .. 1\ninput b 0 .. 1\noutput y 0 .. 1\nterms y: triangles LO HI\n"
+        "term a LO: triangle 0 0 0.5\nterm b LO: triangle 0 0 1\n"
+        "rule if a is LO and b is LO then y is HI\n"
+    )
+    rulebase = parse(text).rulebase
+    figure = surface_figure(rulebase)
+    flat = next(axes for axes in figure.axes if axes.get_ylabel() == "a")
+    assert flat.get_title() == "blank: no rule fires"
+    values = flat.collections[0].get_array().reshape(121, 121)
+    assert np.ma.getmaskarray(values)[60:].all()
+    assert not np.ma.getmaskarray(values)[:60, :120].any()
+    save_figure(figure, tmp_path / "gaps.png")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm import __version__
 from fuzzyarm.lut.axis import Axis, TableError
-from fuzzyarm.lut.numbers import evenly
+from fuzzyarm.lut.numbers import evenly, number
 from fuzzyarm.lut.table import LookupTable
 from fuzzyarm.rulebase.limits import MAX_LEVELS
 from fuzzyarm.rulebase.model import Input, Output, RuleBase
@@ -189,13 +189,28 @@ def evaluate(
     names: Sequence[str],
     points: Sequence[NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Return the inference on the open mesh of `points`, one 1-D array for each input."""
+    """Return the inference on the open mesh of `points`, one 1-D array for each input.
+
+    Raises
+    ------
+    TableError
+        If the file states that the output has no value (NaN) where no rule fires.
+    """
     from fuzzyarm.inference import infer
 
     mesh = np.ix_(*points)
     inputs: dict[str, NDArray[np.float64]] = dict(zip(names, mesh, strict=True))
     result = np.asarray(infer(rulebase, inputs)[output], dtype=np.float64)
-    return np.broadcast_to(result, [array.size for array in points])
+    values = np.broadcast_to(result, [array.size for array in points])
+    if not np.isfinite(values).all():
+        where = np.argwhere(~np.isfinite(values))[0]
+        coordinates = zip(names, points, where, strict=True)
+        place = ", ".join(f"{name} = {number(float(x[i]))}" for name, x, i in coordinates)
+        raise TableError(
+            f"output '{output}' has no value at {place}",
+            hint="a table needs one in every cell: say in the file what it is where no rule fires",
+        )
+    return values
 
 
 def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:

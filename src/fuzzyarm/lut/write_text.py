@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from itertools import product
 from math import prod
 
-from fuzzyarm.lut.axis import Axis
 from fuzzyarm.lut.header import PlainTable, TableHeader
 from fuzzyarm.lut.numbers import column_of_numbers, number, short_bins, short_levels
 from fuzzyarm.lut.words import KEYWORDS
@@ -45,9 +44,7 @@ def write_lut(table: PlainTable) -> str:
 def header_lines(table: TableHeader) -> list[str]:
     """Return the lines of the header, from the format to the provenance."""
     lines = [f"{FORMAT} {VERSION}", ""]
-    width = max(len(spelled(name)) for name in (*table.names, table.output))
-    lines += [_input_line(axis, width) for axis in table.axes]
-    lines.append(_output_line(table, width))
+    lines += _variable_lines(table)
     lines += ["", f"index   {', '.join(index_words(table))}"]
     lines += _axis_lines("levels", [(a.name, short_levels(a.levels)) for a in table.axes])
     binned = [(a.name, short_bins(a.bins)) for a in table.axes if a.bins]
@@ -91,19 +88,22 @@ def spelled(name: str) -> str:
     return name if plain else quote(name, "'")
 
 
-def _input_line(axis: Axis, width: int) -> str:
-    line = f"input   {spelled(axis.name):<{width}}  {number_or_inf(axis.low)} .. "
-    line += number_or_inf(axis.high)
-    return f"{line}  {quote(axis.description, chr(34))}" if axis.description else line
+def _variable_lines(table: TableHeader) -> list[str]:
+    rows = [("input", spelled(a.name), _span(a.low, a.high), a.description) for a in table.axes]
+    rows.append(("output", spelled(table.output), _span(table.low, table.high), table.description))
+    names = max(len(name) for _, name, _, _ in rows)
+    spans = max(len(span) for _, _, span, _ in rows)
+    lines = []
+    for word, name, span, description in rows:
+        text = quote(description, chr(34)) if description else ""
+        lines.append(f"{word:<6}  {name:<{names}}  {span:<{spans}}  {text}".rstrip())
+    return lines
 
 
-def _output_line(table: TableHeader, width: int) -> str:
-    line = f"output  {spelled(table.output):<{width}}"
-    if table.low is not None and table.high is not None:
-        line += f"  {number_or_inf(table.low)} .. {number_or_inf(table.high)}"
-    if table.description:
-        line += f"  {quote(table.description, chr(34))}"
-    return line.rstrip()
+def _span(low: float | None, high: float | None) -> str:
+    if low is None or high is None:
+        return ""
+    return f"{number_or_inf(low)} .. {number_or_inf(high)}"
 
 
 def number_or_inf(x: float) -> str:

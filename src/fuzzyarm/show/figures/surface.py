@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 
     from fuzzyarm.lut import LookupTable
 
-_GAP = 1.2345e300
-"""Stands for *no value* on its way through the inference, which knows no NaN."""
-
 _LINE = 601
 _PLANE = 121
 
@@ -96,17 +93,13 @@ def draw_response(part: Any, rulebase: RuleBase, output: Output, at: Mapping[str
 
 def _with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
     """Return the inference, NaN where no rule fires and the file states no value for that."""
-    import numpy as np
-
     from fuzzyarm.inference import infer
 
     if not isinstance(output.no_rule, str):
         return infer(rulebase, inputs)[output.name]
-    others = {o.name: 0.0 for o in rulebase.outputs if o.no_rule == "hold"}
-    marked = tuple(replace(o, no_rule=_GAP) if o is output else o for o in rulebase.outputs)
-    others.pop(output.name, None)
-    values = np.asarray(infer(replace(rulebase, outputs=marked), inputs, held=others)[output.name])
-    return np.where(values == _GAP, np.nan, values)
+    gaps = tuple(replace(o, no_rule=math.nan) if o is output else o for o in rulebase.outputs)
+    held = {o.name: 0.5 * (o.low + o.high) for o in gaps if o.no_rule == "hold"}
+    return infer(replace(rulebase, outputs=gaps), inputs, held=held)[output.name]
 
 
 def _free_and_fixed(
