@@ -13,7 +13,7 @@ from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
-from fuzzyarm.inference.defuzzify.quadrature import leaves, panels, rule
+from fuzzyarm.inference.defuzzify.quadrature import leaves, noise_of, panels, rule
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.sampling import places, weights
 
@@ -35,7 +35,8 @@ STEPS = 60
 def one(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the exact bisector, or None where the aggregate has no area."""
     function = aggregate(plan, fired)
-    parts = leaves(function, panels(plan))
+    noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
+    parts = leaves(function, panels(plan), noise)
     total = sum(part.area for part in parts)
     if not total > 0.0:
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
-from fuzzyarm.inference.defuzzify.quadrature import leaves, panels
+from fuzzyarm.inference.defuzzify.quadrature import leaves, noise_of, panels
 from fuzzyarm.inference.plan import OutputPlan
 
 if TYPE_CHECKING:
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 def one(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the centroid, or None where the aggregate has no area."""
-    parts = leaves(aggregate(plan, fired), panels(plan))
+    noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
+    parts = leaves(aggregate(plan, fired), panels(plan), noise)
     area = sum(part.area for part in parts)
     centre = 0.5 * (plan.output.low + plan.output.high)
     return centre + sum(part.moment for part in parts) / area if area > 0.0 else None

@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_at, sum_by_point
-from fuzzyarm.inference.defuzzify.quadrature import DEEPEST, NODES, TOLERANCE, WEIGHTS, panels
+from fuzzyarm.inference.defuzzify.quadrature import (
+    DEEPEST,
+    MOST_PANELS,
+    NODES,
+    TOLERANCE,
+    WEIGHTS,
+    noise_of,
+    panels,
+)
 from fuzzyarm.inference.plan import OutputPlan
 
 Array = NDArray[np.float64]
@@ -56,16 +64,20 @@ def many_leaves(plan: OutputPlan, entries: Entries, count: int) -> Leaves:
     point = np.repeat(np.arange(count), edges.size - 1)
     x0, x1 = np.tile(edges[:-1], count), np.tile(edges[1:], count)
     area, moment = panel_rule(plan, entries, point, x0, x1, centre)
-    allowed = TOLERANCE * sum_by_point(point, area, count)
+    total = sum_by_point(point, area, count)
+    strongest = np.maximum.reduce([strength for _, strength in entries])
+    noise = np.array([noise_of(plan, 1.0)]) * np.minimum(1.0, strongest)
+    if noise_of(plan, 0.0) > 0.0:  # rounding that does not shrink with the strengths
+        noise = np.full(count, noise_of(plan, 1.0))
     finished: list[tuple[NDArray[np.intp], Array, Array, Array, Array]] = []
     for depth in range(DEEPEST + 1):
         middle = 0.5 * (x0 + x1)
         area_a, moment_a = panel_rule(plan, entries, point, x0, middle, centre)
         area_b, moment_b = panel_rule(plan, entries, point, middle, x1, centre)
-        limit = allowed[point]
+        limit = TOLERANCE * (total[point] + area) + noise[point] * (x1 - x0)
         good = np.abs(area - area_a - area_b) <= limit
         good &= np.abs(moment - moment_a - moment_b) <= limit * half_range
-        if depth == DEEPEST:
+        if depth == DEEPEST or point.size > MOST_PANELS * count:
             good[:] = True
         finished.append(
             (point[good], x0[good], x1[good], (area_a + area_b)[good], (moment_a + moment_b)[good])

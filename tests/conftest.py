@@ -1,0 +1,42 @@
+"""Shared fixtures and options of the test suite."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+from fuzzyarm.rulebase.model import RuleBase
+
+settings.register_profile("fuzzyarm", deadline=None, derandomize=True, print_blob=True)
+settings.load_profile("fuzzyarm")
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--update-golden",
+        action="store_true",
+        help="rewrite golden files with what the code prints now",
+    )
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run what is marked slow last."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is not None)
+
+
+@pytest.fixture
+def update_golden(request: pytest.FixtureRequest) -> bool:
+    """Whether golden files are to be rewritten."""
+    return bool(request.config.getoption("--update-golden"))
+
+
+@pytest.fixture(scope="session")
+def pd7() -> RuleBase:
+    """The PD-type rule base with exact centroid, as shipped."""
+    from fuzzyarm.rulebase import load_rulebase
+
+    return load_rulebase(ROOT / "rulebases" / "pd7.frb")
