@@ -14,6 +14,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "plot": ("fuzzyarm.cli.plot", "terms and control surfaces as a figure"),
     "compile": ("fuzzyarm.cli.compile", "sample a rule base to a lookup table"),
     "diff": ("fuzzyarm.cli.diff", "what differs between two tables or rule bases"),
+    "convert": ("fuzzyarm.cli.convert", "rule bases of other programs, in and out"),
+    "corpus": ("fuzzyarm.cli.corpus", "how a folder of other programs' files comes in"),
     "simulate": ("fuzzyarm.cli.simulate", "run a controller on the robot arm"),
     "reproduce": ("fuzzyarm.cli.reproduce", "run the study's published experiments again"),
     "identify": ("fuzzyarm.cli.identify", "fit unprinted gains to published figures"),

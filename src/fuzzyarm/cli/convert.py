@@ -36,7 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--for", dest="consumer", choices=_PROGRAMS, help="the program OUT is written for"
     )
-    parser.add_argument("--block", metavar="NAME", help="the function block of an .fcl with several")
+    parser.add_argument("--block", metavar="NAME", help="which function block of an .fcl to take")
     parser.add_argument("--quiet", "-q", action="store_true", help="print errors only")
     parser.add_argument("--json", action="store_true", help="print what was found as JSON")
 

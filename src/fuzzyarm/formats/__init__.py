@@ -17,6 +17,7 @@ from fuzzyarm.formats.registry import (
     FormatError,
     parse,
     read,
+    same_model,
     suffix_of,
     write,
 )
@@ -33,6 +34,7 @@ __all__ = [
     "parse_fis",
     "parse_fll",
     "read",
+    "same_model",
     "suffix_of",
     "write",
     "write_fcl",

@@ -144,10 +144,11 @@ def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool)
     if rulebase.expectations:
         count = len(rulebase.expectations)
         findings.info("dropped-expectations", f"{count} expectation(s) are left out")
-    described = [rulebase, *rulebase.inputs, *rulebase.outputs]
-    if not descriptions and any(item.description for item in described):
+    variables = (*rulebase.inputs, *rulebase.outputs)
+    described = any(v.description for v in variables) or bool(rulebase.description)
+    if described and not descriptions:
         findings.info("dropped-description", "descriptions are left out")
-    for variable in (*rulebase.inputs, *rulebase.outputs):
+    for variable in variables:
         if variable.outside == "error":
             message = f"'{variable.name}' refuses values outside its range; the file cannot"
             findings.warn("outside-range", message)

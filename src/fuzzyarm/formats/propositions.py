@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from fuzzyarm.formats.draft import Draft
@@ -276,7 +277,7 @@ class RuleParser:
         self.at += 1
         word = self.take()
         value = number(word.text)
-        if value is None or value != value:
+        if value is None or math.isnan(value):
             raise RuleFaultError("not-a-number", f"'{word.text[:40]}' is no weight", word)
         return value
 

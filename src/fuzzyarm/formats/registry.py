@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.formats.export import note_threshold
 from fuzzyarm.formats.fcl import parse_fcl, write_fcl
 from fuzzyarm.formats.fis import parse_fis, write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
@@ -185,18 +187,38 @@ def write(
         case ".fis":
             return write_fis(rulebase, producer=producer, lossy=lossy)
         case ".frb":
-            return _write_own(rulebase)
+            return _write_own(rulebase, lossy=lossy)
     raise FormatError(f"no format has the suffix '{suffix}'")
 
 
-def _write_own(rulebase: RuleBase) -> Exported:
-    """Write a ``.frb`` text, unless the language would refuse it."""
+def _write_own(rulebase: RuleBase, *, lossy: bool) -> Exported:
+    """Write a ``.frb`` text; refuse where the language would, or would read another model."""
     from fuzzyarm.rulebase import parse as parse_rulebase
     from fuzzyarm.rulebase import write as write_rulebase
 
     text = write_rulebase(rulebase)
-    findings = Findings()
-    for diagnostic in parse_rulebase(text).diagnostics:
+    findings = Findings(lossy=lossy)
+    parsed = parse_rulebase(text)
+    for diagnostic in parsed.diagnostics:
         if diagnostic.is_error:
             findings.error(diagnostic.name, diagnostic.message)
+    if parsed.rulebase is not None and not same_model(parsed.rulebase, rulebase):
+        kept = tuple(replace(block, threshold=0.0) for block in rulebase.blocks)
+        if same_model(parsed.rulebase, replace(rulebase, blocks=kept)):
+            note_threshold(rulebase, findings, "the language", 0.0)
+        else:
+            findings.loss("not-in-language", "the text does not say all of the model")
     return Exported(None if findings.failed else text, findings.all())
+
+
+def same_model(one: RuleBase, other: RuleBase) -> bool:
+    """Whether two rule bases are equal, a NaN being equal to a NaN."""
+    return _without_nan(one) == _without_nan(other)
+
+
+def _without_nan(rulebase: RuleBase) -> RuleBase:
+    outputs = tuple(
+        replace(o, no_rule="nan") if isinstance(o.no_rule, float) and math.isnan(o.no_rule) else o
+        for o in rulebase.outputs
+    )
+    return replace(rulebase, outputs=outputs)

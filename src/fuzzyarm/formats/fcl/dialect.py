@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from fuzzyarm.formats.draft import Draft
-from fuzzyarm.formats.fll.outputs import VALUES, settle_weighted
+from fuzzyarm.formats.draft import VALUES, Draft
+from fuzzyarm.formats.fll.outputs import settle_weighted
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.propositions import Dialect
 from fuzzyarm.rulebase.model import Defuzzifier

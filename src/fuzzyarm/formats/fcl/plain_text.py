@@ -20,6 +20,7 @@ from fuzzyarm.rulebase.model import (
     Output,
     Rule,
     RuleBase,
+    Shape,
     Term,
 )
 
@@ -43,34 +44,51 @@ def plain_term(
     if shape.height != 1.0:
         message = f"the height of '{term.name}' of '{variable.name}' has no place in FCL"
         findings.loss("unsupported-height", message, term.span)
-    match shape.kind:
-        case "singleton":
-            return written(p[0])
-        case "linear":
-            factors = [
-                f"{written(a)} * {names.variable(i.name)}"
-                for a, i in zip(p, rulebase.inputs, strict=False)
-            ]
-            return "FUNCTION " + " + ".join([*factors, written(p[-1])])
-        case "formula":
-            return f"FUNCTION {_formula(shape.formula, names, findings)}"
-        case "rectangle" if all(map(math.isfinite, p)):
-            return f"TRAPE {all_written((p[0], p[0], p[1], p[1]))}"
-        case "ramp" if p[0] != p[1]:
-            return _pairs((p[0], 0.0, p[1], 1.0) if p[0] < p[1] else (p[1], 1.0, p[0], 0.0))
-        case "cosine":
-            return f"COSINE {written(0.5 * p[1])} {written(p[0])}"
-        case "points":
-            return _pairs(_first_wins(p))
-        case kind if kind in _WORDS and all(map(math.isfinite, p)):
-            word, order = _WORDS[kind]
-            if kind == "sigmoid-difference" and (p[1] <= 0.0 or p[1] != p[3] or p[0] > p[2]):
-                message = f"'{term.name}' is a difference that jFuzzyLogic cuts at 0"
-                findings.loss("negative-difference", message, term.span)
-            return f"{word} {all_written(tuple(p[index] for index in order))}"
-    message = f"jFuzzyLogic has nothing like the {shape.kind} '{term.name}' of '{variable.name}'"
-    findings.loss("unsupported-shape", message, term.span)
-    return "0"
+    text = _value(shape, rulebase, names, findings) or _straight(shape) or _curve(shape)
+    if text is None:
+        message = f"jFuzzyLogic has nothing like '{term.name}' of '{variable.name}' ({shape.kind})"
+        findings.loss("unsupported-shape", message, term.span)
+        return "0"
+    if shape.kind == "sigmoid-difference" and (p[1] <= 0.0 or p[1] != p[3] or p[0] > p[2]):
+        message = f"'{term.name}' is a difference that jFuzzyLogic cuts at 0"
+        findings.loss("negative-difference", message, term.span)
+    return text
+
+
+def _value(shape: Shape, rulebase: RuleBase, names: Names, findings: Findings) -> str | None:
+    p = shape.parameters
+    if shape.kind == "singleton":
+        return written(p[0])
+    if shape.kind == "linear":
+        inputs = [names.variable(variable.name) for variable in rulebase.inputs]
+        factors = [f"{written(a)} * {name}" for a, name in zip(p, inputs, strict=False)]
+        return "FUNCTION " + " + ".join([*factors, written(p[-1])])
+    if shape.kind == "formula":
+        return f"FUNCTION {_formula(shape.formula, names, findings)}"
+    return None
+
+
+def _straight(shape: Shape) -> str | None:
+    p = shape.parameters
+    if shape.kind == "points":
+        return _pairs(_first_wins(p))
+    if not all(map(math.isfinite, p)):
+        return None
+    if shape.kind == "rectangle":
+        return f"TRAPE {all_written((p[0], p[0], p[1], p[1]))}"
+    if shape.kind == "ramp" and p[0] != p[1]:
+        return _pairs((p[0], 0.0, p[1], 1.0) if p[0] < p[1] else (p[1], 1.0, p[0], 0.0))
+    return None
+
+
+def _curve(shape: Shape) -> str | None:
+    p = shape.parameters
+    if shape.kind == "cosine":
+        return f"COSINE {written(0.5 * p[1])} {written(p[0])}"
+    if shape.kind not in _WORDS or not all(map(math.isfinite, p)):
+        return None
+    word, order = _WORDS[shape.kind]
+    return f"{word} {all_written(tuple(p[index] for index in order))}"
 
 
 def _pairs(values: tuple[float, ...]) -> str:

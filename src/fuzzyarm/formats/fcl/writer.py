@@ -55,9 +55,7 @@ _RESERVED = frozenset(word.lower() for word in KEYWORDS) | {
 }  # fmt: skip
 
 
-def write_fcl(
-    rulebase: RuleBase, *, dialect: str | None = None, lossy: bool = False
-) -> Exported:
+def write_fcl(rulebase: RuleBase, *, dialect: str | None = None, lossy: bool = False) -> Exported:
     """Write a rule base as a function block of IEC 61131-7.
 
     Parameters

@@ -6,9 +6,9 @@ import math
 import re
 from dataclasses import dataclass, field, replace
 
-from fuzzyarm.formats.draft import Draft, same_value
+from fuzzyarm.formats.draft import VALUES, Draft, same_value
 from fuzzyarm.formats.fis.lines import Section, key_and_value, unquoted
-from fuzzyarm.formats.fll.outputs import MONOTONIC, VALUES, settle_weighted
+from fuzzyarm.formats.fll.outputs import MONOTONIC, settle_weighted
 from fuzzyarm.formats.fuzzylite_rules import (
     MACHINE_EPSILON,
     POWERS,
@@ -19,7 +19,16 @@ from fuzzyarm.formats.fuzzylite_rules import (
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS
 from fuzzyarm.formats.propositions import RuleText, hedged
-from fuzzyarm.rulebase.model import Defuzzifier, Hedge, Output, Rule, RuleBlock, Shape, Term
+from fuzzyarm.rulebase.model import (
+    Consequent,
+    Defuzzifier,
+    Hedge,
+    Output,
+    Rule,
+    RuleBlock,
+    Shape,
+    Term,
+)
 
 PRODUCERS = ("matlab", "octave", "fuzzylite")
 
@@ -221,10 +230,13 @@ def rules_in_model(
 
 
 def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> list[Rule]:
-    """Express two habits of Octave's toolkit: it aggregates values that are equal, whatever
-    their names, and a hedge on a value takes the root of the firing strength.
+    """Express two habits of Octave's toolkit.
+
+    It aggregates values that are equal, whatever their names, and a hedge on a value takes
+    the root of the firing strength.
     """
-    plain, hedged_ones = [], []
+    plain: list[Consequent] = []
+    hedged_ones: list[Consequent] = []
     for consequent in rule.consequents:
         weighted = drafts[consequent.variable].defuzzifier.method in WEIGHTED.values()
         named = same_value(consequent, drafts)

@@ -233,9 +233,10 @@ class _Reader:
             message = "every number of this file has three decimals, so some may be rounded"
             self.findings.info("rounded-number", message, span)
         message = {
-            "fuzzylite": "read with the defaults of fuzzylite: 1000 midpoints, nan where no rule fires",
-            "octave": "read with the defaults of Octave's toolkit: sums over 101 points, nan where no "
-            "rule fires",
+            "fuzzylite": "read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
+            "fires",
+            "octave": "read with the defaults of Octave's toolkit: sums over 101 points, nan "
+            "where no rule fires",
             "matlab": "read with the defaults of MATLAB: sums over 101 points, the middle of the "
             "range where no rule fires",
         }[self.producer]

@@ -21,6 +21,9 @@ from fuzzyarm.rulebase.model import (
     RuleBlock,
 )
 
+Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
+"""Output → its conclusion and the hedges before it."""
+
 
 def rule_lines(rulebase: RuleBase, producer: str, findings: Findings) -> list[str]:
     """Return a line for each rule; report those that do not fit into one."""
@@ -119,9 +122,9 @@ class _Lines:
         code = self.numbers[variable, term] + fraction
         return f"-{written(round(code, 6))}" if negated else written(round(code, 6))
 
-    def _groups(self, said: Said) -> list[dict[str, tuple[Consequent, tuple[Hedge, ...]]]]:
+    def _groups(self, said: Said) -> list[Group]:
         """Split conclusions so that no output stands twice in one line."""
-        groups: list[dict[str, tuple[Consequent, tuple[Hedge, ...]]]] = []
+        groups: list[Group] = []
         for consequent, hedges in said.conclusions:
             for group in groups:
                 if consequent.variable not in group:
@@ -134,13 +137,11 @@ class _Lines:
             self.findings.loss("rule-too-rich", message, said.rule.span)
         return groups
 
-    def _in_order(self, said: Said, groups: list[dict[str, tuple[Consequent, tuple[Hedge, ...]]]]) -> bool:
+    def _in_order(self, said: Said, groups: list[Group]) -> bool:
         places = [self.outputs[consequent.variable] for consequent, _ in said.conclusions]
         return len(groups) == 1 and places == sorted(places)
 
-    def _conclusions(
-        self, group: dict[str, tuple[Consequent, tuple[Hedge, ...]]], rule: Rule
-    ) -> list[str]:
+    def _conclusions(self, group: Group, rule: Rule) -> list[str]:
         codes = []
         for name in self.outputs:
             if name not in group:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
@@ -148,7 +149,7 @@ class RuleReader:
     def _said(self, draft: Draft, word: Word) -> tuple[str, tuple[Hedge, ...]] | None:
         """Return term and hedges of an index; None for 0 or where it is at fault."""
         value = number(word.text)
-        if value is None or value != value or abs(value) > 1e6:
+        if value is None or math.isnan(value) or abs(value) > 1e6:
             self.findings.error("not-a-number", f"'{word.text[:40]}' is no term index", word)
             return None
         index = int(abs(value))
@@ -176,10 +177,10 @@ class RuleReader:
         if text is None:
             message = "the rule has no weight in parentheses; 1 is taken"
             self.findings.warn("missing-weight", message, line)
-        elif value is None or value != value:
+        elif value is None or math.isnan(value):
             message = f"'{text[:40]}' is no weight"
             self.findings.error("not-a-number", message, line)
-        return 1.0 if value is None or value != value else value
+        return 1.0 if value is None or math.isnan(value) else value
 
     def _is_or(self, match: re.Match[str], line: Word) -> bool:
         text = match.group("connective")

@@ -67,13 +67,15 @@ def fis_shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape 
     if name == "function":
         text = rest.text.strip().removeprefix("[").removesuffix("]")
         return formula_shape(Word(text, rest.span), "fuzzylite", findings)
-    known = name in _WORDS
-    if not known and kind.text not in FLL_SHAPES:
+    if name not in _WORDS and kind.text not in FLL_SHAPES:
         _unknown(kind, findings)
         return None
     values = numbers(bracketed(rest), findings)
-    if values is None:
-        return None
+    return None if values is None else _of_numbers(kind, values, inputs, findings)
+
+
+def _of_numbers(kind: Word, values: list[float], inputs: int, findings: Findings) -> Shape | None:
+    name = kind.text.lower()
     if name == "constant":
         return make_shape("singleton", values[-1:], kind, findings)
     if name == "linear":
@@ -81,11 +83,11 @@ def fis_shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape 
     if name == "discretemf":
         height = values.pop() if len(values) % 2 else 1.0
         return make_shape("points", values, kind, findings, height=height, ties="last")
-    shape, order = _ORDER[name] if known else _class(kind.text)
+    shape, order = _ORDER[name] if name in _ORDER else _class(kind.text)
     height = values.pop() if len(values) == len(order) + 1 else 1.0
     if len(values) == len(order):
         values = [values[index] for index in order]
-    if name == "smf" or name == "zmf":
+    if name in ("smf", "zmf"):
         values = _crossed(values)
     return make_shape(shape, values, kind, findings, height=height)
 

@@ -37,9 +37,7 @@ _NORMS = {
 _PROGRAMS = {"matlab": "MATLAB", "octave": "Octave's toolkit", "fuzzylite": "fuzzylite"}
 
 
-def write_fis(
-    rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False
-) -> Exported:
+def write_fis(rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False) -> Exported:
     """Write a rule base as a fuzzy inference system.
 
     Parameters
@@ -58,9 +56,7 @@ def write_fis(
         The text, unless something cannot be expressed and `lossy` is not set.
     """
     producers = (producer,) if producer is not None else PRODUCERS
-    return best(
-        [_Writer(rulebase, each, Findings(lossy=lossy)).write() for each in producers]
-    )
+    return best([_Writer(rulebase, each, Findings(lossy=lossy)).write() for each in producers])
 
 
 class _Writer:
@@ -158,10 +154,10 @@ class _Writer:
 
     def _check_equal_values(self, output: Output) -> None:
         shapes = [term.shape for term in output.terms]
-        if self.producer == "octave" and output.aggregation != "sum":
-            if len(set(shapes)) < len(shapes):
-                message = f"Octave's toolkit makes one of equal terms of '{output.name}'"
-                self.findings.loss("equal-values", message)
+        merged = self.producer == "octave" and output.aggregation != "sum"
+        if merged and len(set(shapes)) < len(shapes):
+            message = f"Octave's toolkit makes one of equal terms of '{output.name}'"
+            self.findings.loss("equal-values", message)
 
     def _sampled(self, output: Output) -> str:
         defuzzifier = output.defuzzifier

@@ -165,11 +165,11 @@ class _Reader:
                     self.findings.error("not-a-number", message, line.value)
                 elif draft.no_rule != "hold":
                     draft.no_rule = value
-                elif value == value:
+                elif not math.isnan(value):
                     self._held_default(line.key)
             case "lock-previous" | "lock-valid" | "lock-defuzz":
                 if self._flag(line):
-                    if draft.no_rule == draft.no_rule and draft.no_rule != "hold":
+                    if isinstance(draft.no_rule, float) and not math.isnan(draft.no_rule):
                         self._held_default(line.key)
                     draft.no_rule = "hold"
             case _:
@@ -279,9 +279,7 @@ class _Reader:
         texts = [(block, self._rules(block)) for block in self.blocks if self._is_on(block)]
         blocks = []
         for index, (block, rules) in enumerate(texts):
-            norms = Norms(
-                block.conjunction, block.disjunction, block.implication, block.threshold
-            )
+            norms = Norms(block.conjunction, block.disjunction, block.implication, block.threshold)
             later = frozenset[str]().union(*(concluded(each) for _, each in texts[index + 1 :]))
             blocks.append(builder.block(block.name, norms, rules, later))
         return tuple(blocks)

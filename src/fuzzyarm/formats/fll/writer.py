@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from fuzzyarm.formats.draft import VALUES
 from fuzzyarm.formats.export import (
     FUZZYLITE_WORDS,
     HEADER,
@@ -13,7 +14,7 @@ from fuzzyarm.formats.export import (
     note_left_out,
     one_line,
 )
-from fuzzyarm.formats.fll.outputs import DEFAULT_RESOLUTION, INTEGRAL, VALUES
+from fuzzyarm.formats.fll.outputs import DEFAULT_RESOLUTION, INTEGRAL
 from fuzzyarm.formats.fll.terms import term_text
 from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
 from fuzzyarm.formats.fuzzylite_text import rule_text, said_rules

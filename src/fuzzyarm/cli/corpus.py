@@ -1,0 +1,182 @@
+"""Report how a folder of .fll, .fcl and .fis files comes in.
+
+For every file: whether it imports, what was found in it, and, where a reference with the
+outputs of another program is at hand, whether its rule base gives the same to 1e-6. A
+reference is NAME.json in the folder given by --reference (by default `reference` beside
+the files); docs/formats.md tells what is in it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from fuzzyarm.cli.corpus_reference import (
+    TOLERANCE,
+    Reference,
+    read_references,
+    worst_difference,
+)
+from fuzzyarm.formats import FOREIGN, PRODUCERS, Imported, read
+from fuzzyarm.inference import InferenceError
+
+
+@dataclass(slots=True)
+class Row:
+    """What became of one file.
+
+    Attributes
+    ----------
+    file : str
+        Its path within the folder.
+    format : str
+        Suffix.
+    imported : bool
+        Whether there was no error.
+    producer : str
+        The program whose defaults were taken.
+    findings : dict
+        Name of a diagnostic → how often.
+    first : str
+        The first error.
+    references : int
+        Reference columns at hand.
+    matched : int
+        How many of them the rule base equals at all points.
+    differences : dict
+        Program of each reference that is missed → greatest relative difference, or why.
+    """
+
+    file: str
+    format: str
+    imported: bool
+    producer: str
+    findings: dict[str, int]
+    first: str = ""
+    references: int = 0
+    matched: int = 0
+    differences: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def equal(self) -> bool:
+        """Whether every reference is met at all points."""
+        return self.references > 0 and self.matched == self.references
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fuzzyarm corpus``."""
+    parser.add_argument("folder", metavar="DIR", type=Path, help="where the files are")
+    parser.add_argument("--reference", metavar="DIR", type=Path, help="where the references are")
+    parser.add_argument("--verbose", "-v", action="store_true", help="a line for every file")
+    parser.add_argument("--json", action="store_true", help="print the report as JSON")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the report; return 1 if the folder holds no such file."""
+    rows = survey(arguments.folder, arguments.reference)
+    if not rows:
+        kinds = ", ".join(FOREIGN)
+        print(f"fuzzyarm: {arguments.folder}: no {kinds} files in there", file=sys.stderr)
+        return 1
+    if arguments.json:
+        report = {"summary": summary(rows), "files": [asdict(row) for row in rows]}
+        print(json.dumps(report, indent=2))
+    else:
+        _print(rows, verbose=arguments.verbose)
+    return 0
+
+
+def survey(folder: Path, reference: Path | None = None) -> list[Row]:
+    """Read every file in `folder` and compare it with its reference.
+
+    Parameters
+    ----------
+    folder : Path
+        Searched with its subfolders.
+    reference : Path, optional
+        Where the references are; by default ``reference`` in `folder` or beside it.
+    """
+    if not folder.is_dir():
+        raise NotADirectoryError(20, "is no folder", str(folder))
+    candidates = (folder / "reference", folder.parent / "reference")
+    where = reference or next((c for c in candidates if c.is_dir()), None)
+    files = sorted(p for p in folder.rglob("*") if p.suffix.lower() in FOREIGN and p.is_file())
+    return [_row(path, folder, where) for path in files]
+
+
+def _row(path: Path, folder: Path, where: Path | None) -> Row:
+    imported = read(path)
+    row = Row(
+        str(path.relative_to(folder)),
+        path.suffix.lower(),
+        imported.rulebase is not None,
+        imported.producer,
+        dict(Counter(d.name for d in imported.diagnostics)),
+        str(imported.errors[0]) if imported.errors else "",
+    )
+    file = where / f"{path.name}.json" if where is not None else None
+    if imported.rulebase is not None and file is not None and file.is_file():
+        for reference in read_references(file):
+            _compare(row, path, reference)
+    return row
+
+
+def _compare(row: Row, path: Path, reference: Reference) -> None:
+    row.references += 1
+    imported = _as_read_by(path, reference)
+    name = reference.program or imported.producer
+    if imported.rulebase is None:
+        row.differences[name] = "not imported"
+        return
+    try:
+        worst = worst_difference(imported.rulebase, reference)
+    except InferenceError as error:
+        row.differences[name] = str(error)
+        return
+    if worst <= TOLERANCE:
+        row.matched += 1
+    else:
+        row.differences[name] = f"{worst:.2g}"
+
+
+def _as_read_by(path: Path, reference: Reference) -> Imported:
+    """Read a file with the defaults of the program that made the reference."""
+    known = PRODUCERS.get(path.suffix.lower(), ())
+    producer = reference.program if reference.program in known else None
+    return read(path, producer=producer, block=reference.block)
+
+
+def summary(rows: list[Row]) -> dict[str, dict[str, int]]:
+    """Return the counts of each format and of all."""
+    totals: dict[str, dict[str, int]] = {}
+    for kind in [*dict.fromkeys(row.format for row in rows), "all"]:
+        of_kind = [row for row in rows if kind in (row.format, "all")]
+        compared = [row for row in of_kind if row.references]
+        totals[kind] = {
+            "files": len(of_kind),
+            "imported": sum(row.imported for row in of_kind),
+            "diagnosed": sum(not row.imported for row in of_kind),
+            "compared": len(compared),
+            "matched": sum(row.equal for row in compared),
+        }
+    return totals
+
+
+def _print(rows: list[Row], *, verbose: bool) -> None:
+    for row in rows:
+        if not row.imported:
+            print(f"{row.file}: not imported: {row.first}")
+        elif row.differences:
+            said = ", ".join(f"{program}: {why}" for program, why in row.differences.items())
+            print(f"{row.file}: differs from {said}")
+        elif verbose:
+            state = "equal" if row.equal else "imported"
+            print(f"{row.file}: {state} ({row.producer})")
+    columns = ("files", "imported", "diagnosed", "compared", "matched")
+    print(f"{'':>6}" + "".join(f"{column:>11}" for column in columns))
+    for kind, counts in summary(rows).items():
+        print(f"{kind:>6}" + "".join(f"{counts[column]:>11}" for column in columns))
