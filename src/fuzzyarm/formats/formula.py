@@ -7,8 +7,9 @@ and writes the same tree with parentheses wherever a reader could hesitate.
 
 from __future__ import annotations
 
+import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[^\W\d]\w*)"
@@ -61,6 +62,13 @@ def read_formula(text: str, dialect: str) -> Node:
     if parser.peek():
         raise FormulaError(f"'{parser.peek()}' is not expected there")
     return node
+
+
+def without_constants(node: Node, variables: set[str]) -> Node:
+    """Put the number in place of ``pi``, unless that is the name of a variable."""
+    if node.symbol == "pi" and not node.arguments and "pi" not in variables:
+        return Node(repr(math.pi))
+    return replace(node, arguments=tuple(without_constants(a, variables) for a in node.arguments))
 
 
 def names_in(node: Node) -> set[str]:

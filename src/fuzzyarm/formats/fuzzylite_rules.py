@@ -150,7 +150,7 @@ class RuleBuilder:
             )
             self.findings.loss("hedged-weight", message, text.span)
             weight = text.weight
-        return Rule(hedged(hedges, antecedent), tuple(consequents), weight, text.span)
+        return Rule(around(hedges, antecedent), tuple(consequents), weight, text.span)
 
     def _expanded(self, expression: Expression, span: Span, norms: Norms) -> Expression:
         expanded = self._put_in(expression, norms)
@@ -229,6 +229,15 @@ class RuleBuilder:
             if Or in kinds and other.disjunction != norms.disjunction:
                 return "the blocks differ in their disjunction"
         return ""
+
+
+def around(hedges: tuple[Hedge, ...], antecedent: Expression) -> Expression:
+    """Put hedges around a whole antecedent; not into it, so that they can be told apart."""
+    if not hedges:
+        return antecedent
+    if isinstance(antecedent, Hedged):
+        return Hedged((*hedges, *antecedent.hedges), antecedent.operand)
+    return Hedged(hedges, antecedent)
 
 
 def hedged_weight(weight: float, hedges: tuple[Hedge, ...]) -> float | None:

@@ -14,11 +14,12 @@ from fuzzyarm.formats.fuzzylite_rules import (
     POWERS,
     Norms,
     RuleBuilder,
+    around,
     hedged_weight,
 )
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS
-from fuzzyarm.formats.propositions import RuleText, hedged
+from fuzzyarm.formats.propositions import RuleText
 from fuzzyarm.rulebase.model import (
     Consequent,
     Defuzzifier,
@@ -249,7 +250,7 @@ def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> l
             message = "a negated value and a weight cannot be carried together"
             findings.loss("hedged-weight", message, consequent.span)
             weight = rule.weight
-        antecedent = hedged(hedges, rule.antecedent)
+        antecedent = around(hedges, rule.antecedent)
         bare = (replace(consequent, hedges=()),)
         rules.append(Rule(antecedent, bare, weight, rule.span))
     return rules

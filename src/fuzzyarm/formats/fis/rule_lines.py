@@ -7,7 +7,7 @@ from fuzzyarm.formats.fis.rules import fraction_of
 from fuzzyarm.formats.fuzzylite_text import Said, said_rules, weight_before
 from fuzzyarm.formats.imported import Findings
 from fuzzyarm.formats.numerals import written
-from fuzzyarm.formats.propositions import NOT
+from fuzzyarm.formats.propositions import NOT, hedged
 from fuzzyarm.rulebase.model import (
     And,
     Consequent,
@@ -93,6 +93,8 @@ class _Lines:
 
     def _conditions(self, antecedent: Expression) -> list[Is] | None:
         """Return the propositions where each is about another input; None for anything else."""
+        if isinstance(antecedent, Hedged) and isinstance(antecedent.operand, Is):
+            antecedent = hedged(antecedent.hedges, antecedent.operand)
         parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
         found = [part for part in parts if isinstance(part, Is) and part.variable in self.inputs]
         names = [part.variable for part in found]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzyarm.formats.formula import FormulaError, read_formula, write_formula
+from fuzzyarm.formats.formula import FormulaError, read_formula, without_constants, write_formula
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.numerals import numbers, written
 from fuzzyarm.formats.shaping import make_shape
@@ -108,7 +108,7 @@ def formula_shape(formula: Word, dialect: str, findings: Findings) -> Shape | No
     except FormulaError as fault:
         findings.error("bad-formula", f"in '{formula.text[:60]}': {fault}", formula)
         return None
-    return Shape("formula", (), 1.0, write_formula(tree))
+    return Shape("formula", (), 1.0, write_formula(without_constants(tree, set())))
 
 
 def term_text(shape: Shape, rename: dict[str, str]) -> str | None:
