@@ -83,9 +83,7 @@ def compile_table(
         raise TableError(f"the table would have {cells:,} cells; at most {MAX_CELLS:,} are made")
     if rounding is None:
         rounding = rulebase.lookup.round if rulebase.lookup else None
-    values = sample(rulebase, target.name, axes)
-    if rounding:
-        values = round_to(values, rounding)
+    values = sample(rulebase, target.name, axes, rounding or None)
     values.setflags(write=False)
     return LookupTable(
         axes,
@@ -172,14 +170,21 @@ def even_levels(variable: Input, count: int) -> tuple[float, ...]:
     return evenly(variable.low, variable.high, count)
 
 
-def sample(rulebase: RuleBase, output: str, axes: Sequence[Axis]) -> NDArray[np.float64]:
-    """Return the inference at every combination of levels, in slabs of the first axis."""
+def sample(
+    rulebase: RuleBase, output: str, axes: Sequence[Axis], rounding: float | None = None
+) -> NDArray[np.float64]:
+    """Return the inference at every combination of levels, rounded.
+
+    It goes in slabs of the first axis, so that no more memory is needed than the table takes
+    and a little.
+    """
     levels = [np.array(axis.levels) for axis in axes]
     values = np.empty([array.size for array in levels])
     rows = max(1, _SLAB // max(1, values[0].size))
     for start in range(0, levels[0].size, rows):
         part = [levels[0][start : start + rows], *levels[1:]]
-        values[start : start + rows] = evaluate(rulebase, output, [a.name for a in axes], part)
+        slab = evaluate(rulebase, output, [a.name for a in axes], part)
+        values[start : start + rows] = slab if rounding is None else round_to(slab, rounding)
     return values
 
 

@@ -131,4 +131,9 @@ def _plain_cells(line_number: int, line: str, diagnostics: list[Diagnostic]) -> 
         span = Span(line_number, 1, line_number, len(line) + 1)
         diagnostics.append(Diagnostic("bad-csv", "this line is not comma-separated", span))
         return []
+    for cell in cells:
+        if "#" in cell and "'" not in cell:  # the reader of rows would take it for a comment
+            span = Span(line_number, 1, line_number, len(line) + 1)
+            message = f"'{cell[:40]}' is not a number"
+            diagnostics.append(Diagnostic("not-a-number", message, span))
     return [cell if "\\" in cell or "'" in cell else cell.strip() or "''" for cell in cells]

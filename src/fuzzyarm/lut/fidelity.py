@@ -16,7 +16,7 @@ from fuzzyarm.lut.table import LookupTable
 from fuzzyarm.rulebase.model import RuleBase
 
 _DENSE_POINTS = 160_000
-_MOST_POINTS = 2_000_000
+_MOST_POINTS = 6_000_000
 _SLAB = 262_144
 
 
@@ -100,14 +100,14 @@ _Points = list[NDArray[np.float64]]
 def _dense_grid(axes: Sequence[Axis]) -> tuple[_Points, _Points]:
     """Return the points along each axis and their weights: 1 on the even ones, else 0.
 
-    With many inputs the points besides the even ones are given up, so that the grid does
-    not explode.
+    With many inputs or levels some of the points besides the even ones are given up, so
+    that the grid does not explode.
     """
     count = max(3, round(_DENSE_POINTS ** (1.0 / len(axes))))
     even = [np.linspace(*_ends(axis), count) for axis in axes]
-    for choose in (_levels_and_edges, _levels, _nothing):
+    for choose in (_levels_and_edges, _levels_and_middles, _levels, _nothing):
         points = [
-            np.unique(np.concatenate([x, _inside(choose(axis, count), axis)]))
+            np.unique(np.concatenate([x, _inside(choose(axis), axis)]))
             for axis, x in zip(axes, even, strict=True)
         ]
         if math.prod(x.size for x in points) <= _MOST_POINTS:
@@ -127,19 +127,21 @@ def _inside(points: NDArray[np.float64], axis: Axis) -> NDArray[np.float64]:
     return points[(points >= low) & (points <= high)]
 
 
-def _levels_and_edges(axis: Axis, count: int) -> NDArray[np.float64]:
-    """Return the levels and both sides of every threshold; of very many, the levels alone."""
+def _levels_and_edges(axis: Axis) -> NDArray[np.float64]:
+    """Return the levels and both sides of every threshold."""
     edges = np.array([*axis.thresholds("bins"), *axis.thresholds("nearest")])
-    if edges.size > count:
-        return _levels(axis, count)
     return np.concatenate([axis.levels, edges, np.nextafter(edges, np.inf)])
 
 
-def _levels(axis: Axis, count: int) -> NDArray[np.float64]:
+def _levels_and_middles(axis: Axis) -> NDArray[np.float64]:
+    return np.array([*axis.levels, *axis.thresholds("nearest")])
+
+
+def _levels(axis: Axis) -> NDArray[np.float64]:
     return np.array(axis.levels)
 
 
-def _nothing(axis: Axis, count: int) -> NDArray[np.float64]:
+def _nothing(axis: Axis) -> NDArray[np.float64]:
     return np.empty(0)
 
 

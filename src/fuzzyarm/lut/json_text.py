@@ -22,6 +22,7 @@ def header_data(table: TableHeader) -> dict[str, Any]:
             "name": table.output,
             "low": _finite(table.low),
             "high": _finite(table.high),
+            "bounded": table.low is not None,
             "description": table.description,
         },
         "index": list(table.names),
@@ -45,8 +46,6 @@ def header_data(table: TableHeader) -> dict[str, Any]:
 def write_json(table: PlainTable) -> str:
     """Return the text of `table` as a JSON object; ``values`` is nested in index order."""
     data = header_data(table)
-    if table.low is not None and table.high is not None:
-        data["output"]["bounded"] = True
     data["values"] = _nested(list(table.values), table.shape)
     return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -18,8 +18,6 @@ from fuzzyarm.rulebase.diagnostic import Diagnostic, Span
 def npz_bytes(table: LookupTable) -> bytes:
     """Return the content of the file: ``values``, ``header``, and each axis for convenience."""
     data = header_data(table)
-    if table.low is not None and table.high is not None:
-        data["output"]["bounded"] = True
     arrays = {f"levels_{k}": np.array(axis.levels) for k, axis in enumerate(table.axes)}
     out = io.BytesIO()
     header = np.array(json.dumps(data, ensure_ascii=False))
