@@ -13,6 +13,7 @@ from fuzzyarm.arm.dynamics import (
 )
 from fuzzyarm.arm.regressor import parameter_vector, regressor
 from fuzzyarm.control import controller
+from fuzzyarm.control.law import Arithmetic
 from fuzzyarm.control.controller import CompiledController
 from fuzzyarm.control.own import find_controller
 
@@ -164,7 +165,7 @@ def test_mrac_solves_its_lyapunov_equation():
 
     made = controller("mrac")
     assert isinstance(made, CompiledController)
-    packed = made.block(False).numbers
+    packed = made.block(Arithmetic()).numbers
     system = np.array([[0.0, 1.0], [-500.0, -100.0]])
     solution = solve_continuous_lyapunov(system.T, -np.eye(2))
     assert packed[4] == pytest.approx(solution[0, 1], rel=1e-9)

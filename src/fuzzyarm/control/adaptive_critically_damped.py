@@ -8,7 +8,7 @@ from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.critically_damped import BANDWIDTH, SLIDING, sliding_reference
 from fuzzyarm.control.gains import Gain, Gains
-from fuzzyarm.control.law import Law, hold, model_gains, model_of
+from fuzzyarm.control.law import Arithmetic, Law, model_gains, model_of
 from fuzzyarm.kernels import kernel
 
 ADAPTATION = Gain("Gamma", (100.0,) * 7, "1/s", "adaptation of P1 … P7")
@@ -68,14 +68,14 @@ def adapt(memory: list[float], cell: int, rate: float, clock: Clock) -> None:
     memory[cell] = stored(memory[cell] - clock.step * stored(rate, clock.single), clock.single)
 
 
-def _pack(gains: Gains, single: bool) -> list[float]:
+def _pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     names = ("Lambda", "K_D", "Gamma", "velocity_in_W22")
-    return [hold(value, single) for name in names for value in gains[name].value]
+    return [arithmetic.hold(value) for name in names for value in gains[name].value]
 
 
-def remember_estimate(gains: Gains, single: bool) -> list[float]:
+def remember_estimate(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     """Start from the model among the gains: P̂ (7) and motor inertias (2)."""
-    return [float(value) for value in constants(model_of(gains), single=single)]
+    return [float(value) for value in constants(model_of(gains), single=arithmetic.single)]
 
 
 LAW = Law(

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fuzzyarm.arm.signals import Clock, Pair, Reference, State, pose_of
 from fuzzyarm.control.dispatch import law_torque
 from fuzzyarm.control.gains import Gain, GainError, collect
-from fuzzyarm.control.law import Block, Law
+from fuzzyarm.control.law import Arithmetic, Block, Law
 
 
 class Controller:
@@ -36,6 +36,10 @@ class Controller:
 
     def start(self, single: bool = False) -> None:
         """Forget everything; called once before each run."""
+
+    def prepare(self, arithmetic: Arithmetic) -> None:
+        """Start in the arithmetic of a run."""
+        self.start(arithmetic.single)
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Return the torque of both joints, N m.
@@ -85,7 +89,7 @@ class CompiledController(Controller):
         self.law = law
         self.name = law.name
         self._gains = dict(gains) if gains is not None else collect(law.gains)
-        self._block = self.block(False)
+        self._block = self.block(Arithmetic())
 
     @property
     def gains(self) -> Mapping[str, Gain]:
@@ -105,17 +109,21 @@ class CompiledController(Controller):
         """Return the controller with whole gains, origin included, replaced."""
         return CompiledController(self.law, {**self._gains, **values})
 
-    def block(self, single: bool) -> Block:
+    def block(self, arithmetic: Arithmetic) -> Block:
         """Write constants and initial memory down for the loop."""
         return Block(
             self.law.kind,
-            self.law.pack(self._gains, single),
-            self.law.remember(self._gains, single),
+            self.law.pack(self._gains, arithmetic),
+            self.law.remember(self._gains, arithmetic),
         )
 
     def start(self, single: bool = False) -> None:
         """Forget everything; called once before each run."""
-        self._block = self.block(single)
+        self.prepare(Arithmetic(single))
+
+    def prepare(self, arithmetic: Arithmetic) -> None:
+        """Forget everything and count as a run does; called once before each run."""
+        self._block = self.block(arithmetic)
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Run the kernel as plain Python."""
@@ -177,8 +185,12 @@ class Sum(Controller):
 
     def start(self, single: bool = False) -> None:
         """Start every addend."""
+        self.prepare(Arithmetic(single))
+
+    def prepare(self, arithmetic: Arithmetic) -> None:
+        """Start every addend in the arithmetic of a run."""
         for each in self.addends:
-            each.start(single)
+            each.prepare(arithmetic)
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Add the torques up."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fuzzyarm.arm.signals import Clock, Pair, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain, Gains
-from fuzzyarm.control.law import Law
+from fuzzyarm.control.law import Arithmetic, Law
 from fuzzyarm.kernels import kernel
 
 POSITION = Gain("p_2", (1650.0, 1650.0), "1/rad", "position error in r", "identified")
@@ -66,7 +66,7 @@ def accumulated(memory: list[float], cell: int, rate: float, clock: Clock) -> fl
     return memory[cell]
 
 
-def _integrals(_gains: Gains, _single: bool) -> list[float]:
+def _integrals(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
     return [0.0] * 8
 
 

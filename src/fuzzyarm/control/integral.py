@@ -5,7 +5,7 @@ from __future__ import annotations
 from fuzzyarm.arm.signals import Clock, Pair, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain, Gains
-from fuzzyarm.control.law import Law
+from fuzzyarm.control.law import Arithmetic, Law
 from fuzzyarm.kernels import kernel
 
 INTEGRAL = Gain("K_I", (50.0, 50.0), "N m/rad", "sum of the position errors (no dt)")
@@ -34,7 +34,7 @@ def integral_torque(
     return numbers[at] * first, numbers[at + 1] * second
 
 
-def _sums(_gains: Gains, _single: bool) -> list[float]:
+def _sums(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
     return [0.0, 0.0]
 
 

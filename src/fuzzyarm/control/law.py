@@ -2,16 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
+from typing import NamedTuple
 
 import numpy as np
 
 from fuzzyarm.arm.parameters import UNITS, ArmParameters, constants
 from fuzzyarm.control.gains import Gain, Gains, Origin
 
-Pack = Callable[[Gains, bool], list[float]]
-"""From gains, and whether to round them to single precision, to numbers."""
+class Arithmetic(NamedTuple):
+    """How the programs of a run count.
+
+    Attributes
+    ----------
+    single : bool
+        Whether stored values are rounded to single precision.
+    pi : float
+        The constant for π, of which some gains are fractions.
+    """
+
+    single: bool = False
+    pi: float = math.pi
+
+    def hold(self, value: float) -> float:
+        """Round as a stored gain is rounded."""
+        return float(np.float32(value)) if self.single else float(value)
+
+
+Pack = Callable[[Gains, Arithmetic], list[float]]
+"""From gains to numbers, in the arithmetic of a run."""
 
 
 @dataclass(frozen=True)
@@ -23,13 +44,13 @@ class Block:
     memory: list[float]
 
 
-def _no_memory(_gains: Gains, _single: bool) -> list[float]:
+def _no_memory(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
     return []
 
 
-def pack_all(gains: Gains, single: bool) -> list[float]:
+def pack_all(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     """Write down every gain in the order of its declaration."""
-    return [hold(value, single) for gain in gains.values() for value in gain.value]
+    return [arithmetic.hold(value) for gain in gains.values() for value in gain.value]
 
 
 @dataclass(frozen=True)
@@ -60,11 +81,6 @@ class Law:
     remember: Pack = field(default=_no_memory)
 
 
-def hold(value: float, single: bool) -> float:
-    """Round as a stored gain is rounded."""
-    return float(np.float32(value)) if single else float(value)
-
-
 def model_gains(model: ArmParameters, origin: Origin = "printed") -> tuple[Gain, ...]:
     """List the parameters of a controller's own model of the arm as gains."""
     return tuple(
@@ -89,8 +105,8 @@ def model_of(gains: Gains) -> ArmParameters:
 def pack_with_model(names: Sequence[str]) -> Pack:
     """Write down some gains and, behind them, the nine constants of the model."""
 
-    def pack(gains: Gains, single: bool) -> list[float]:
-        front = [hold(value, single) for name in names for value in gains[name].value]
-        return [*front, *map(float, constants(model_of(gains), single=single))]
+    def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
+        front = [arithmetic.hold(value) for name in names for value in gains[name].value]
+        return [*front, *map(float, constants(model_of(gains), single=arithmetic.single))]
 
     return pack

@@ -6,7 +6,7 @@ from fuzzyarm.arm.parameters import ESTIMATE
 from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State, stored
 from fuzzyarm.control import kinds
 from fuzzyarm.control.gains import Gain, Gains
-from fuzzyarm.control.law import Law, hold, model_gains, pack_with_model
+from fuzzyarm.control.law import Arithmetic, Law, model_gains, pack_with_model
 from fuzzyarm.kernels import kernel
 
 STIFFNESS = Gain(
@@ -128,7 +128,7 @@ def grow(
 SWITCHES = ("a", "b", "unit_mass", "gravity", "inertia_times_u")
 
 
-def _pack(gains: Gains, single: bool) -> list[float]:
+def _pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     # Q = I in the Lyapunov equation gives P2 = 1/(2 K1) and P3 = (1 + 2 P2)/(2 K2).
     second = [0.5 / value for value in gains["K_1"].value]
     third = [
@@ -137,13 +137,13 @@ def _pack(gains: Gains, single: bool) -> list[float]:
     ]
     front = [*gains["K_1"].value, *gains["K_2"].value, *second, *third]
     switches = [gains[name].value[0] for name in SWITCHES]
-    model = pack_with_model(())(gains, single)
+    model = pack_with_model(())(gains, arithmetic)
     # Δ₁ and Δ₂ grow with −a w; the kernel adds.
     switches[0] = -switches[0]
-    return [*(hold(value, single) for value in (*front, *switches)), *model]
+    return [*(arithmetic.hold(value) for value in (*front, *switches)), *model]
 
 
-def _nothing_learned(_gains: Gains, _single: bool) -> list[float]:
+def _nothing_learned(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
     return [0.0] * 12
 
 

@@ -22,6 +22,7 @@ from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State
 from fuzzyarm.arm.trajectory import SetPoints, Trajectory, sample
 from fuzzyarm.control.controller import CompiledController, Controller
 from fuzzyarm.control.dispatch import summed_torque
+from fuzzyarm.control.law import Arithmetic
 from fuzzyarm.kernels import build, jit_wanted
 
 Vector = NDArray[np.float64]
@@ -177,12 +178,13 @@ def simulate(
             value=len(arms),
         )
     points = sample(trajectory, conventions)
-    program = _Program(controller, conventions.single)
+    arithmetic = Arithmetic(conventions.single, conventions.pi)
+    program = _Program(controller, arithmetic)
     wanted = jit_wanted() if options.compiled is None else options.compiled
     compiled = wanted and program.compilable
     loop = _loop(compiled) if program.compilable else program.interpreted_loop()
     outcome = _Outcome(points, arms, conventions, options, program, as_arrays=compiled)
-    controller.start(conventions.single)
+    controller.prepare(arithmetic)
     begin = time.perf_counter()
     with np.errstate(all="ignore"):
         loop(*outcome.arguments)
@@ -198,7 +200,7 @@ def _loop(compiled: bool) -> Callable[..., Any]:
 class _Program:
     """A controller as the loop takes it: integers, constants and memory in three lists."""
 
-    def __init__(self, controller: Controller, single: bool) -> None:
+    def __init__(self, controller: Controller, arithmetic: Arithmetic) -> None:
         self.controller = controller
         self.program: list[int] = []
         self.numbers: list[float] = []
@@ -208,7 +210,7 @@ class _Program:
         if self.compilable:
             for part in parts:
                 assert isinstance(part, CompiledController)
-                block = part.block(single)
+                block = part.block(arithmetic)
                 self.program += [block.kind, len(self.numbers), len(self.memory)]
                 self.numbers += block.numbers
                 self.memory += block.memory
