@@ -15,6 +15,7 @@ from fuzzyarm.rulebase import (
     format_text,
     load_rulebase,
     parse,
+    write,
 )
 from fuzzyarm.rulebase.limits import MAX_CHARACTERS, MAX_DIAGNOSTICS, MAX_LINE
 from fuzzyarm.rulebase.rendering import render, render_all
@@ -188,6 +189,7 @@ def test_every_mistake_is_reported_in_one_run_and_in_order():
         ("inference u: and min", "misplaced-setting", ""),
         ("inference defuzzifier centroid(1)", "bad-resolution", ""),
         ("inference and min, and min", "duplicate-setting", ""),
+        ("inference threshold 1", "bad-threshold", ""),
         ("rules u", "missing-header", "header"),
         ("rules u\n  e \\ e N\n  N N", "same-variable", ""),
         ("rules u\n  e \\ ce N N\n  N N N", "repeated-column", ""),
@@ -313,3 +315,14 @@ def test_words_that_their_place_tells_apart_are_names(word):
     parsed = parse(text)
     assert parsed.diagnostics == ()
     assert parse(format_text(text)).rulebase == parsed.rulebase
+
+
+def test_a_threshold_belongs_to_the_rules_of_a_file_or_a_block():
+    text = (
+        HEAD + "inference threshold 0.1\nrule if e is N then u is N\n"
+        "block more: threshold 0.25, and product\nrule if e is P then u is P\n"
+        "block none: threshold 0\nrule if e is Z then u is Z\n"
+    )
+    rulebase = parse(text).rulebase
+    assert [block.threshold for block in rulebase.blocks] == [0.1, 0.25, 0.0]
+    assert parse(write(rulebase)).rulebase == rulebase

@@ -10,7 +10,7 @@ from fuzzyarm.rulebase.meaning.expectations import elaborate_expectation
 from fuzzyarm.rulebase.meaning.lookup import elaborate_lookup
 from fuzzyarm.rulebase.meaning.rules import elaborate_grid, elaborate_rule, report_too_many
 from fuzzyarm.rulebase.meaning.scope import Draft, Scope
-from fuzzyarm.rulebase.meaning.settings import apply_inference, block_norms
+from fuzzyarm.rulebase.meaning.settings import Norms, apply_inference, block_norms
 from fuzzyarm.rulebase.meaning.variables import (
     add_even_terms,
     add_term,
@@ -81,17 +81,15 @@ def elaborate(document: Document) -> tuple[RuleBase, list[Diagnostic]]:
     return rulebase, scope.diagnostics
 
 
-def _settings(nodes: list[StatementNode], scope: Scope) -> dict[str, str]:
-    norms: dict[str, str] = {}
+def _settings(nodes: list[StatementNode], scope: Scope) -> Norms:
+    norms: Norms = {}
     lines = [node for node in nodes if isinstance(node, InferenceNode)]
     for node in sorted(lines, key=lambda line: line.target is not None):
         apply_inference(node, scope, norms)
     return norms
 
 
-def _blocks(
-    nodes: list[StatementNode], scope: Scope, norms: dict[str, str]
-) -> tuple[RuleBlock, ...]:
+def _blocks(nodes: list[StatementNode], scope: Scope, norms: Norms) -> tuple[RuleBlock, ...]:
     blocks: list[RuleBlock] = []
     rules: list[Rule] = []
     name, own = "", norms

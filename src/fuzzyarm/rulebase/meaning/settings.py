@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from typing import TypedDict
+
 from fuzzyarm.rulebase.meaning.scope import Draft, Scope
 from fuzzyarm.rulebase.model import Defuzzifier
 from fuzzyarm.rulebase.syntax.nodes import BlockNode, InferenceNode, SettingNode
 
-NORM_KEYS = {"and": "conjunction", "or": "disjunction", "implication": "implication"}
+BLOCK_KEYS = ("and", "or", "implication", "threshold")
+"""Settings that belong to rules; all others belong to variables."""
+
 _MAX_SAMPLES = 1_000_000
 
 
-def apply_inference(node: InferenceNode, scope: Scope, norms: dict[str, str]) -> None:
+class Norms(TypedDict, total=False):
+    """What a block of rules is evaluated by; see RuleBlock."""
+
+    conjunction: str
+    disjunction: str
+    implication: str
+    threshold: float
+
+
+def apply_inference(node: InferenceNode, scope: Scope, norms: Norms) -> None:
     """Apply an ``inference`` line: to all variables and blocks, or to the variable it names."""
     drafts = list(scope.drafts.values())
     if node.target is not None:
@@ -18,7 +31,7 @@ def apply_inference(node: InferenceNode, scope: Scope, norms: dict[str, str]) ->
         drafts = [] if draft is None else [draft]
     _report_repeated(node.settings, scope)
     for setting in node.settings:
-        if setting.key.text in NORM_KEYS:
+        if setting.key.text in BLOCK_KEYS:
             if node.target is not None:
                 scope.report(
                     "misplaced-setting",
@@ -27,20 +40,20 @@ def apply_inference(node: InferenceNode, scope: Scope, norms: dict[str, str]) ->
                     setting.key.span,
                     hint="set it on a line of its own without a name, or on a block",
                 )
-            elif setting.value is not None:
-                norms[NORM_KEYS[setting.key.text]] = setting.value.text
+            else:
+                _set_norm(setting, scope, norms)
             continue
         for draft in drafts:
             _apply(setting, draft, scope, named=node.target is not None)
 
 
-def block_norms(node: BlockNode, scope: Scope, norms: dict[str, str]) -> dict[str, str]:
+def block_norms(node: BlockNode, scope: Scope, norms: Norms) -> Norms:
     """Return the norms of a block: those of the file, overridden by its own."""
-    own = dict(norms)
+    own = norms.copy()
     _report_repeated(node.settings, scope)
     for setting in node.settings:
-        if setting.key.text in NORM_KEYS and setting.value is not None:
-            own[NORM_KEYS[setting.key.text]] = setting.value.text
+        if setting.key.text in BLOCK_KEYS:
+            _set_norm(setting, scope, own)
         else:
             scope.report(
                 "misplaced-setting",
@@ -49,6 +62,23 @@ def block_norms(node: BlockNode, scope: Scope, norms: dict[str, str]) -> dict[st
                 hint="write it on an inference line",
             )
     return own
+
+
+def _set_norm(setting: SettingNode, scope: Scope, norms: Norms) -> None:
+    if setting.figure is not None:
+        if not 0.0 <= setting.figure.value < 1.0:
+            scope.report(
+                "bad-threshold", "a threshold must be at least 0 and below 1", setting.figure.span
+            )
+        norms["threshold"] = setting.figure.value
+    elif setting.value is not None:
+        key = setting.key.text
+        if key == "and":
+            norms["conjunction"] = setting.value.text
+        elif key == "or":
+            norms["disjunction"] = setting.value.text
+        else:
+            norms["implication"] = setting.value.text
 
 
 def _report_repeated(settings: tuple[SettingNode, ...], scope: Scope) -> None:

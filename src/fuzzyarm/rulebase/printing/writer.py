@@ -159,19 +159,22 @@ def _shape(shape: Shape, rulebase: RuleBase) -> ShapeNode:
 
 def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
     first = rulebase.blocks[0] if rulebase.blocks else RuleBlock()
-    yield InferenceNode(None, _norms(first))
+    yield InferenceNode(None, _norms(first, first))
     for variable in rulebase.inputs:
         yield InferenceNode(Word(variable.name), (_choice("outside", variable.outside),))
     for output in rulebase.outputs:
         yield InferenceNode(Word(output.name), _output_settings(output))
 
 
-def _norms(block: RuleBlock) -> tuple[SettingNode, ...]:
-    return (
+def _norms(block: RuleBlock, first: RuleBlock) -> tuple[SettingNode, ...]:
+    norms = (
         _choice("and", block.conjunction),
         _choice("or", block.disjunction),
         _choice("implication", block.implication),
     )
+    if block.threshold == 0.0 and first.threshold == 0.0:
+        return norms  # the default; else it is said, since a block inherits the file's
+    return (*norms, SettingNode(Word("threshold"), figure=Figure(block.threshold)))
 
 
 def _choice(key: str, value: str) -> SettingNode:
@@ -207,8 +210,8 @@ def _defuzzifier(defuzzifier: Defuzzifier) -> SettingNode:
 def _block(block: RuleBlock, rulebase: RuleBase) -> Iterator[StatementNode]:
     first = rulebase.blocks[0]
     if block.name or block is not first:
-        same = _norms(block) == _norms(first)
-        yield BlockNode(Word(block.name), () if same else _norms(block))
+        same = _norms(block, first) == _norms(first, first)
+        yield BlockNode(Word(block.name), () if same else _norms(block, first))
     for piece in split_into_grids(block.rules, rulebase):
         yield rule_node(piece) if isinstance(piece, Rule) else _grid(piece)
 

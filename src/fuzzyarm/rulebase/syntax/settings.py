@@ -37,6 +37,8 @@ def _read_setting(cursor: Cursor) -> SettingNode:
             return SettingNode(key, value=Word(token.text, token.span))
         what = "error, hold or a number for the case that no rule fires"
         return SettingNode(key, figure=cursor.figure(what, finite=False))
+    if key.text == "threshold":
+        return SettingNode(key, figure=cursor.figure("the threshold of firing strengths"))
     choices = CHOICES[key.text]
     value = cursor.word(f"one of {', '.join(choices)}", choices, "unknown-choice")
     return SettingNode(key, value=value)

@@ -19,7 +19,16 @@ STATEMENTS: dict[str, str] = {
 
 LOOKUP_ITEMS = ("levels", "bins", "round")
 CONNECTIVES = ("if", "then", "is", "and", "or", "with", "when")
-SETTINGS = ("and", "or", "implication", "aggregation", "defuzzifier", "outside", "no-rule")
+SETTINGS = (
+    "and",
+    "or",
+    "implication",
+    "aggregation",
+    "defuzzifier",
+    "outside",
+    "no-rule",
+    "threshold",
+)
 
 HEDGE_WORDS: dict[str, str] = {
     "not": "not",
