@@ -19,7 +19,13 @@ if TYPE_CHECKING:
     from fuzzyarm.api import check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.inference import explain, infer
-    from fuzzyarm.lut import LookupTable, compile_table
+    from fuzzyarm.lut import (
+        LookupTable,
+        compile_table,
+        compile_with_report,
+        read_table,
+        write_table,
+    )
     from fuzzyarm.rulebase import RuleBase, RuleBaseError, parse, write
     from fuzzyarm.shipped_files import shipped
 
@@ -33,12 +39,15 @@ __all__ = [
     "check_file",
     "check_text",
     "compile_table",
+    "compile_with_report",
     "explain",
     "infer",
     "load",
     "parse",
+    "read_table",
     "shipped",
     "write",
+    "write_table",
 ]
 
 _HOMES = {
@@ -49,12 +58,15 @@ _HOMES = {
     "check_file": "api",
     "check_text": "api",
     "compile_table": "lut",
+    "compile_with_report": "lut",
     "explain": "inference",
     "infer": "inference",
     "load": "api",
     "parse": "rulebase",
+    "read_table": "lut",
     "shipped": "shipped_files",
     "write": "rulebase",
+    "write_table": "lut",
 }
 
 

@@ -14,8 +14,8 @@ from fuzzyarm.rulebase.syntax.nodes import LookupItem, LookupNode
 
 
 def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
-    """Return `intervals` + 1 levels from `low` to `high`, each rounded once only."""
-    return (*tuple(low + (high - low) * i / intervals for i in range(intervals)), high)
+    """Return `intervals` + 1 levels from `low` to `high`, mirrored where the ends are."""
+    return tuple((low * (intervals - i) + high * i) / intervals for i in range(intervals + 1))
 
 
 def elaborate_lookup(node: LookupNode, scope: Scope) -> Lookup:
