@@ -19,6 +19,10 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "simulate": ("fuzzyarm.cli.simulate", "run a controller on the robot arm"),
     "reproduce": ("fuzzyarm.cli.reproduce", "run the study's published experiments again"),
     "identify": ("fuzzyarm.cli.identify", "fit unprinted gains to published figures"),
+    "new": ("fuzzyarm.cli.new", "a commented rule base to start from"),
+    "studio": ("fuzzyarm.cli.studio", "write a rule base and see what it means, as you type"),
+    "watch": ("fuzzyarm.cli.watch", "draw a file again whenever it is saved"),
+    "lsp": ("fuzzyarm.cli.lsp", "the language server for editors"),
     "demo": ("fuzzyarm.cli.demo", "the whole story on a shipped rule base"),
 }
 """Name → (module, one-line summary), in the order of the help page."""

@@ -1,0 +1,242 @@
+"""What an editor asks of a ``.lut`` file; the words of a table are its keywords and its names."""
+
+from __future__ import annotations
+
+import re
+
+from fuzzyarm.lut.text import line_tokens, parse_lut
+from fuzzyarm.lut.words import KEYWORDS
+from fuzzyarm.rulebase import Span
+from fuzzyarm.rulebase.printing.words import name_text
+from fuzzyarm.rulebase.queries import (
+    Candidate,
+    Coloured,
+    Edit,
+    Fold,
+    Hover,
+    RenameError,
+    Symbol,
+)
+from fuzzyarm.rulebase.syntax.tokens import Token, split_lines
+
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "mode": ("bins", "nearest", "linear"),
+    "index": ("row", "column", "page"),
+}
+_WORDS = {"row", "column", "page", "when", "step", "count", "mirrored", *_CHOICES["mode"]}
+
+
+class TableText:
+    """A table text cut into words.
+
+    Parameters
+    ----------
+    text : str
+        Anything.
+    path : str
+        Named in the diagnostics.
+    """
+
+    def __init__(self, text: str, path: str = "<text>") -> None:
+        self.lines = split_lines(text)
+        self.parsed = parse_lut(text, path)
+        self.tokens = [line_tokens(n, line, []) for n, line in enumerate(self.lines, start=1)]
+        self.grids = [n for n, line in enumerate(self.tokens, start=1) if _first(line) == "grid"]
+
+    @property
+    def names(self) -> list[str]:
+        """The inputs and the output, as far as the header can be read."""
+        found = [
+            line[1].text
+            for line in self.tokens
+            if len(line) > 1 and _first(line) in ("input", "output") and _is_name(line[1])
+        ]
+        return list(dict.fromkeys(found))
+
+    def occurrences(self, name: str) -> list[Span]:
+        """Return every place of a name."""
+        return [
+            token.span
+            for line in self.tokens
+            for index, token in enumerate(line)
+            if token.text == name and _is_name(token) and (index or token.text not in KEYWORDS)
+        ]
+
+    def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
+        """Return the input or output that a cursor touches."""
+        for token in self._line(line):
+            if token.column <= column <= token.end and token.text in self.names:
+                return token.text, token.span
+        return None
+
+    def definitions(self, name: str) -> list[Span]:
+        """Return where a name is declared."""
+        return [
+            line[1].span
+            for line in self.tokens
+            if len(line) > 1 and _first(line) in ("input", "output") and line[1].text == name
+        ]
+
+    def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
+        """Return the edits that give the name at a place another one.
+
+        Raises
+        ------
+        RenameError
+            If there is none, or the new one is empty or taken.
+        """
+        found = self.name_at(line, column)
+        if found is None:
+            raise RenameError("there is no input or output at this place")
+        name = new_name.strip().strip("'")
+        if not name:
+            raise RenameError("the new name is empty")
+        if name != found[0] and name in self.names:
+            raise RenameError(f"'{name}' is taken already")
+        return [Edit(span, name_text(name)) for span in self.occurrences(found[0])]
+
+    def complete(self, line: int, column: int) -> list[Candidate]:
+        """Return the words that could stand at a place of the header."""
+        before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
+        match = re.search(r"[^\W\d][\w-]*\Z", before)
+        start = match.start() + 1 if match else column
+        if "#" in before or before.count('"') % 2:
+            return []
+        span = Span(line, start, line, column)
+        tokens = line_tokens(line, before[: start - 1], [])
+        first = _first(tokens)
+        if not tokens:
+            if self.grids and line > self.grids[0]:
+                return [Candidate("grid", "keyword", "grid", KEYWORDS["grid"], span=span)]
+            return [Candidate(w, "keyword", w, what, span=span) for w, what in KEYWORDS.items()]
+        words = _CHOICES.get(first, ())
+        if first == "index" and tokens[-1].text in words:
+            words = tuple(n for n in self.names if n not in {t.text for t in tokens})
+        elif first in ("levels", "bins") and len(tokens) == 1:
+            words = tuple(f"{name_text(name)}:" for name in self.names[:-1])
+        return [Candidate(word, "value", word, span=span) for word in words]
+
+    def hover(self, line: int, column: int) -> Hover | None:
+        """Return a cell in words, an input with its levels, or the help of a keyword."""
+        cell = self._cell(line, column)
+        if cell is not None:
+            return cell
+        named = self.name_at(line, column)
+        if named is not None:
+            return Hover(self._name_words(named[0]), named[1])
+        for token in self._line(line)[:1]:
+            if token.column <= column <= token.end and token.text in KEYWORDS:
+                return Hover(f"**{token.text}**: {KEYWORDS[token.text]}", token.span)
+        return None
+
+    def _name_words(self, name: str) -> str:
+        header = self.parsed.header
+        if header is None:
+            return f"**{name}**"
+        for axis in header.axes:
+            if axis.name == name:
+                levels = f"{len(axis.levels)} levels, {axis.levels[0]:g} to {axis.levels[-1]:g}"
+                bins = "looked up by bins" if axis.bins else "no bins"
+                return f"input **{name}** {axis.description}\n\n{levels}, {bins}"
+        return f"output **{name}** {header.description}"
+
+    def _cell(self, line: int, column: int) -> Hover | None:
+        start = max((n for n in self.grids if n < line), default=None)
+        if start is None or self.parsed.header is None:
+            return None
+        header = next((n for n in range(start + 1, line) if self._words(n)), None)
+        words = self._words(line)
+        at = next((i for i, w in enumerate(words) if w[1] <= column <= w[2]), None)
+        if header is None or at is None or at == 0:
+            return None
+        head = [word[0] for word in self._words(header)]
+        if "\\" in head and len(head) > at + 2:
+            place = f"{head[0]} = {words[0][0]}, {head[2]} = {head[at + 2]}"
+        elif "\\" not in head and len(head) > at:
+            place = f"{head[0]} = {head[at]}"
+        else:
+            return None
+        text, first, end = words[at]
+        page = self.lines[start - 1].strip().removeprefix("grid").strip()
+        more = f" {page}" if page else ""
+        shown = f"**{self.parsed.header.output} = {text}** at {place}{more}"
+        return Hover(shown, Span(line, first, line, end))
+
+    def _words(self, line: int) -> list[tuple[str, int, int]]:
+        text = self.lines[line - 1].partition("#")[0] if line <= len(self.lines) else ""
+        return [(m.group(), m.start() + 1, m.end() + 1) for m in re.finditer(r"\S+", text)]
+
+    def symbols(self) -> list[Symbol]:
+        """Return the axes, the output and the grids."""
+        found = []
+        for number, tokens in enumerate(self.tokens, start=1):
+            first = _first(tokens)
+            if first in ("input", "output") and len(tokens) > 1:
+                whole = tokens[0].span.to(tokens[-1].span)
+                found.append(Symbol(tokens[1].text or "?", "", first, whole, tokens[1].span))
+            elif first == "grid":
+                end = self._end_of_grid(number)
+                whole = Span(number, 1, end, len(self.lines[end - 1]) + 1)
+                name = " ".join(self.lines[number - 1].split())
+                found.append(Symbol(name, "", "grid", whole, tokens[0].span))
+        return found
+
+    def folds(self) -> list[Fold]:
+        """Return the grids."""
+        ends = ((n, self._end_of_grid(n)) for n in self.grids)
+        return [Fold(first, last) for first, last in ends if last > first]
+
+    def _end_of_grid(self, start: int) -> int:
+        end = start
+        for number in range(start + 1, len(self.lines) + 1):
+            if _first(self.tokens[number - 1]) in KEYWORDS:
+                break
+            if self.lines[number - 1].strip():
+                end = number
+        return end
+
+    def coloured(self) -> list[Coloured]:
+        """Return every word that has a colour."""
+        names = set(self.names)
+        found: list[Coloured] = []
+        for number, tokens in enumerate(self.tokens, start=1):
+            for index, token in enumerate(tokens):
+                colour = _colour(token, names, first=index == 0)
+                if colour:
+                    found.append(Coloured(token.line, token.column, token.end, colour))
+            start = self.lines[number - 1].find("#", tokens[-1].end - 1 if tokens else 0)
+            if start >= 0:
+                end = len(self.lines[number - 1].rstrip())
+                found.append(Coloured(number, start + 1, end + 1, "comment"))
+        return found
+
+    def _line(self, line: int) -> tuple[Token, ...]:
+        return self.tokens[line - 1] if 1 <= line <= len(self.tokens) else ()
+
+
+def _first(tokens: tuple[Token, ...]) -> str:
+    return tokens[0].text if tokens and tokens[0].kind == "name" else ""
+
+
+def _is_name(token: Token) -> bool:
+    return token.kind in ("name", "quoted")
+
+
+def _colour(token: Token, names: set[str], *, first: bool) -> str | None:
+    if token.kind in ("number", "string"):
+        return token.kind
+    if _is_name(token):
+        if (first and token.text in KEYWORDS) or token.text in _WORDS:
+            return "keyword"
+        return "variable" if token.text in names else None
+    return "operator" if token.text in ("..", "=", "\\") else None
+
+
+def formatted_table(text: str) -> str | None:
+    """Return a table text in canonical form; None if it has mistakes, or comments to lose."""
+    parsed = parse_lut(text)
+    if parsed.table is None or any("#" in line for line in split_lines(text)):
+        return None
+    from fuzzyarm.lut.write_text import write_lut
+
+    return write_lut(parsed.table)
