@@ -14,8 +14,19 @@ from fuzzyarm.rulebase.syntax.nodes import LookupItem, LookupNode
 
 
 def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
-    """Return `intervals` + 1 levels from `low` to `high`, mirrored where the ends are."""
-    return tuple((low * (intervals - i) + high * i) / intervals for i in range(intervals + 1))
+    """Return `intervals` + 1 levels from `low` to `high`, each the nearest float to its decimal.
+
+    ``-6 .. 6 step 0.1`` has the level -0.3 and not -0.2999999999999998; levels are mirrored
+    where the ends are.
+    """
+    low, high = float(low), float(high)
+    step = (high - low) / intervals
+    if abs(low) + abs(high) < 1e15 and low.is_integer() and step.is_integer():
+        return tuple(low + step * i for i in range(intervals + 1))
+    from fractions import Fraction
+
+    first, last = Fraction(repr(low)), Fraction(repr(high))
+    return tuple(float(first + (last - first) * i / intervals) for i in range(intervals + 1))
 
 
 def elaborate_lookup(node: LookupNode, scope: Scope) -> Lookup:
