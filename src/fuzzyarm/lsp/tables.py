@@ -98,6 +98,7 @@ class TableText:
     def complete(self, line: int, column: int) -> list[Candidate]:
         """Return the words that could stand at a place of the header."""
         before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
+        column = len(before) + 1
         match = re.search(r"[^\W\d][\w-]*\Z", before)
         start = match.start() + 1 if match else column
         if "#" in before or before.count('"') % 2:

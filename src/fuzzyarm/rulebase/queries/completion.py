@@ -49,6 +49,7 @@ def complete(reading: Reading, line: int, column: int) -> list[Candidate]:
         The place of the cursor, from 1.
     """
     text = reading.raw_line(line)[: column - 1]
+    column = len(text) + 1
     comment = _in_comment(text, line, column)
     if comment is not None:
         return comment
@@ -59,7 +60,7 @@ def complete(reading: Reading, line: int, column: int) -> list[Candidate]:
     match = _PARTIAL.search(text)
     # A letter behind a digit belongs to no name: `1e` is on its way to a number.
     start = match.start() + 1 if match else column
-    if start > 1 and text[start - 2].isdigit() and match:
+    if match and text[: start - 1][-1:].isdigit():
         return []
     partial = text[start - 1 :]
     span = Span(line, start, line, column)
