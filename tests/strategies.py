@@ -8,6 +8,7 @@ round trips through text.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -74,6 +75,7 @@ def name_lists(
     return draw(st.lists(source, min_size=low, max_size=high, unique=True))
 
 
+@functools.cache
 def places(low: float, high: float) -> st.SearchStrategy[float]:
     """Numbers in a range: even fractions (so that things coincide) or any three digits."""
     width = high - low
@@ -304,6 +306,7 @@ def blocks_of(
         conjunction=draw(st.sampled_from(CONJUNCTIONS)),
         disjunction=draw(st.sampled_from(DISJUNCTIONS[:7])),
         implication=draw(st.sampled_from(CONJUNCTIONS)),
+        threshold=draw(st.sampled_from([0.0, 0.0, 0.0, 0.25])),
     )
 
 

@@ -221,7 +221,10 @@ class _Chunk:
         key = (part.variable, part.term, part.hedges)
         if key not in self._degrees:
             shape = self.plan.rulebase.variable(part.variable).term(part.term).shape
-            degree = membership(shape, self.values[part.variable], part.hedges)
+            value = self.values[part.variable]
+            degree = membership(shape, value, part.hedges)
+            if part.variable in self.plan.outputs:  # an earlier output may be without a value
+                degree = np.where(np.isnan(value), 0.0, degree)
             self._degrees[key] = degree if degree.any() else None
         return self._degrees[key]
 

@@ -73,9 +73,9 @@ def _power(base: float, exponent: float) -> float:
     try:
         value = base**exponent
     except ZeroDivisionError:
-        return math.inf
+        return math.copysign(math.inf, base) if exponent % 2.0 == 1.0 else math.inf
     except OverflowError:
-        return math.inf
+        return math.copysign(math.inf, base) if exponent % 2.0 == 1.0 else math.inf
     return value if isinstance(value, float) else math.nan
 
 

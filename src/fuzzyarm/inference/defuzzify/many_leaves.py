@@ -111,7 +111,10 @@ def panel_rule(
         middle, half = 0.5 * (x0[part] + x1[part]), 0.5 * (x1[part] - x0[part])
         steps = half[:, None] * _NODES
         own = [(member, strength[point[part]]) for member, strength in entries]
-        values = aggregate_at(plan, own, middle[:, None] + steps) * _WEIGHTS
+        places = middle[:, None] + steps
+        places[:, 0] = np.nextafter(x0[part], x1[part])
+        places[:, -1] = np.nextafter(x1[part], x0[part])
+        values = aggregate_at(plan, own, places) * _WEIGHTS
         total = values.sum(axis=1)
         area[part] = half * total
         moment[part] = half * ((values * steps).sum(axis=1) + (middle - centre) * total)

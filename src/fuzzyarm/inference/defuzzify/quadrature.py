@@ -1,42 +1,33 @@
 """The integral of any aggregate, adaptively: for what has no closed form.
 
-The range is cut at all corners and bends of the sets; each panel takes eight Gauss–Legendre
-nodes and is halved until the halves agree with the whole to :data:`TOLERANCE` of the
-area, of the panel or of all. Clipping edges and crossings are found by the halving. Both
-engines follow the same rule, so they agree; the error is below 1e-12 of the range (tested
-against closed forms and SciPy).
+The range is cut at all corners and bends of the sets; each panel takes eight Gauss–Lobatto
+nodes (they include the ends: a bend close to an end would be overlooked otherwise) and is
+halved until the halves agree with the whole to :data:`TOLERANCE` of the area, of the panel
+or of all. Clipping edges and crossings are found by the halving. Both engines follow the
+same rule, so they agree; the error is below 1e-11 of the range (tested against closed
+forms and SciPy).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
 from fuzzyarm.inference.plan import OutputPlan
 
-NODES = (
-    0.18343464249564978,
-    0.525532409916329,
-    0.7966664774136267,
-    0.9602898564975362,
-)
-"""Positive nodes of the eight-point rule on −1 … 1."""
+NODES = (0.20929921790247888, 0.5917001814331423, 0.8717401485096066, 1.0)
+"""Positive nodes of the eight-point rule on −1 … 1; exact to the 13th degree."""
 
-WEIGHTS = (
-    0.36268378337836166,
-    0.3137066458778869,
-    0.22238103445337443,
-    0.10122853629037706,
-)
+WEIGHTS = (0.4124587946587038, 0.34112269248350435, 0.2107042271435061, 1.0 / 28.0)
 """Their weights."""
 
 TOLERANCE = 1e-15
-"""Of the whole area, for each panel."""
+"""Of the area."""
 
 DEEPEST = 52
 """Halvings of a panel; a jump is then narrower than the spacing of floats."""
-
 
 MOST_PANELS = 20_000
 """Of one point: no set is worth more; what is left is taken as it is."""
@@ -78,7 +69,10 @@ def rule(
     area = moment = 0.0
     for node, weight in zip(NODES, WEIGHTS, strict=True):
         step = half * node
-        left, right = function(middle - step), function(middle + step)
+        if node == 1.0:  # just inside, for the value on this side of a vertical edge
+            left, right = function(math.nextafter(x0, x1)), function(math.nextafter(x1, x0))
+        else:
+            left, right = function(middle - step), function(middle + step)
         area += weight * (left + right)
         moment += weight * step * (right - left)
     return half * area, half * (moment + (middle - centre) * area)

@@ -1,0 +1,182 @@
+"""The exact centroid against closed forms worked out by hand and against SciPy."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from fuzzyarm.inference import infer
+from fuzzyarm.inference.defuzzify import centroid_closed, centroid_integrated
+from fuzzyarm.inference.overlap import closed_form
+from fuzzyarm.inference.plan import OutputPlan, plan
+from fuzzyarm.rulebase.membership import membership
+from fuzzyarm.rulebase.model import Defuzzifier, RuleBase, Shape
+from fuzzyarm.rulebase.norms import SNORMS, TNORMS
+from tests.strategies import SMOOTH, STRAIGHT, plain_mamdani
+
+
+def fired_somehow(output: OutputPlan, seed: int) -> list[tuple[int, float]]:
+    """Strengths of all members, ties and full strength among them."""
+    random = np.random.default_rng(seed)
+    choices = [0.0, 0.25, 0.5, 1.0, *random.uniform(0.0, 1.0, 4)]
+    drawn = [(i, float(random.choice(choices))) for i in range(len(output.members))]
+    return [(i, strength) for i, strength in drawn if strength > 0.0]
+
+
+def integrals(
+    function: Callable[[float], float], edges: list[float], parts: int
+) -> tuple[float, float]:
+    """Area and moment by a rule of 4th order on many panels; jumps only at the edges."""
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    area = moment = 0.0
+    for a, b in itertools.pairwise(edges):
+        borders = np.linspace(a, b, parts + 1)
+        middle, half = 0.5 * (borders[1:] + borders[:-1]), 0.5 * (borders[1:] - borders[:-1])
+        xs = middle[:, None] + half[:, None] * nodes
+        ys = np.vectorize(function)(xs) * weights * half[:, None]
+        area, moment = area + ys.sum(), moment + (ys * xs).sum()
+    return area, moment
+
+
+def brute_force(output: OutputPlan, fired: list[tuple[int, float]], parts: int) -> float | None:
+    """Integrate the definition itself: no fold, no pieces, no shared code but the shapes."""
+    norm = SNORMS[output.output.aggregation]
+
+    def aggregate(y: float) -> float:
+        total = 0.0
+        for index, strength in fired:
+            member = output.members[index]
+            total = norm(
+                total, TNORMS[member.implication](strength, membership(member.term.shape, y))
+            )
+        return total
+
+    low, high = output.output.low, output.output.high
+    corners = {x for m in output.members for x in m.term.shape.parameters[:: _stride(m.term.shape)]}
+    edges = sorted({low, high, *(x for x in corners if low < x < high)})
+    area, moment = integrals(aggregate, edges, parts)
+    return moment / area if area > 1e-12 else None
+
+
+def _stride(shape: Shape) -> int:
+    return 2 if shape.kind in {"points", "gaussian", "two-sided-gaussian", "sigmoid"} else 1
+
+
+@given(plain_mamdani(), st.integers(0, 1000))
+@settings(max_examples=60)
+def test_closed_form_equals_brute_force(rulebase: RuleBase, seed: int) -> None:
+    output = plan(rulebase).outputs["u"]
+    fired = fired_somehow(output, seed)
+    assert output.closed is not None
+    expected = brute_force(output, fired, 200)
+    if expected is not None:
+        width = output.output.high - output.output.low
+        assert centroid_closed.one(output, fired) == pytest.approx(expected, abs=2e-5 * width)
+
+
+@given(
+    plain_mamdani(aggregations=("max", "sum")),
+    st.integers(0, 1000),
+)
+@settings(max_examples=60)
+def test_closed_form_equals_adaptive_quadrature(rulebase: RuleBase, seed: int) -> None:
+    output = plan(rulebase).outputs["u"]
+    fired = fired_somehow(output, seed)
+    width = output.output.high - output.output.low
+    closed = centroid_closed.one(output, fired)
+    integrated = centroid_integrated.one(output, fired)
+    assert (closed is None) == (integrated is None)
+    if closed is not None:
+        assert closed == pytest.approx(integrated, abs=1e-11 * width)
+
+
+@given(
+    plain_mamdani(
+        aggregations=("max", "sum", "probor", "bounded", "einstein", "hamacher", "normalized"),
+        implications=("product", "bounded", "einstein", "hamacher", "nilpotent"),
+        kinds=STRAIGHT + SMOOTH,
+    ),
+    st.integers(0, 1000),
+)
+@settings(max_examples=30)
+def test_quadrature_equals_brute_force(rulebase: RuleBase, seed: int) -> None:
+    output = plan(rulebase).outputs["u"]
+    fired = fired_somehow(output, seed)
+    expected = brute_force(output, fired, 400)
+    if expected is not None:
+        width = output.output.high - output.output.low
+        # The yardstick is the coarser of the two: clipping edges fall inside its panels.
+        assert centroid_integrated.one(output, fired) == pytest.approx(expected, abs=2e-3 * width)
+
+
+def test_two_clipped_triangles_by_hand() -> None:
+    # min(1/2, triangle -1 0 1) has corners at ±1/2; area 3/4. With its twin at 1 clipped
+    # at 1/4 beside it the union is computed here by SciPy between all corners.
+    first, second = Shape("triangle", (-1.0, 0.0, 1.0)), Shape("triangle", (0.0, 1.0, 2.0))
+
+    def union(y: float) -> float:
+        return max(min(0.5, membership(first, y)), min(0.25, membership(second, y)))
+
+    corners = [-1.0, -0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.75, 2.0]
+    area = sum(quad(union, a, b)[0] for a, b in itertools.pairwise(corners))
+    moment = sum(quad(lambda y: y * union(y), a, b)[0] for a, b in itertools.pairwise(corners))
+    output = _bare_output([first, second], -1.0, 2.0)
+    assert centroid_closed.one(output, [(0, 0.5), (1, 0.25)]) == pytest.approx(moment / area)
+    alone = centroid_closed.one(output, [(1, 0.25)])
+    assert alone == pytest.approx(1.0)
+
+
+def test_vertical_edges_and_the_range_cut_a_set() -> None:
+    # min(0.4, rectangle 1 .. 9) inside 0 .. 5: a box from 1 to 5.
+    output = _bare_output([Shape("rectangle", (1.0, 9.0))], 0.0, 5.0)
+    assert centroid_closed.one(output, [(0, 0.4)]) == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("height", [1e-300, 1e-100, 1e-12, 1e-6])
+def test_a_faint_rule_keeps_its_digits(height: float) -> None:
+    output = _bare_output([Shape("triangle", (0.0, 1.0, 4.0))], 0.0, 4.0)
+    # A sliver of a set is a box over its support.
+    assert centroid_closed.one(output, [(0, height)]) == pytest.approx(2.0, abs=1e-5)
+
+
+def test_many_overlapping_sets_fall_back_to_quadrature() -> None:
+    wide = [Shape("triangle", (0.0, 0.5 + 0.01 * i, 1.0)) for i in range(12)]
+    output = _bare_output(wide, 0.0, 1.0)
+    assert closed_form([m.pieces for m in output.members], 0.0, 1.0) is None
+    assert output.closed is None
+    fired = [(i, 0.1 * (i % 7) + 0.1) for i in range(12)]
+    assert centroid_integrated.one(output, fired) == pytest.approx(
+        brute_force(output, fired, 2000), abs=1e-7
+    )
+
+
+def test_fine_samples_approach_the_exact_value(pd7: RuleBase) -> None:
+    output = dataclasses.replace(
+        pd7.outputs[0], defuzzifier=Defuzzifier("centroid", 100_000, "midpoints")
+    )
+    sampled = dataclasses.replace(pd7, outputs=(output,))
+    e, ce = np.random.default_rng(3).uniform(-6.0, 6.0, (2, 30))
+    np.testing.assert_allclose(
+        infer(pd7, e=e, ce=ce)["u"], infer(sampled, e=e, ce=ce)["u"], rtol=0, atol=1e-8
+    )
+
+
+def _bare_output(shapes: list[Shape], low: float, high: float) -> OutputPlan:
+    from fuzzyarm.rulebase.model import Consequent, Input, Is, Output, Rule, RuleBlock, Term
+
+    terms = tuple(Term(f"T{i}", shape) for i, shape in enumerate(shapes))
+    rules = tuple(Rule(Is("e", "A"), (Consequent("u", term.name),)) for term in terms)
+    rulebase = RuleBase(
+        "bare",
+        (Input("e", 0.0, 1.0, (Term("A", Shape("ramp", (0.0, 1.0))),)),),
+        (Output("u", low, high, terms),),
+        (RuleBlock(rules),),
+    )
+    return plan(rulebase).outputs["u"]

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyarm.inference.snorms import SNORMS
+from fuzzyarm.inference.tnorms import TNORMS
+from fuzzyarm.rulebase.model import CONJUNCTIONS, DISJUNCTIONS
+from fuzzyarm.rulebase.norms import SNORMS as PLAIN_SNORMS
+from fuzzyarm.rulebase.norms import TNORMS as PLAIN_TNORMS
+
+DEGREES = [0.0, 1e-300, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0]
+PAIRS = np.array(list(itertools.product(DEGREES, DEGREES))).T
+DUALS = list(zip(CONJUNCTIONS, DISJUNCTIONS, strict=False))
+degree = st.floats(0.0, 1.0)
+
+
+def test_every_norm_of_the_language_is_there() -> None:
+    assert tuple(TNORMS) == CONJUNCTIONS == tuple(PLAIN_TNORMS)
+    assert set(SNORMS) == set(DISJUNCTIONS) == set(PLAIN_SNORMS)
+
+
+@pytest.mark.parametrize("name", CONJUNCTIONS)
+def test_t_norms_of_arrays_equal_those_of_numbers(name: str) -> None:
+    plain = [PLAIN_TNORMS[name](a, b) for a, b in PAIRS.T.tolist()]
+    np.testing.assert_array_equal(TNORMS[name](*PAIRS), plain)
+
+
+@pytest.mark.parametrize("name", DISJUNCTIONS)
+def test_s_norms_of_arrays_equal_those_of_numbers(name: str) -> None:
+    plain = [PLAIN_SNORMS[name](a, b) for a, b in PAIRS.T.tolist()]
+    np.testing.assert_array_equal(SNORMS[name](*PAIRS), plain)
+
+
+@pytest.mark.parametrize(("tnorm", "snorm"), DUALS)
+@given(a=degree, b=degree)
+def test_t_and_s_norms_are_duals(tnorm: str, snorm: str, a: float, b: float) -> None:
+    if tnorm in {"drastic", "nilpotent"}:  # they jump: 1 − (1 − a) must be a itself
+        a, b = round(a * 64) / 64, round(b * 64) / 64
+    dual = 1.0 - PLAIN_TNORMS[tnorm](1.0 - a, 1.0 - b)
+    assert PLAIN_SNORMS[snorm](a, b) == pytest.approx(dual, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", CONJUNCTIONS)
+@given(a=degree, b=degree, c=degree)
+def test_t_norms_are_norms(name: str, a: float, b: float, c: float) -> None:
+    norm = PLAIN_TNORMS[name]
+    assert norm(a, 1.0) == pytest.approx(a, abs=1e-15)
+    assert norm(a, 0.0) == 0.0
+    assert norm(a, b) == norm(b, a)
+    assert norm(a, b) <= min(a, b) + 1e-15
+    low, high = sorted((b, c))
+    assert norm(a, low) <= norm(a, high) + 1e-15
+
+
+@pytest.mark.parametrize("name", DISJUNCTIONS)
+@given(a=degree, b=degree)
+def test_zero_changes_no_aggregate(name: str, a: float, b: float) -> None:
+    norm = PLAIN_SNORMS[name]
+    assert norm(0.0, a) == a == norm(a, 0.0)
+    assert norm(a, b) == norm(b, a)
+    assert norm(a, b) >= max(a, b) - 1e-15
