@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from hypothesis import strategies as st
@@ -339,7 +340,7 @@ def _decorations(draw: Draw, rulebase: RuleBase) -> RuleBase:
 
     first = rulebase.inputs[0]
     levels = tuple(sorted(draw(st.sets(places(first.low, first.high), min_size=2, max_size=5))))
-    bins = tuple(0.5 * (a + b) for a, b in zip(levels, levels[1:], strict=False))
+    bins = tuple(0.5 * (a + b) for a, b in pairwise(levels))
     lookup = Lookup(
         (LookupAxis(first.name, levels, draw(st.sampled_from([None, bins]))),),
         draw(st.sampled_from([None, 0.1])),
