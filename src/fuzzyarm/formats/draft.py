@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
-from fuzzyarm.formats.imported import Findings, Word
+from fuzzyarm.formats.imported import MAX_TERMS, Findings, Word
 from fuzzyarm.rulebase.model import Consequent, Defuzzifier, Input, Output, Shape, Term
 
 
@@ -22,7 +22,7 @@ class Draft:
     low, high : float
         The range; infinite until the file says more.
     terms : list of Term
-        In order.
+        In order; changed by :meth:`add` and :meth:`put`.
     enabled : bool
         False where the file switches the variable off.
     """
@@ -38,6 +38,7 @@ class Draft:
     aggregation: str = "sum"
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
+    _index: dict[str, Term] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -46,7 +47,17 @@ class Draft:
 
     def term(self, name: str) -> Term | None:
         """Return the term called `name`, or None."""
-        return next((term for term in self.terms if term.name == name), None)
+        return self._index.get(name)
+
+    def add(self, term: Term) -> None:
+        """Add a term."""
+        self.terms.append(term)
+        self._index.setdefault(term.name, term)
+
+    def put(self, index: int, term: Term) -> None:
+        """Put a term in the place of one with the same name."""
+        self.terms[index] = term
+        self._index[term.name] = term
 
     def input(self) -> Input:
         """Return the finished input."""
@@ -85,13 +96,14 @@ def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep
     term = Term(word.text, shape, word.span)
     earlier = draft.term(word.text)
     if earlier is None:
-        draft.terms.append(term)
+        if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
+            draft.add(term)
         return
     kept = "first" if keep == "first" else "last"
     message = f"'{draft.name}' has two terms called '{word.text}'; the {kept} counts"
     findings.duplicate("duplicate-term-name", message, word, earlier.span)
     if keep == "last":
-        draft.terms[draft.terms.index(earlier)] = term
+        draft.put(draft.terms.index(earlier), term)
 
 
 def unique_name(name: str, taken: set[str]) -> str:

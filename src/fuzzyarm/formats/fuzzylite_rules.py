@@ -74,6 +74,7 @@ class RuleBuilder:
         self.findings = findings
         self._fired: dict[tuple[str, str], list[tuple[Rule, Norms]]] = {}
         self._own: frozenset[str] = frozenset()
+        self._sizes: dict[tuple[str, str], int] = {}
 
     def block(
         self,
@@ -97,6 +98,7 @@ class RuleBuilder:
                 for consequent in rule.consequents:
                     key = (consequent.variable, consequent.term)
                     self._fired.setdefault(key, []).append((rule, norms))
+                    self._sizes[key] = self._sizes.get(key, 0) + _size(rule.antecedent)
         return RuleBlock(
             tuple(rules),
             name,
@@ -195,6 +197,10 @@ class RuleBuilder:
             message = f"no earlier rule concludes '{output.name} is {proposition.term}'"
             self.findings.warn("never-activated", message, proposition.span)
             return self._constant(proposition, NEVER)
+        if self._sizes[proposition.variable, proposition.term] > MAX_NODES:
+            what = "conditions to put in the place of an output"
+            self.findings.room(MAX_NODES, MAX_NODES, what, proposition.span)
+            return proposition
         reason = self._why_not(fired, output, norms)
         if reason and output.name in self._own:
             return proposition
@@ -205,8 +211,6 @@ class RuleBuilder:
             )
             self.findings.loss("chained-output", message, proposition.span)
         antecedents = tuple(rule.antecedent for rule, _ in fired)
-        if sum(map(_size, antecedents)) > MAX_NODES:
-            return proposition
         if not reason:
             message = (
                 f"'{output.name} is {proposition.term}' means its activation to fuzzylite; "

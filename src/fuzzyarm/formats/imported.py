@@ -4,19 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 
 from fuzzyarm.rulebase.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
 from fuzzyarm.rulebase.model import RuleBase
 from fuzzyarm.rulebase.near import near_hint
 
-MAX_CHARACTERS = 400_000
+MAX_CHARACTERS = 200_000
 """Longest foreign text that is read: some hundred times the largest that people write."""
 
 MAX_FINDINGS = 300
 """Most findings that one reading lists; the rest is counted."""
 
-MAX_HINTS = 40
+MAX_HINTS = 20
 """Findings that get a guess of what was meant (a guess costs time)."""
+
+MAX_CHOICES = 300
+"""Names that are compared for such a guess."""
+
+MAX_TERMS = 1_000
+MAX_VARIABLES = 200
+MAX_RULES = 10_000
 
 LOSSY_HINT = "--lossy goes on regardless"
 
@@ -93,6 +101,7 @@ class Findings:
         self._left_out = 0
         self._errors = 0
         self._hints = 0
+        self._full: set[str] = set()
 
     @property
     def failed(self) -> bool:
@@ -121,9 +130,18 @@ class Findings:
         hint, replacement = "", None
         if self._hints < MAX_HINTS:
             self._hints += 1
-            hint, replacement = near_hint(word.text, choices)
+            hint, replacement = near_hint(word.text, islice(choices, MAX_CHOICES))
         message = f"{what} '{shortened(word.text)}' is not known"
         self._add(name, message, word, Severity.ERROR, hint, replacement)
+
+    def room(self, count: int, most: int, what: str, at: Word | Span) -> bool:
+        """Whether one more than `count` is allowed; the first time it is not, say so."""
+        if count < most:
+            return True
+        if what not in self._full:
+            self._full.add(what)
+            self.error("too-many", f"more than {most} {what} are not read", at)
+        return False
 
     def duplicate(self, name: str, message: str, at: Word | Span, first: Span) -> None:
         """Record a warning that also points at the first of two."""

@@ -12,6 +12,7 @@ from fuzzyarm.rulebase.diagnostic import Span
 from fuzzyarm.rulebase.model import And, Consequent, Expression, Hedge, Hedged, Is, Or
 
 MAX_NESTING = 50
+MAX_CONCLUSIONS = 200
 NOT = Hedge("not")
 
 FUZZYLITE_HEDGES = {
@@ -103,7 +104,10 @@ class RuleParser:
         self.expect("then")
         conclusions = [self.conclusion()]
         while self.key() in self.dialect.separators:
-            self.take()
+            word = self.take()
+            if len(conclusions) == MAX_CONCLUSIONS:
+                message = f"a rule may have {MAX_CONCLUSIONS} conclusions at most"
+                raise RuleFaultError("too-many", message, word)
             conclusions.append(self.conclusion())
         weight = self.weight() if self.key() == "with" else 1.0
         if self.at < len(self.words):

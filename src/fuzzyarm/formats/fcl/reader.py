@@ -12,7 +12,13 @@ from fuzzyarm.formats.fcl.lexer import SECTIONS, fcl_words
 from fuzzyarm.formats.fcl.rules import BlockText, blocks_in_model, read_block
 from fuzzyarm.formats.fcl.terms import fcl_shape
 from fuzzyarm.formats.fcl.walk import settle_edges
-from fuzzyarm.formats.imported import Findings, Imported, Word, too_long
+from fuzzyarm.formats.imported import (
+    MAX_VARIABLES,
+    Findings,
+    Imported,
+    Word,
+    too_long,
+)
 from fuzzyarm.formats.norms import FCL_DISJUNCTIONS
 from fuzzyarm.formats.numerals import number
 from fuzzyarm.formats.shaping import estimated_range
@@ -142,7 +148,9 @@ class _Reader:
         elif key in ("FUZZIFY", "DEFUZZIFY"):
             self._fuzzify(block, is_output=key == "DEFUZZIFY")
         else:
-            block.blocks.append(read_block(self.cursor, self.findings))
+            text = read_block(self.cursor, self.findings)
+            if self.findings.room(len(block.blocks), MAX_VARIABLES, "rule blocks", text.word):
+                block.blocks.append(text)
 
     def _to_next_section(self) -> None:
         cursor = self.cursor
@@ -163,7 +171,9 @@ class _Reader:
             if word.text in block.variables:
                 message = f"there are two variables called '{word.text}'"
                 self.findings.error("duplicate-variable", message, word)
-            last = block.variables.setdefault(word.text, Draft(word, is_output))
+            last = Draft(word, is_output)
+            if self.findings.room(len(block.variables), MAX_VARIABLES, "variables", word):
+                last = block.variables.setdefault(word.text, last)
             cursor.expect(":")
             while not cursor.ended and cursor.word.text != ";" and cursor.key() != "END_VAR":
                 if cursor.word.span.line != word.span.line:
@@ -192,7 +202,9 @@ class _Reader:
             kind = "VAR_OUTPUT" if is_output else "VAR_INPUT"
             message = f"'{word.text}' is not declared in {kind}"
             self.findings.warn("undeclared-variable", message, word)
-            draft = block.variables[word.text] = Draft(word, is_output)
+            draft = Draft(word, is_output)
+            if self.findings.room(len(block.variables), MAX_VARIABLES, "variables", word):
+                block.variables[word.text] = draft
         if draft.is_output != is_output:
             kind = "output" if draft.is_output else "input"
             message = f"'{word.text}' is declared as an {kind}"

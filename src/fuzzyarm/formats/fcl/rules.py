@@ -10,7 +10,7 @@ from fuzzyarm.formats.fcl.cursor import Cursor, SyntaxFaultError
 from fuzzyarm.formats.fcl.dialect import RULES
 from fuzzyarm.formats.fcl.lexer import SECTIONS
 from fuzzyarm.formats.fuzzylite_rules import MACHINE_EPSILON, Norms, RuleBuilder, concluded
-from fuzzyarm.formats.imported import Findings, Word
+from fuzzyarm.formats.imported import MAX_RULES, Findings, Word
 from fuzzyarm.formats.norms import FCL_CONJUNCTIONS, FCL_DISJUNCTIONS, JFUZZYLOGIC_PAIRS
 from fuzzyarm.formats.propositions import RuleFaultError, RuleParser, RuleText
 from fuzzyarm.rulebase.model import Rule, RuleBlock
@@ -49,7 +49,7 @@ def read_block(cursor: Cursor, findings: Findings) -> BlockText:
         if cursor.ended or cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
             raise SyntaxFaultError("'END_RULEBLOCK' is missing", cursor.word)
         try:
-            _statement(cursor, block)
+            _statement(cursor, block, findings)
         except SyntaxFaultError as fault:
             findings.error(fault.name, str(fault), fault.word)
             cursor.at += cursor.key() not in _END_OF_RULE
@@ -57,7 +57,7 @@ def read_block(cursor: Cursor, findings: Findings) -> BlockText:
     return block
 
 
-def _statement(cursor: Cursor, block: BlockText) -> None:
+def _statement(cursor: Cursor, block: BlockText, findings: Findings) -> None:
     key = cursor.key()
     if key in ("AND", "OR", "ACT", "ACCU"):
         cursor.take()
@@ -71,7 +71,9 @@ def _statement(cursor: Cursor, block: BlockText) -> None:
         cursor.skip(";")
     elif key == "RULE":
         start = cursor.take()
-        block.rules.append(_rule_words(cursor, start))
+        words = _rule_words(cursor, start)
+        if findings.room(len(block.rules), MAX_RULES, "rules", start):
+            block.rules.append(words)
     else:
         message = f"RULE, AND and the like are expected here, not '{cursor.word.text[:40]}'"
         raise SyntaxFaultError(message, cursor.word)

@@ -40,7 +40,7 @@ def settle_edges(draft: Draft, findings: Findings) -> None:
                 "beside it; it is moved by the smallest step there is"
             )
             findings.info("edge-on-sample", message, term.span)
-            draft.terms[index] = Term(term.name, moved, term.span)
+            draft.put(index, Term(term.name, moved, term.span))
 
 
 def _places(low: float, high: float, count: int) -> list[tuple[float, float]]:

@@ -193,7 +193,7 @@ def _values_as_sets(
             )
             findings.warn("value-as-set", message, term.span)
             shape = Shape("rectangle", (draft.low, draft.high), height)
-            draft.terms[index] = Term(term.name, shape, term.span)
+            draft.put(index, Term(term.name, shape, term.span))
             continue
         message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
         findings.loss("value-as-set", message, at)

@@ -17,7 +17,15 @@ from fuzzyarm.formats.fis.lines import (
 from fuzzyarm.formats.fis.meaning import System, detect, finish_output, rules_in_model
 from fuzzyarm.formats.fis.rules import RuleReader
 from fuzzyarm.formats.fis.terms import fis_shape
-from fuzzyarm.formats.imported import Findings, Imported, Word, too_long
+from fuzzyarm.formats.imported import (
+    MAX_RULES,
+    MAX_TERMS,
+    MAX_VARIABLES,
+    Findings,
+    Imported,
+    Word,
+    too_long,
+)
 from fuzzyarm.formats.numerals import number, rounded
 from fuzzyarm.rulebase.diagnostic import NOWHERE, Span
 from fuzzyarm.rulebase.model import RuleBase, RuleBlock, Term
@@ -108,6 +116,9 @@ class _Reader:
             self._variable(section, inputs)
 
     def _variable(self, section: Section, inputs: int) -> None:
+        count = len(self.inputs) + len(self.outputs)
+        if not self.findings.room(count, MAX_VARIABLES, "variables", section.span):
+            return
         is_output = section.kind == "output"
         draft = Draft(Word("", section.span), is_output)
         if is_output:
@@ -191,7 +202,9 @@ class _Reader:
             message = f"'{draft.name}' has two functions with the number {index}"
             self.findings.error("duplicate-index", message, value)
             return
-        unique = unique_name(name.text or f"mf{index}", {t.name for t in draft.terms})
+        if not self.findings.room(len(taken), MAX_TERMS, "terms of a variable", value):
+            return
+        unique = unique_name(name.text or f"mf{index}", set(taken.values()))
         taken[index] = unique
         if name.text and unique != name.text:
             message = (
@@ -201,13 +214,16 @@ class _Reader:
             self.findings.warn("duplicate-term-name", message, name)
         shape = fis_shape(kind, rest, inputs, self.findings)
         if shape is not None:
-            draft.terms.append(Term(unique, shape, name.span))
+            draft.add(Term(unique, shape, name.span))
 
     def _block(self) -> RuleBlock:
         reader = RuleReader(
             tuple(self.inputs), tuple(self.outputs), self.terms, self.producer, self.findings
         )
-        texts = [text for line in self.rules if (text := reader.read(line)) is not None]
+        if len(self.rules) > MAX_RULES:
+            self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
+        rules = self.rules[:MAX_RULES]
+        texts = [text for line in rules if (text := reader.read(line)) is not None]
         drafts = {draft.name: draft for draft in (*self.inputs, *self.outputs)}
         return rules_in_model(texts, drafts, self.system, self.producer, self.findings)
 

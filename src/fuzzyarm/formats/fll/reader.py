@@ -11,7 +11,15 @@ from fuzzyarm.formats.fll.lines import Line, fll_lines
 from fuzzyarm.formats.fll.outputs import settle_defuzzifier
 from fuzzyarm.formats.fll.terms import shape_of
 from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder, concluded
-from fuzzyarm.formats.imported import Findings, Imported, Word, too_long
+from fuzzyarm.formats.imported import (
+    MAX_RULES,
+    MAX_TERMS,
+    MAX_VARIABLES,
+    Findings,
+    Imported,
+    Word,
+    too_long,
+)
 from fuzzyarm.formats.norms import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS
 from fuzzyarm.formats.numerals import number, rounded
 from fuzzyarm.formats.propositions import Dialect, RuleFaultError, RuleParser, RuleText
@@ -117,7 +125,8 @@ class _Reader:
             message = f"there are two variables called '{name}'"
             self.findings.error("duplicate-variable", message, word)
             return
-        self.variables[name] = self.draft
+        if self.findings.room(len(self.variables), MAX_VARIABLES, "variables", word):
+            self.variables[name] = self.draft
 
     def _setting(self, line: Line) -> None:
         key = line.key.text
@@ -144,7 +153,8 @@ class _Reader:
             case "lock-range":
                 draft.outside = "clamp" if self._flag(line) else "extend"
             case "term":
-                self.terms.append((draft, line))
+                if self.findings.room(len(self.terms), 5 * MAX_TERMS, "terms", line.key):
+                    self.terms.append((draft, line))
             case _ if draft.is_output:
                 self._output_setting(draft, line)
             case _:
@@ -200,7 +210,9 @@ class _Reader:
             case "activation":
                 self._activation(block, line)
             case "rule":
-                block.rules.append(line)
+                count = sum(len(each.rules) for each in self.blocks)
+                if self.findings.room(count, MAX_RULES, "rules", line.key):
+                    block.rules.append(line)
             case _:
                 keys = (
                     "description", "enabled", "conjunction", "disjunction", "implication",
