@@ -1,0 +1,294 @@
+"""The studio as a Textual application."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, ClassVar
+
+from rich.text import Text
+from textual import events
+from textual.app import App, ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.timer import Timer
+from textual.widgets import Footer, OptionList, Static, TextArea
+from textual.widgets.option_list import Option
+
+from fuzzyarm.files import write_atomically
+from fuzzyarm.rulebase import Diagnostic, Severity, Span
+from fuzzyarm.rulebase.queries import apply_edits, coloured, fixes
+from fuzzyarm.studio.document import StudioDocument
+from fuzzyarm.studio.editor import Editor
+from fuzzyarm.studio.scene import findings_text
+from fuzzyarm.studio.view import View
+
+_PAUSE = 0.05
+_STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
+_HELP = """\
+Tab / Shift+Tab  text, drawing, findings     F2 – F5  surface, rules, terms, firing
+in the drawing:  ← → ↑ ↓ move the crisp inputs (Shift: further), c puts them in the middle,
+                 x / y choose another input, o another output, Enter goes to the rule
+in the findings: Enter goes there, f repairs what is certain
+F7 next finding  F8 repair at the cursor  Ctrl+S format and save  Ctrl+Q leave"""
+
+
+class Studio(App[int]):
+    """A rule base and what it means, side by side.
+
+    Parameters
+    ----------
+    document : StudioDocument
+        The file.
+    """
+
+    CSS_PATH = "studio.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("f1", "explain_keys", "keys"),
+        Binding("f2", "show_view(0)", "surface"),
+        Binding("f3", "show_view(1)", "rules"),
+        Binding("f4", "show_view(2)", "terms"),
+        Binding("f5", "show_view(3)", "firing"),
+        Binding("f7", "next_finding", "next"),
+        Binding("f8", "repair", "repair"),
+        Binding("ctrl+s", "save", "save", priority=True),
+        Binding("ctrl+q", "leave", "leave", priority=True),
+    ]
+
+    def __init__(self, document: StudioDocument) -> None:
+        super().__init__()
+        self.document = document
+        self.view_index = 0
+        self._saved = document.text
+        self._stamp = _stamp(document.path)
+        self._waiting: Timer | None = None
+        self._warned_of = ""
+
+    def compose(self) -> ComposeResult:
+        """Return the parts, top to bottom."""
+        yield Static(id="title", markup=False)
+        with Horizontal(id="work"):
+            yield Editor(self.document.text, id="editor")
+            with Vertical(id="right"):
+                yield Static(id="views", markup=False)
+                yield View()
+                yield Static(id="point", markup=False)
+        yield OptionList(id="findings")
+        yield Footer(compact=True, show_command_palette=False)
+
+    def on_mount(self) -> None:
+        """Show the file."""
+        self.query_one(Editor).focus()
+        self.show_everything()
+
+    # ── showing ──────────────────────────────────────────────────────────────────────
+
+    def show_everything(self) -> None:
+        """Show text, drawing and findings as they are now."""
+        self._show_colours()
+        self._show_findings()
+        self._show_scene()
+        self._show_title()
+
+    def _show_colours(self) -> None:
+        session = self.document.session
+        if session.is_table:
+            from fuzzyarm.lsp.tables import TableText
+
+            words = TableText(session.text).coloured()
+        else:
+            words = coloured(session.reading)
+        self.query_one(Editor).colour(words, self.document.findings)
+
+    def _show_title(self) -> None:
+        text = Text(f" {Path(self.document.path).name}", "bold", no_wrap=True)
+        text.append(" • " if self.is_changed else "   ", "yellow")
+        text.append(findings_text(self.document.findings), "not bold")
+        if not self.document.is_current and self.document.scene is not None:
+            text.append("   the drawing shows the last sound text", "not bold yellow")
+        self.query_one("#title", Static).update(text)
+
+    def _show_scene(self) -> None:
+        scene = self.document.scene
+        names = scene.VIEWS if scene is not None else ("surface",)
+        self.view_index = min(self.view_index, len(names) - 1)
+        tabs = Text(no_wrap=True)
+        for index, name in enumerate(names):
+            style = "reverse" if index == self.view_index else "dim"
+            tabs.append(f" {index + 1} {name} ", style)
+        self.query_one("#views", Static).update(tabs)
+        view = self.query_one(View)
+        view.show(scene, names[self.view_index], is_current=self.document.is_current)
+        view.set_class(not self.document.is_current, "stale")
+        self._show_point()
+
+    def _show_point(self) -> None:
+        scene = self.document.scene
+        self.query_one("#point", Static).update(scene.caption() if scene else Text())
+
+    def _show_findings(self) -> None:
+        listed = self.query_one("#findings", OptionList)
+        before = listed.highlighted
+        listed.clear_options()
+        for found in self.document.findings:
+            line = Text(f"{found.line}:{found.column} ", "dim", no_wrap=True)
+            line.append(f"{found.message}", _STYLES[found.severity])
+            if found.hint:
+                line.append(f"  {found.hint}", "italic")
+            listed.add_option(Option(line))
+        if not self.document.findings:
+            listed.add_option(Option(Text("no findings", "dim green"), disabled=True))
+        elif before is not None:
+            listed.highlighted = min(before, len(self.document.findings) - 1)
+
+    # ── the text changes ─────────────────────────────────────────────────────────────
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether the text differs from the file."""
+        return self.query_one(Editor).text != self._saved
+
+    def on_text_area_changed(self, event: TextArea.Changed) -> None:
+        """Read the text again when the typing pauses for a moment."""
+        if self._waiting is not None:
+            self._waiting.stop()
+        # A text that takes long to check waits until the typing does.
+        pause = max(_PAUSE, 2.0 * self.document.session.cost)
+        self._waiting = self.set_timer(pause, self.read_text)
+
+    def read_text(self) -> None:
+        """Read the text as it is now and show what it means."""
+        if self._waiting is not None:
+            self._waiting.stop()
+            self._waiting = None
+        text = self.query_one(Editor).text
+        if text != self.document.text:
+            self.document.update(text)
+        self.show_everything()
+
+    # ── keys ─────────────────────────────────────────────────────────────────────────
+
+    def action_show_view(self, index: int) -> None:
+        """Draw another view."""
+        scene = self.document.scene
+        if scene is not None and index < len(scene.VIEWS):
+            self.view_index = index
+            self._show_scene()
+            self.query_one(View).scroll_home(animate=False)
+
+    def action_explain_keys(self) -> None:
+        """Show what the keys do."""
+        self.notify(_HELP, title="keys", timeout=20)
+
+    def on_view_moved(self, event: View.Moved) -> None:
+        """Show the crisp inputs."""
+        self._show_point()
+
+    def on_view_jump(self, event: View.Jump) -> None:
+        """Go to a place in the text."""
+        self.go_to(event.span)
+
+    def go_to(self, span: Span) -> None:
+        """Put the cursor at a place and the focus on the text."""
+        editor = self.query_one(Editor)
+        editor.go_to(span.line, span.column)
+        editor.focus()
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Go to a finding."""
+        self.go_to(self.document.findings[event.option_index].span)
+
+    def action_next_finding(self) -> None:
+        """Go to the first finding behind the cursor; from the last one to the first."""
+        self.read_text()
+        found = self.document.findings
+        if not found:
+            self.notify("There are no findings.")
+            return
+        row, column = self.query_one(Editor).cursor_location
+        later = (d for d in found if (d.line, d.column) > (row + 1, column + 1))
+        chosen = next(later, found[0])
+        self.query_one("#findings", OptionList).highlighted = found.index(chosen)
+        self.go_to(chosen.span)
+        self.notify(_said(chosen), severity=_gravity(chosen))
+
+    def on_key(self, event: events.Key) -> None:
+        """Repair the chosen finding with f."""
+        listed = self.query_one("#findings", OptionList)
+        if event.key == "f" and listed.has_focus and listed.highlighted is not None:
+            event.stop()
+            self._repair(self.document.findings[listed.highlighted])
+
+    def action_repair(self) -> None:
+        """Repair the finding at the cursor."""
+        self.read_text()
+        row, column = self.query_one(Editor).cursor_location
+        here = (row + 1, column + 1)
+        on_line = [d for d in self.document.findings if d.span.line <= here[0] <= d.span.end_line]
+        touched = [d for d in on_line if d.column <= here[1] <= d.span.end_column]
+        for found in [*touched, *on_line]:
+            if self._fix_of(found) is not None:
+                self._repair(found)
+                return
+        self.notify("Nothing here has a certain repair.")
+
+    def _fix_of(self, found: Diagnostic) -> Any:
+        session = self.document.session
+        grids = [] if session.is_table else session.grids
+        certain = [fix for fix in fixes(found, session.text, grids) if fix.preferred]
+        return certain[0] if certain else None
+
+    def _repair(self, found: Diagnostic) -> None:
+        fix = self._fix_of(found)
+        if fix is None:
+            self.notify("This has no certain repair: it is yours to decide.")
+            return
+        self.query_one(Editor).replace_all(apply_edits(self.document.text, fix.edits))
+        self.read_text()
+        self.notify(fix.title)
+
+    def action_save(self) -> None:
+        """Format the text and write the file; with mistakes it is written as it is."""
+        self.read_text()
+        if _stamp(self.document.path) != self._stamp and self._warned_of != "disk":
+            self._warned_of = "disk"
+            self.notify(
+                "The file has changed on disk. Ctrl+S again replaces it.", severity="warning"
+            )
+            return
+        text = self.document.formatted()
+        try:
+            write_atomically(self.document.path, text)
+        except OSError as error:
+            self.notify(f"Not saved: {error.strerror or error}", severity="error")
+            return
+        if text != self.query_one(Editor).text:
+            self.query_one(Editor).replace_all(text)
+        self._saved, self._stamp, self._warned_of = text, _stamp(self.document.path), ""
+        self.read_text()
+        mistakes = sum(d.is_error for d in self.document.findings)
+        self.notify("Saved as it is, with mistakes." if mistakes else "Formatted and saved.")
+
+    def action_leave(self) -> None:
+        """Leave; with changes that are not saved only when asked twice."""
+        if self.is_changed and self._warned_of != "loss":
+            self._warned_of = "loss"
+            self.notify("Not saved. Ctrl+S saves, Ctrl+Q again leaves without.", severity="warning")
+            return
+        self.exit(0)
+
+
+def _said(found: Diagnostic) -> str:
+    return f"{found.message} ({found.hint})" if found.hint else found.message
+
+
+def _gravity(found: Diagnostic) -> Any:
+    return "information" if found.severity is Severity.INFO else str(found.severity)
+
+
+def _stamp(path: str) -> tuple[int, int] | None:
+    try:
+        status = Path(path).stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size

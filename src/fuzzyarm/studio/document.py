@@ -1,0 +1,97 @@
+"""A file in the studio or under watch: its text, its findings and its last good scene."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from fuzzyarm.api import UnknownKindError
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.rulebase import Diagnostic, RuleBaseError, format_text, read_text
+from fuzzyarm.studio.rulebase_scene import RulebaseScene
+from fuzzyarm.studio.scene import Scene
+from fuzzyarm.studio.table_scene import TableScene
+
+SUFFIXES = (".frb", ".lut")
+
+
+class StudioDocument:
+    """A file with what is known of it.
+
+    Parameters
+    ----------
+    path : path-like
+        A ``.frb`` or ``.lut`` file.
+
+    Attributes
+    ----------
+    session : Session
+        The text and its findings, as in the language server.
+    scene : Scene or None
+        Of the last text without errors; None until there has been one.
+    is_current : bool
+        Whether `scene` is that of the text as it is now.
+
+    Raises
+    ------
+    UnknownKindError
+        If the file is neither.
+    OSError, RuleBaseError
+        If it cannot be read.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = os.fspath(path)
+        if Path(self.path).suffix.lower() not in SUFFIXES:
+            raise UnknownKindError(self.path)
+        self.scene: Scene | None = None
+        self.is_current = False
+        self.session = Session(self.path, read_text(self.path))
+        self.update(self.session.text)
+
+    @property
+    def text(self) -> str:
+        """The text as it is now."""
+        return self.session.text
+
+    @property
+    def findings(self) -> tuple[Diagnostic, ...]:
+        """What `fuzzyarm check` finds in it."""
+        return self.session.review().diagnostics
+
+    @property
+    def broken(self) -> bool:
+        """Whether the text has errors."""
+        return self.session.review().failed
+
+    def update(self, text: str) -> None:
+        """Take a new text; a sound one brings a new scene."""
+        self.session.replace(text)
+        scene = self._scene()
+        self.is_current = scene is not None
+        self.scene = scene or self.scene
+
+    def _scene(self) -> Scene | None:
+        review = self.session.review()
+        if self.session.is_table:
+            from fuzzyarm.lut import LookupTable, parse_lut
+
+            plain = parse_lut(self.text, self.path).table
+            if plain is None:
+                return None
+            return TableScene(LookupTable.from_plain(plain), self.text, self.scene)
+        # Contradictions and failed expectations are errors, but the rules can be shown.
+        if review.rulebase is None or not review.rulebase.inputs:
+            return None
+        return RulebaseScene(review.rulebase, self.session.reading, self.scene)
+
+    def formatted(self) -> str:
+        """Return the text in canonical form; as it is where that cannot be."""
+        if self.session.is_table:
+            from fuzzyarm.lsp.tables import formatted_table
+
+            return formatted_table(self.text) or self.text
+        try:
+            return format_text(self.text, self.path)
+        except RuleBaseError:
+            return self.text

@@ -1,0 +1,159 @@
+"""A lookup table in the studio: a map of its cells, and its numbers."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from fuzzyarm.lut import LookupTable
+from fuzzyarm.rulebase import Span
+from fuzzyarm.rulebase.syntax.tokens import split_lines
+from fuzzyarm.show.scale import scale_of
+from fuzzyarm.show.words import name_words, number_words
+from fuzzyarm.studio.scene import Scene
+from fuzzyarm.studio.surface import LinePlot, SurfaceMap
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+MAP, NUMBERS = "surface", "numbers"
+
+
+class TableScene(Scene):
+    """A sound table.
+
+    Parameters
+    ----------
+    table : LookupTable
+        The table.
+    text : str
+        Its text, to jump into.
+    before : Scene or None
+        The scene before the last change of the text.
+    """
+
+    VIEWS = (MAP, NUMBERS)
+
+    def __init__(self, table: LookupTable, text: str = "", before: Scene | None = None) -> None:
+        super().__init__()
+        self.table = table
+        self.text = text
+        self._ranges = {axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes}
+        names = table.names
+        if before is None:
+            self.set_inputs({}, names[-1], names[-2] if len(names) > 1 else "")
+        else:
+            self.set_inputs(before.point, before.across, before.down)
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The inputs and the stretch that is shown of each."""
+        return self._ranges
+
+    @property
+    def cell(self) -> tuple[int, ...]:
+        """The index of the cell that the crisp inputs fall into."""
+        return tuple(self.table.cell(*(self.point[name] for name in self.table.names)))
+
+    def move(self, name: str, steps: int, *, coarse: bool = False) -> None:
+        """Move a crisp input to the next level; with `coarse` by three."""
+        if name not in self.point:
+            return
+        levels = self.table.axis(name).levels
+        now = self.cell[self.table.names.index(name)]
+        by = 3 * steps if coarse else steps
+        self.point[name] = levels[min(len(levels) - 1, max(0, now + by))]
+
+    def result(self) -> str:
+        """Return the value that the table gives."""
+        value = float(self.table.lookup(*(self.point[name] for name in self.table.names)))
+        return f"{name_words(self.table.output)} = {number_words(value, 6)}"
+
+    def draw(self, view: str, width: int, height: int) -> RenderableType:
+        """Return the drawing of a view in a given room."""
+        if view == NUMBERS:
+            from fuzzyarm.show.table import table_view
+
+            return table_view(self.table, at=[self.point[name] for name in self.table.names])
+        return self._map(width, height)
+
+    def _map(self, width: int, height: int) -> RenderableType:
+        from rich.console import Group
+        from rich.text import Text
+
+        title = Text(f"{name_words(self.table.output)}  {self.table.description}", "bold")
+        names, cell = self.table.names, list(self.cell)
+        i = names.index(self.across)
+        columns = len(self.table.axes[i].levels)
+        scale = scale_of(self.table.values.ravel().tolist(), self.table.low, self.table.high)
+
+        def value(row: int, column: int) -> float:
+            index = list(cell)
+            index[i] = column
+            if self.down:
+                index[names.index(self.down)] = row
+            return float(self.table.values[tuple(index)])
+
+        room = max(8, width - 9)
+        if not self.down:
+            values = [value(0, k * columns // (2 * room)) for k in range(2 * room)]
+            low = min(values) if self.table.low is None else self.table.low
+            high = max(values) if self.table.high is None else self.table.high
+            mark = round((cell[i] + 0.5) * 2 * room / columns)
+            return Group(
+                title,
+                LinePlot(values, max(3, height - 2), (self.across, *self.ranges[self.across]),
+                         (self.table.output, low, high), mark),
+            )  # fmt: skip
+        j = names.index(self.down)
+        rows = len(self.table.axes[j].levels)
+        # Whole cells where they fit, so that all have the same size.
+        wide = max(1, room // columns) * columns if columns <= room else room
+        high_rows = 2 * max(3, height - 2)
+        tall = max(1, high_rows // rows) * rows if rows <= high_rows else high_rows
+        tall += tall % 2
+        grid = [
+            [value(min(rows - 1, y * rows // tall), x * columns // wide) for x in range(wide)]
+            for y in range(tall)
+        ]
+        mark_at = (
+            min(tall - 1, int((cell[j] + 0.5) * tall / rows)),
+            min(wide - 1, int((cell[i] + 0.5) * wide / columns)),
+        )
+        drawing = SurfaceMap(
+            grid, scale, (self.down, *self.ranges[self.down]),
+            (self.across, *self.ranges[self.across]), mark_at,
+        )  # fmt: skip
+        return Group(title, drawing)
+
+    def place(self) -> Span | None:
+        """Return where the number of the chosen cell stands in the text."""
+        starts = [
+            n for n, line in enumerate(split_lines(self.text), start=1)
+            if re.match(r"\s*grid\b", line)
+        ]  # fmt: skip
+        cell = self.cell
+        page = 0
+        for index, size in zip(cell[:-2], self.table.shape[:-2], strict=True):
+            page = page * size + index
+        if page >= len(starts):
+            return None
+        lines = split_lines(self.text)
+        row = cell[-2] if len(cell) > 1 else 0
+        below = [n for n in range(starts[page] + 1, len(lines) + 1) if _words(lines[n - 1])]
+        if len(below) < row + 2:
+            return None
+        number = below[row + 1]
+        words = _words(lines[number - 1])
+        if len(words) < cell[-1] + 2:
+            return None
+        start, end = words[cell[-1] + 1]
+        return Span(number, start, number, end)
+
+    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+        """Return nothing: a map is too coarse to be pointed at."""
+        return None
+
+
+def _words(line: str) -> list[tuple[int, int]]:
+    return [(m.start() + 1, m.end() + 1) for m in re.finditer(r"\S+", line.partition("#")[0])]
