@@ -21,6 +21,7 @@ FLOORS = {
     "lut": 3,
     "api": 3,
     "arm": 4,
+    "export": 4,
     "control": 5,
     "study": 6,
     "show": 6,

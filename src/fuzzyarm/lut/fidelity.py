@@ -97,6 +97,23 @@ def measure_fidelity(
 _Points = list[NDArray[np.float64]]
 
 
+def dense_points(axes: Sequence[Axis]) -> list[NDArray[np.float64]]:
+    """Return the points of the dense grid along each axis, in order.
+
+    Parameters
+    ----------
+    axes : sequence of Axis
+        Of a table.
+
+    Returns
+    -------
+    list of ndarray
+        Even points over the range, every level, middle and threshold with its neighbour;
+        fewer where many axes would make millions of combinations.
+    """
+    return _dense_grid(axes)[0]
+
+
 def _dense_grid(axes: Sequence[Axis]) -> tuple[_Points, _Points]:
     """Return the points along each axis and their weights: 1 on the even ones, else 0.
 
