@@ -63,7 +63,7 @@ def test_a_formula_without_a_value_is_an_error() -> None:
     outputs = terms(left=Shape("formula", formula="sqrt(a - 2)"))
     rulebase = base([rule("a high", "u left")], outputs, "weighted-average")
     for a in (0.5, np.array([0.5])):
-        with pytest.raises(NotANumberError, match="'u' has none at a = 0.5"):
+        with pytest.raises(NotANumberError, match=r"'u' has none at a = 0\.5"):
             infer(rulebase, a=a, b=0.0)
 
 
@@ -169,7 +169,7 @@ def silent(no_rule: float | str) -> RuleBase:
 
 def test_no_rule_is_an_error_with_the_point() -> None:
     for a in (0.0, np.array([1.0, 0.0])):
-        with pytest.raises(NoRuleFiredError, match="'u' at a = 0, b = 0.25") as caught:
+        with pytest.raises(NoRuleFiredError, match=r"'u' at a = 0, b = 0\.25") as caught:
             infer(silent("error"), a=a, b=0.25)
         assert caught.value.output == "u"
         assert caught.value.inputs == {"a": 0.0, "b": 0.25}

@@ -5,6 +5,8 @@ Importing it imports no array library; evaluating scalars does not either.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from fuzzyarm.inference.errors import (
     CyclicRulesError,
     InferenceError,
@@ -18,7 +20,9 @@ from fuzzyarm.inference.errors import (
 from fuzzyarm.inference.expectations import check_expectations
 from fuzzyarm.inference.infer import infer
 from fuzzyarm.inference.scalar import prepare
-from fuzzyarm.inference.trace import Trace, explain
+
+if TYPE_CHECKING:
+    from fuzzyarm.inference.trace import Trace, explain
 
 __all__ = [
     "CyclicRulesError",
@@ -35,3 +39,12 @@ __all__ = [
     "infer",
     "prepare",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Import traces when they are asked for; a check does not draw them."""
+    if name in {"Trace", "explain"}:
+        from fuzzyarm.inference import trace
+
+        return getattr(trace, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -83,8 +83,9 @@ def infer_arrays(
         working = shape
     results = {name: np.empty(working) for name in prepared.outputs}
     if results and int(np.prod(working)):
+        shared: Degrees = {}
         for block in blocks(working, _chunk_size(prepared)):
-            chunk = _Chunk(prepared, arrays, working, block, held or {})
+            chunk = _Chunk(prepared, arrays, working, block, held or {}, shared)
             for name, value in chunk.outputs().items():
                 results[name][block] = value
     return {name: result.reshape(shape) for name, result in results.items()}
@@ -139,8 +140,16 @@ def _chunk_size(prepared: Plan) -> int:
     return size
 
 
+Degrees = dict[tuple[str, str, tuple[Hedge, ...]], Array | None]
+"""Memberships by variable, term and hedges; None where a term is 0 all over."""
+
+
 class _Chunk:
-    """One block of points on its way through the steps of a plan."""
+    """One block of points on its way through the steps of a plan.
+
+    `shared` goes from chunk to chunk: memberships of inputs of which every chunk needs
+    the whole (the inner axis of a grid).
+    """
 
     def __init__(
         self,
@@ -149,12 +158,15 @@ class _Chunk:
         working: tuple[int, ...],
         block: Block,
         held: Mapping[str, float],
+        shared: Degrees,
     ) -> None:
         self.plan = prepared
         self.shape = tuple(part.stop - part.start for part in block)
         self.held = held
         self.values = {name: _part(array, working, block) for name, array in arrays.items()}
-        self._degrees: dict[tuple[str, str, tuple[Hedge, ...]], Array | None] = {}
+        whole = {name for name, array in arrays.items() if self.values[name].size == array.size}
+        self._shared, self._whole = shared, whole
+        self._degrees: Degrees = {}
         self._members: dict[int, list[tuple[str, int]]] = {}
         self._strengths: dict[str, Strengths] = {}
         for name, output in prepared.outputs.items():
@@ -219,14 +231,15 @@ class _Chunk:
         if part.variable in planned.degrees:
             return self._degree_so_far(part)
         key = (part.variable, part.term, part.hedges)
-        if key not in self._degrees:
+        degrees = self._shared if part.variable in self._whole else self._degrees
+        if key not in degrees:
             shape = self.plan.rulebase.variable(part.variable).term(part.term).shape
             value = self.values[part.variable]
             degree = membership(shape, value, part.hedges)
             if part.variable in self.plan.outputs:  # an earlier output may be without a value
                 degree = np.where(np.isnan(value), 0.0, degree)
-            self._degrees[key] = degree if degree.any() else None
-        return self._degrees[key]
+            degrees[key] = degree if degree.any() else None
+        return degrees[key]
 
     def _degree_so_far(self, part: Is) -> Array:
         """How far the rules so far assert a term of an output of the same block."""

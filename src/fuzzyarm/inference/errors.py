@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 
 from fuzzyarm.errors import FuzzyarmError
@@ -24,6 +23,8 @@ class UnknownNameError(InferenceError):
     """
 
     def __init__(self, name: str, known: Iterable[str], *, what: str = "input") -> None:
+        import difflib  # takes longer to import than most files take to check
+
         self.name = name
         self.known = tuple(known)
         near = difflib.get_close_matches(name, self.known, n=1)

@@ -17,7 +17,6 @@ overlap this is the sum of the clipped sets minus the overlaps of neighbours.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -56,8 +55,7 @@ class Overlap(NamedTuple):
     layers: Layers
 
 
-@dataclass(frozen=True, slots=True)
-class ClosedForm:
+class ClosedForm(NamedTuple):
     """The union of clipped sets as polynomials of the heights.
 
     Attributes

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
@@ -38,8 +38,7 @@ PLACE = "x"
 """The name under which a formula that is a membership function knows its place."""
 
 
-@dataclass(frozen=True, slots=True)
-class Member:
+class Member(NamedTuple):
     """A consequent of an output, once for all the rules that share it.
 
     Attributes
@@ -71,8 +70,7 @@ class Member:
     formula: Node | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class OutputPlan:
+class OutputPlan(NamedTuple):
     """An output with its members and the rules that assert them.
 
     Attributes
@@ -96,8 +94,7 @@ class OutputPlan:
     closed: ClosedForm | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedRule:
+class PlannedRule(NamedTuple):
     """A rule with the norms of its block and the outputs that its antecedent reads as sets."""
 
     rule: Rule
@@ -107,8 +104,7 @@ class PlannedRule:
     threshold: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Plan:
+class Plan(NamedTuple):
     """A rule base in order of evaluation.
 
     Attributes

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
 from itertools import product
 from typing import NamedTuple
 
@@ -41,7 +40,6 @@ from fuzzyarm.rulebase.norms import SNORMS, TNORMS, Norm
 Key = tuple[str, str, tuple[Hedge, ...]]
 
 
-@dataclass(slots=True)
 class Point:
     """What is known while one point is evaluated.
 
@@ -59,11 +57,14 @@ class Point:
         Outputs for which no rule fired.
     """
 
-    values: dict[str, float]
-    degrees: list[float]
-    active: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
-    fired: dict[str, list[tuple[int, float]]] = field(default_factory=dict)
-    silent: set[str] = field(default_factory=set)
+    __slots__ = ("active", "degrees", "fired", "silent", "values")
+
+    def __init__(self, propositions: int, outputs: Iterable[str]) -> None:
+        self.values: dict[str, float] = {}
+        self.degrees = [0.0] * propositions
+        self.active: dict[str, list[tuple[int, float]]] = {}
+        self.fired: dict[str, list[tuple[int, float]]] = {name: [] for name in outputs}
+        self.silent: set[str] = set()
 
 
 class _Conjunction(NamedTuple):
@@ -335,8 +336,7 @@ class Prepared:
         Point
             With the outputs among its values.
         """
-        point = Point({}, [0.0] * len(self._numbers))
-        point.fired = {name: [] for name in self.plan.outputs}
+        point = Point(len(self._numbers), self.plan.outputs)
         self._take(point, inputs)
         if held:
             check_names(held, self.plan.outputs, what="output")

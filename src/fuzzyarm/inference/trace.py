@@ -140,14 +140,26 @@ class Trace:
     outputs: tuple[OutputTrace, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the trace as dicts, lists and numbers, fit for JSON."""
-        return asdict(self)
+        """Return the trace as dicts, lists and numbers, fit for JSON.
+
+        Infinite ranges and values that are NaN become None.
+        """
+        written: dict[str, Any] = _finite(asdict(self))
+        return written
 
     @property
     def fired(self) -> tuple[RuleTrace, ...]:
         """The rules that fire, the strongest first."""
         firing = [rule for rule in self.rules if rule.strength > 0.0]
         return tuple(sorted(firing, key=lambda rule: -rule.strength))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def explain(

@@ -1,19 +1,13 @@
-"""From the fired rules of one output at one point to its number."""
+"""From the fired rules of one output at one point to its number.
+
+The rarer defuzzifiers are imported where they are used: a check has to start at once.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from fuzzyarm.inference.defuzzify import (
-    bisector,
-    centroid_closed,
-    centroid_integrated,
-    centroid_sampled,
-    discrete,
-    maxima,
-    tsukamoto,
-    weighted,
-)
+from fuzzyarm.inference.defuzzify import centroid_closed, weighted
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired
 from fuzzyarm.inference.plan import WEIGHTED, Member, OutputPlan
 from fuzzyarm.rulebase.formula import evaluate
@@ -45,20 +39,27 @@ def defuzzify_one(
         value_of = _values(plan, values, inputs)
         if method == "centroid" or method in WEIGHTED:
             return weighted.one(plan, fired, value_of)
+        from fuzzyarm.inference.defuzzify import discrete
+
         return discrete.one(plan, fired, value_of)
-    exact = resolution is None
     if method == "centroid":
         return _centroid(plan, fired)
+    from fuzzyarm.inference.defuzzify import bisector, maxima
+
+    exact = resolution is None
     if method == "bisector":
         return bisector.one(plan, fired) if exact else bisector.one_sampled(plan, fired)
     return maxima.one(plan, fired) if exact else maxima.one_sampled(plan, fired)
 
 
 def _centroid(plan: OutputPlan, fired: Fired) -> float | None:
-    if plan.output.defuzzifier.resolution is not None:
-        return centroid_sampled.one(plan, fired)
-    if plan.closed is not None:
+    exact = plan.output.defuzzifier.resolution is None
+    if exact and plan.closed is not None:
         return centroid_closed.one(plan, fired)
+    from fuzzyarm.inference.defuzzify import centroid_integrated, centroid_sampled
+
+    if not exact:
+        return centroid_sampled.one(plan, fired)
     return centroid_integrated.one(plan, fired)
 
 
@@ -70,6 +71,8 @@ def _values(
         if member.value is not None:
             return member.value
         if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+            from fuzzyarm.inference.defuzzify import tsukamoto
+
             return tsukamoto.one(plan, member, strength)
         return consequent_value(member, values, inputs)
 
