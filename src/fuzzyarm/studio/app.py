@@ -25,7 +25,7 @@ from fuzzyarm.studio.view import View
 _PAUSE = 0.05
 _STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
 _HELP = """\
-Tab / Shift+Tab  text, drawing, findings     F2 – F5  surface, rules, terms, firing
+Tab / Shift+Tab  text, drawing, findings     F2 to F5  surface, rules, terms, firing
 in the drawing:  ← → ↑ ↓ move the crisp inputs (Shift: further), c puts them in the middle,
                  x / y choose another input, o another output, Enter goes to the rule
 in the findings: Enter goes there, f repairs what is certain
@@ -43,6 +43,8 @@ class Studio(App[int]):
 
     CSS_PATH = "studio.tcss"
     ENABLE_COMMAND_PALETTE = False
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-wide")]  # noqa: RUF012 - as declared
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (34, "-tall")]  # noqa: RUF012 - in the library
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("f1", "explain_keys", "keys"),
         Binding("f2", "show_view(0)", "surface"),
@@ -50,9 +52,9 @@ class Studio(App[int]):
         Binding("f4", "show_view(2)", "terms"),
         Binding("f5", "show_view(3)", "firing"),
         Binding("f7", "next_finding", "next"),
-        Binding("f8", "repair", "repair"),
+        Binding("f8", "repair", "fix"),
         Binding("ctrl+s", "save", "save", priority=True),
-        Binding("ctrl+q", "leave", "leave", priority=True),
+        Binding("ctrl+q", "leave", "quit", priority=True),
     ]
 
     def __init__(self, document: StudioDocument) -> None:

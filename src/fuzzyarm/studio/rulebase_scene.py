@@ -20,8 +20,9 @@ from fuzzyarm.rulebase.shapes import SHAPES
 from fuzzyarm.rulebase.syntax.nodes import GridNode
 from fuzzyarm.show.rulegrid import RuleGrid, find_grids, grid_title, rule_grid
 from fuzzyarm.show.scale import scale_of
-from fuzzyarm.show.terms import TermPlots, visible_range
+from fuzzyarm.show.terms import visible_range
 from fuzzyarm.show.words import name_words, number_words, rule_words
+from fuzzyarm.studio.parts import firing_view, term_lines
 from fuzzyarm.studio.scene import Scene
 from fuzzyarm.studio.surface import LinePlot, SurfaceMap
 
@@ -190,22 +191,16 @@ class RulebaseScene(Scene):
 
     def _terms(self, width: int, height: int) -> RenderableType:
         from rich.console import Group
-        from rich.text import Text
 
-        parts: list[RenderableType] = []
-        for variable in self.rulebase.inputs:
-            parts += [TermPlots(variable, self.rulebase, at=self.point[variable.name]), Text()]
-        for output in self.rulebase.outputs:
-            parts += [TermPlots(output, self.rulebase), Text()]
+        parts = [term_lines(v, width, self.point[v.name]) for v in self.rulebase.inputs]
+        parts += [term_lines(output, width) for output in self.rulebase.outputs]
         return Group(*parts)
 
     def _firing(self) -> RenderableType:
         from rich.text import Text
 
-        from fuzzyarm.show.trace import trace_view
-
         trace = self.trace()
-        return Text(trace, "yellow") if isinstance(trace, str) else trace_view(trace)
+        return Text(trace, "yellow") if isinstance(trace, str) else firing_view(trace)
 
     # ── places ───────────────────────────────────────────────────────────────────────
 

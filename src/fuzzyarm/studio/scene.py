@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -81,7 +80,8 @@ class Scene(ABC):
         width = (high - low) / (COARSE if coarse else FINE)
         # Steps lie on a lattice from the lower end, so that round numbers are met again.
         place = round((self.point[name] - low) / width) + steps
-        self.point[name] = min(high, max(low, low + place * width))
+        # Twelve digits are more than anybody reads, and hide the noise of the last ones.
+        self.point[name] = min(high, max(low, float(f"{low + place * width:.12g}")))
 
     def centre(self) -> None:
         """Put every crisp input in the middle of its range."""
@@ -126,8 +126,3 @@ def findings_text(found: tuple[Diagnostic, ...]) -> str:
         counts[str(diagnostic.severity)] = counts.get(str(diagnostic.severity), 0) + 1
     words = [f"{n} {kind}{'s' if n > 1 and kind != 'info' else ''}" for kind, n in counts.items()]
     return ", ".join(words) if words else "no findings"
-
-
-def is_number(value: float) -> bool:
-    """Whether a value can be drawn."""
-    return math.isfinite(value)

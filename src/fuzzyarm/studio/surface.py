@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 _NOTHING = "#808080"
+_SHADES = "·░▒▓█"
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 
 
@@ -48,12 +49,14 @@ class SurfaceMap:
         middle = len(self.values) // 4 * 2
         labels.setdefault(middle, name)
         left = max(map(len, labels.values()))
+        plain = console.color_system is None or console.no_color
+        cell = self._shade if plain else self._cell
         for i in range(0, len(self.values), 2):
             line = Text(f"{labels.get(i, ''):>{left}} ", no_wrap=True, end="\n")
             for j, (upper, lower) in enumerate(
                 zip(self.values[i], self.values[i + 1], strict=True)
             ):
-                line.append(*self._cell(i, j, upper, lower))
+                line.append(*cell(i, j, upper, lower))
             yield line
         width = len(self.values[0])
         yield Text(f"{'':>{left}} {self._axis(width)}", "dim", no_wrap=True)
@@ -64,6 +67,16 @@ class SurfaceMap:
             ink = "black" if math.isnan(value) else self.scale.ink(value)
             return "◆", f"bold {ink} on {self._colour(value)}"
         return "▀", f"{self._colour(upper)} on {self._colour(lower)}"
+
+    def _shade(self, i: int, j: int, upper: float, lower: float) -> tuple[str, str]:
+        """Return the darker the higher, for terminals and files without colours."""
+        if self.mark is not None and self.mark[0] // 2 == i // 2 and self.mark[1] == j:
+            return "◆", ""
+        known = [value for value in (upper, lower) if not math.isnan(value)]
+        if not known:
+            return " ", ""
+        share = sum(map(self.scale.share, known)) / len(known)
+        return _SHADES[min(len(_SHADES) - 1, int(share * len(_SHADES)))], ""
 
     def _colour(self, value: float) -> str:
         if math.isnan(value):

@@ -11,7 +11,14 @@ from fuzzyarm.rulebase.queries.reading import Reading
 from fuzzyarm.rulebase.shapes import EVEN_SHAPES, SHAPES
 from fuzzyarm.rulebase.syntax.settings import OUTSIDE
 from fuzzyarm.rulebase.syntax.tokens import Token
-from fuzzyarm.rulebase.syntax.words import HEDGE_WORDS, RESERVED, SETTINGS, STATEMENTS
+from fuzzyarm.rulebase.syntax.words import (
+    CONNECTIVES,
+    HEDGE_WORDS,
+    LOOKUP_ITEMS,
+    RESERVED,
+    SETTINGS,
+    STATEMENTS,
+)
 
 COLOURS = (
     "keyword", "namespace", "variable", "enumMember", "modifier", "type", "property",
@@ -30,12 +37,15 @@ _TYPES = {
     *SHAPES, *EVEN_SHAPES, *CONJUNCTIONS, *DISJUNCTIONS, *DEFUZZIFIERS, *SAMPLINGS, *OUTSIDE,
     "exact", "hold",
 }  # fmt: skip
+_KEYWORDS = {
+    *RESERVED, *CONNECTIVES, *LOOKUP_ITEMS, "step", "count", "mirrored", "within", "in", "height",
+}  # fmt: skip
 _WORDS: tuple[tuple[Container[str], str], ...] = (
     (HEDGE_WORDS, "modifier"),
     (("inf", "nan"), "number"),
     (_TYPES, "type"),
     (frozenset(SETTINGS) - {"and", "or"}, "property"),
-    (RESERVED, "keyword"),
+    (_KEYWORDS, "keyword"),
 )
 
 
