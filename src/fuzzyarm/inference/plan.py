@@ -12,6 +12,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+from fuzzyarm.inference.crossings import Stretch, stretches
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
 from fuzzyarm.inference.profile import Piece, middle_of_core, profile
@@ -85,6 +86,8 @@ class OutputPlan(NamedTuple):
         Whether all members are numbers rather than sets to be integrated.
     closed : ClosedForm or None
         Of the exact centroid, where there is one.
+    stretches : tuple of Stretch
+        Where sets may cross, for what is integrated piece by piece.
     """
 
     output: Output
@@ -92,6 +95,7 @@ class OutputPlan(NamedTuple):
     contributions: tuple[tuple[int, int], ...]
     discrete: bool
     closed: ClosedForm | None = None
+    stretches: tuple[Stretch, ...] = ()
 
 
 class PlannedRule(NamedTuple):
@@ -297,7 +301,15 @@ def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
         first = _first_of_each_value(members)
         contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete else _closed(output, members)
-    return OutputPlan(output, members, tuple(contributions), discrete, closed)
+    crossing: tuple[Stretch, ...] = ()
+    if output.aggregation == "max" and _is_integrated(output, closed) and not discrete:
+        crossing = stretches([member.pieces for member in members])
+    return OutputPlan(output, members, tuple(contributions), discrete, closed, crossing)
+
+
+def _is_integrated(output: Output, closed: ClosedForm | None) -> bool:
+    method, exact = output.defuzzifier.method, output.defuzzifier.resolution is None
+    return exact and (method == "bisector" or (method == "centroid" and closed is None))
 
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
-from fuzzyarm.inference.defuzzify.quadrature import leaves, noise_of, panels, rule
+from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate, aggregate_sampled
+from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves, noise_of, rule
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.sampling import places, weights
 
@@ -36,7 +36,7 @@ def one(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the exact bisector, or None where the aggregate has no area."""
     function = aggregate(plan, fired)
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
-    parts = leaves(function, panels(plan), noise)
+    parts = leaves(function, edges_of(plan, fired), noise)
     total = sum(part.area for part in parts)
     if not total > 0.0:
         return None
@@ -107,14 +107,11 @@ def _running_sums(area: Array, first: NDArray[np.intp], last: NDArray[np.intp]) 
 
 def one_sampled(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the bisector of the samples, or None where all are 0."""
-    output, count = plan.output, plan.output.defuzzifier.resolution
-    assert count is not None
-    sampling = output.defuzzifier.sampling
-    value = aggregate(plan, fired)
-    samples = places(output.low, output.high, count, sampling)
-    heights = [
-        weight * value(y) for y, weight in zip(samples, weights(count, sampling), strict=True)
-    ]
+    samples, heights = aggregate_sampled(plan, fired)
+    sampling = plan.output.defuzzifier.sampling
+    if sampling == "trapezoid":
+        heights[0] *= 0.5
+        heights[-1] *= 0.5
     return nearest_half(samples, heights) if sampling == "midpoints" else halve(samples, heights)
 
 
@@ -149,14 +146,14 @@ def many_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the bisectors of the samples and the sums (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled
+    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled as sampled_many
 
     output, count = plan.output, plan.output.defuzzifier.resolution
     assert count is not None
     sampling = output.defuzzifier.sampling
     samples = np.array(places(output.low, output.high, count, sampling))
     size = int(np.prod(strengths.shape))
-    heights = aggregate_sampled(plan, strengths.flat(), samples, size)
+    heights = sampled_many(plan, strengths.flat(), samples, size)
     heights *= np.array(weights(count, sampling))
     function = nearest_half_many if sampling == "midpoints" else halve_many
     value, total = function(samples, heights)

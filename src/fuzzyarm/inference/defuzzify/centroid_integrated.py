@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
-from fuzzyarm.inference.defuzzify.quadrature import leaves, noise_of, panels
+from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves, noise_of
 from fuzzyarm.inference.plan import OutputPlan
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def one(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the centroid, or None where the aggregate has no area."""
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
-    parts = leaves(aggregate(plan, fired), panels(plan), noise)
+    parts = leaves(aggregate(plan, fired), edges_of(plan, fired), noise)
     area = sum(part.area for part in parts)
     centre = 0.5 * (plan.output.low + plan.output.high)
     return centre + sum(part.moment for part in parts) / area if area > 0.0 else None

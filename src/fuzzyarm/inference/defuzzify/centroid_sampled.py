@@ -6,9 +6,10 @@ Octave's toolkit, ``midpoints`` fuzzylite's, ``left`` jFuzzyLogic's.
 
 from __future__ import annotations
 
+from operator import mul
 from typing import TYPE_CHECKING
 
-from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate
+from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate_sampled
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.sampling import places, weights
 
@@ -23,16 +24,12 @@ if TYPE_CHECKING:
 
 def one(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the centroid of the samples, or None where all are 0."""
-    output, count = plan.output, plan.output.defuzzifier.resolution
-    assert count is not None
-    sampling = output.defuzzifier.sampling
-    value = aggregate(plan, fired)
-    area = moment = 0.0
-    samples = places(output.low, output.high, count, sampling)
-    for y, weight in zip(samples, weights(count, sampling), strict=True):
-        height = weight * value(y)
-        area += height
-        moment += height * y
+    samples, heights = aggregate_sampled(plan, fired)
+    if plan.output.defuzzifier.sampling == "trapezoid":
+        heights[0] *= 0.5
+        heights[-1] *= 0.5
+    area = sum(heights)
+    moment = sum(map(mul, heights, samples))
     return moment / area if area > 0.0 else None
 
 
@@ -40,14 +37,14 @@ def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the centroids and the sums of the samples (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled
+    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled as sampled_many
 
     output, count = plan.output, plan.output.defuzzifier.resolution
     assert count is not None
     sampling = output.defuzzifier.sampling
     samples = np.array(places(output.low, output.high, count, sampling))
     size = int(np.prod(strengths.shape))
-    heights = aggregate_sampled(plan, strengths.flat(), samples, size)
+    heights = sampled_many(plan, strengths.flat(), samples, size)
     # Sums along rows rather than a matrix product: the same digits for every chunking.
     heights *= np.array(weights(count, sampling))
     area = heights.sum(axis=1)

@@ -99,12 +99,27 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Arr
         The aggregate there.
     """
     norm = SNORMS[plan.output.aggregation]
-    sets = {member: member_at(plan.members[member], places) for member, _ in entries}
     total = np.zeros(places.shape)
-    for member, strength in entries:
-        cut = TNORMS[plan.members[member].implication](strength[:, None], sets[member])
-        total = norm(total, cut)
+    low, high = places.min(axis=1), places.max(axis=1)
+    for index, strength in entries:
+        member = plan.members[index]
+        start, end = _support(member)
+        rows = np.flatnonzero((strength > 0.0) & (high >= start) & (low <= end))
+        if not rows.size:
+            continue
+        part = slice(None) if rows.size == strength.size else rows
+        degree = member_at(member, places[part])
+        cut = TNORMS[member.implication](strength[part, None], degree)
+        total[part] = norm(total[part], cut)
     return total
+
+
+def _support(member: Member) -> tuple[float, float]:
+    """Return the ends of the stretch outside which a set is zero."""
+    inside = [piece for piece in member.pieces if piece.y0 > 0.0 or piece.y1 > 0.0]
+    if not inside or any(not piece.straight for piece in member.pieces):
+        return -np.inf, np.inf
+    return inside[0].x0, inside[-1].x1
 
 
 def aggregate_sampled(

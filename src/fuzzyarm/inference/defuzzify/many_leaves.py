@@ -10,8 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.inference.crossings import FORMS, gaps
 from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_at, sum_by_point
 from fuzzyarm.inference.defuzzify.quadrature import (
+    CLIPPING,
     DEEPEST,
     MOST_PANELS,
     NODES,
@@ -60,9 +62,7 @@ def many_leaves(plan: OutputPlan, entries: Entries, count: int) -> Leaves:
     """
     output = plan.output
     centre, half_range = 0.5 * (output.low + output.high), 0.5 * (output.high - output.low)
-    edges = np.array(panels(plan))
-    point = np.repeat(np.arange(count), edges.size - 1)
-    x0, x1 = np.tile(edges[:-1], count), np.tile(edges[1:], count)
+    point, x0, x1 = _first_panels(plan, entries, count)
     area, moment = panel_rule(plan, entries, point, x0, x1, centre)
     total = sum_by_point(point, area, count)
     strongest = np.maximum.reduce([strength for _, strength in entries])
@@ -94,6 +94,49 @@ def many_leaves(plan: OutputPlan, entries: Entries, count: int) -> Leaves:
         moment = np.concatenate([moment_a[open_], moment_b[open_]])
     columns = [np.concatenate(column) for column in zip(*finished, strict=True)]
     return Leaves(*columns)
+
+
+def _first_panels(
+    plan: OutputPlan, entries: Entries, count: int
+) -> tuple[NDArray[np.intp], Array, Array]:
+    """Return the panels of every point: cut at corners and where straight sets bend or cross."""
+    edges = [np.broadcast_to(np.array(panels(plan))[:, None], (len(panels(plan)), count))]
+    for index, strength in entries:
+        member = plan.members[index]
+        for offset, factor in CLIPPING.get(member.implication, ()):
+            level = offset + factor * strength
+            for x0, y0, x1, y1, straight in member.pieces:
+                if straight and y0 != y1:
+                    cuts = ((y0 - level) * (y1 - level) < 0.0) & (strength > 0.0)
+                    if cuts.any():
+                        place = x0 + (x1 - x0) * ((level - y0) / (y1 - y0))
+                        edges.append(np.where(cuts, place, x0)[None, :])
+    edges += [place[None, :] for place in _crossings(plan, entries)]
+    borders = np.sort(np.concatenate(edges), axis=0).T
+    real = borders[:, 1:] > borders[:, :-1]
+    return np.nonzero(real)[0], borders[:, :-1][real], borders[:, 1:][real]
+
+
+def _crossings(plan: OutputPlan, entries: Entries) -> list[Array]:
+    forms = {
+        index: (FORMS[plan.members[index].implication](strength), strength > 0.0)
+        for index, strength in entries
+        if plan.members[index].implication in FORMS
+    }
+    found = []
+    for stretch in plan.stretches:
+        if stretch.first not in forms or stretch.second not in forms:
+            continue
+        (first, first_fires), (second, second_fires) = forms[stretch.first], forms[stretch.second]
+        both = first_fires & second_fires
+        if not both.any():
+            continue
+        for before, after in gaps(stretch, first, second):
+            cross = np.broadcast_to(before * after < 0.0, both.shape) & both
+            if cross.any():
+                share = np.where(cross, before, 0.0) / np.where(cross, before - after, 1.0)
+                found.append(stretch.start + (stretch.end - stretch.start) * share)
+    return found
 
 
 def panel_rule(

@@ -11,7 +11,12 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate, fold
+from fuzzyarm.inference.defuzzify.one_aggregate import (
+    Fired,
+    aggregate,
+    aggregate_sampled,
+    fold,
+)
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.profile import cut, peak
 from fuzzyarm.inference.sampling import places
@@ -137,11 +142,8 @@ def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
 
 def one_sampled(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the place among the samples, or None where all are 0."""
-    output, count = plan.output, plan.output.defuzzifier.resolution
-    assert count is not None
-    value = aggregate(plan, fired)
-    samples = places(output.low, output.high, count, output.defuzzifier.sampling)
-    return greatest_of(output.defuzzifier.method, samples, [value(y) for y in samples])
+    samples, heights = aggregate_sampled(plan, fired)
+    return greatest_of(plan.output.defuzzifier.method, samples, heights)
 
 
 def greatest_of(method: str, samples: list[float], heights: list[float]) -> float | None:
@@ -159,13 +161,13 @@ def many_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the places among the samples and the greatest heights (0: nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled
+    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled as sampled_many
 
     output, count = plan.output, plan.output.defuzzifier.resolution
     assert count is not None
     samples = np.array(places(output.low, output.high, count, output.defuzzifier.sampling))
     size = int(np.prod(strengths.shape))
-    heights = aggregate_sampled(plan, strengths.flat(), samples, size)
+    heights = sampled_many(plan, strengths.flat(), samples, size)
     value, top = greatest_of_many(output.defuzzifier.method, samples, heights)
     return value.reshape(strengths.shape), top.reshape(strengths.shape)
 

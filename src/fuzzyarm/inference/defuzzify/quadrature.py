@@ -3,9 +3,9 @@
 The range is cut at all corners and bends of the sets; each panel takes eight Gauss–Lobatto
 nodes (they include the ends: a bend close to an end would be overlooked otherwise) and is
 halved until the halves agree with the whole to :data:`TOLERANCE` of the area, of the panel
-or of all. Clipping edges and crossings are found by the halving. Both engines follow the
-same rule, so they agree; the error is below 1e-11 of the range (tested against closed
-forms and SciPy).
+or of all. Curves that are clipped or cross each other are found by the halving. Both
+engines follow the same rule, so they agree; the error is below 1e-11 of the range (tested
+against closed forms and SciPy).
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
+from fuzzyarm.inference.crossings import FORMS, gaps
+from fuzzyarm.inference.defuzzify.one_aggregate import Fired, fold
 from fuzzyarm.inference.plan import OutputPlan
 
 NODES = (0.20929921790247888, 0.5917001814331423, 0.8717401485096066, 1.0)
@@ -55,10 +57,47 @@ class Leaf(NamedTuple):
     moment: float
 
 
+CLIPPING: dict[str, tuple[tuple[float, float], ...]] = {
+    "min": ((0.0, 1.0),),
+    "bounded": ((1.0, -1.0),),
+    "nilpotent": ((0.0, 1.0), (1.0, -1.0)),
+}
+"""Implications that bend a set where it passes a + b × strength: their (a, b)."""
+
+
 def panels(plan: OutputPlan) -> list[float]:
     """Return the edges where the sets of an output may bend, in order."""
     edges = {piece.x0 for member in plan.members for piece in member.pieces}
     return sorted(edges | {plan.output.low, plan.output.high})
+
+
+def edges_of(plan: OutputPlan, fired: Fired) -> list[float]:
+    """Return the panels of one aggregate: also cut where straight sets bend or cross."""
+    edges = set(panels(plan))
+    for index, strength in fired:
+        member = plan.members[index]
+        for offset, factor in CLIPPING.get(member.implication, ()):
+            level = offset + factor * strength
+            for x0, y0, x1, y1, straight in member.pieces:
+                if straight and (y0 - level) * (y1 - level) < 0.0:
+                    edges.add(x0 + (x1 - x0) * ((level - y0) / (y1 - y0)))
+    return sorted(edges | _crossings(plan, fired))
+
+
+def _crossings(plan: OutputPlan, fired: Fired) -> set[float]:
+    strengths = dict(fold(plan, fired)) if plan.stretches else {}
+    forms = {
+        member: FORMS[plan.members[member].implication](strength)
+        for member, strength in strengths.items()
+        if plan.members[member].implication in FORMS
+    }
+    return {
+        stretch.start + (stretch.end - stretch.start) * (before / (before - after))
+        for stretch in plan.stretches
+        if stretch.first in forms and stretch.second in forms
+        for before, after in gaps(stretch, forms[stretch.first], forms[stretch.second])
+        if before * after < 0.0
+    }
 
 
 def rule(
