@@ -5,6 +5,9 @@ from __future__ import annotations
 MAX_CHARACTERS = 4_000_000
 """Longest text that is read at all."""
 
+MAX_LINES = 150_000
+"""Most lines of a text."""
+
 MAX_LINE = 20_000
 """Longest single line, in characters."""
 
@@ -21,4 +24,4 @@ MAX_LEVELS = 100_000
 """Most levels of one lookup axis."""
 
 MAX_DIAGNOSTICS = 1_000
-"""Most findings that one run reports; the rest is counted."""
+"""Most findings that one run reports; behind them reading stops."""

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+_LENGTHS = 4
+_MOST = 300
+"""Guessing must stay quick in a file with a thousand terms and a thousand mistakes."""
+
 
 def nearest(word: str, choices: Iterable[str]) -> str | None:
     """Return the one of `choices` that `word` most likely stands for, or None.
@@ -19,7 +23,8 @@ def nearest(word: str, choices: Iterable[str]) -> str | None:
     if len(word) > 100:
         return None
     cutoff = 0.5 if len(word) <= 3 else 0.6
-    found = difflib.get_close_matches(word, options[:2000], n=1, cutoff=cutoff)
+    similar = [option for option in options if abs(len(option) - len(word)) <= _LENGTHS]
+    found = difflib.get_close_matches(word, similar[:_MOST], n=1, cutoff=cutoff)
     return found[0] if found else None
 
 

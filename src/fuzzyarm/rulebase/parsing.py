@@ -71,7 +71,7 @@ def _limited(found: list[Diagnostic], path: str) -> list[Diagnostic]:
         shown.append(
             Diagnostic(
                 "too-many-mistakes",
-                f"{len(found) - MAX_DIAGNOSTICS} more findings are not shown",
+                f"there are more than {MAX_DIAGNOSTICS:,} findings; the others are not shown",
                 found[MAX_DIAGNOSTICS].span,
                 path=path,
             )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 from fuzzyarm.rulebase.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
-from fuzzyarm.rulebase.limits import MAX_RULES
+from fuzzyarm.rulebase.limits import MAX_DIAGNOSTICS, MAX_RULES
 from fuzzyarm.rulebase.meaning.expectations import elaborate_expectation
 from fuzzyarm.rulebase.meaning.lookup import elaborate_lookup
 from fuzzyarm.rulebase.meaning.rules import elaborate_grid, elaborate_rule, report_too_many
@@ -52,8 +52,8 @@ def elaborate(document: Document) -> tuple[RuleBase, list[Diagnostic]]:
     Statements may stand in any order; where one is at fault it is left out, so the result
     is complete only if no diagnostic is an error.
     """
-    nodes = [statement.node for statement in document.statements]
     scope = Scope()
+    nodes = [statement.node for statement in document.statements]
     scope.broken_variables = any(
         isinstance(node, Broken) and node.keyword in ("input", "output") for node in nodes
     )
@@ -61,6 +61,8 @@ def elaborate(document: Document) -> tuple[RuleBase, list[Diagnostic]]:
         if isinstance(node, VariableNode):
             declare_variable(node, scope)
     for node in nodes:
+        if scope.overflows:
+            break
         if isinstance(node, TermNode):
             add_term(node, scope)
         elif isinstance(node, EvenTermsNode):
@@ -109,7 +111,7 @@ def _blocks(nodes: list[StatementNode], scope: Scope, norms: Norms) -> tuple[Rul
             places[node.name.text] = node.name.span
             rules, name, own = [], node.name.text, block_norms(node, scope, norms)
         elif isinstance(node, RuleNode | GridNode):
-            if budget < 0:
+            if budget < 0 or scope.overflows:
                 continue
             if isinstance(node, RuleNode):
                 found = elaborate_rule(node, scope)
@@ -130,7 +132,11 @@ def _lookup(nodes: list[StatementNode], scope: Scope) -> Lookup | None:
 
 
 def _expectations(nodes: list[StatementNode], scope: Scope) -> tuple[Expectation, ...]:
-    found = [elaborate_expectation(n, scope) for n in nodes if isinstance(n, ExpectNode)]
+    found = [
+        elaborate_expectation(n, scope)
+        for n in nodes
+        if isinstance(n, ExpectNode) and not scope.overflows
+    ]
     return tuple(expectation for expectation in found if expectation is not None)
 
 
@@ -139,7 +145,7 @@ _Node = TypeVar("_Node", bound=StatementNode)
 
 def _single(nodes: list[StatementNode], kind: type[_Node], what: str, scope: Scope) -> _Node | None:
     found = [node for node in nodes if isinstance(node, kind)]
-    for extra in found[1:]:
+    for extra in found[1:MAX_DIAGNOSTICS]:
         scope.report(
             "duplicate-statement",
             f"a file has one {what} only",

@@ -62,7 +62,7 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
         if node.row is not None:
             label = _antecedent_term(row, line.label, scope)
         rules += _row_rules(node, line, label, columns, condition, output, scope)
-        if len(rules) > budget:
+        if len(rules) > budget or scope.overflows:
             break
     sound = node.condition is None or condition is not None
     return rules if sound and output is not None else []

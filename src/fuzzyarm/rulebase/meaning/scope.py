@@ -6,10 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from fuzzyarm.rulebase.diagnostic import Diagnostic, Related, Severity, Span
+from fuzzyarm.rulebase.limits import MAX_DIAGNOSTICS
 from fuzzyarm.rulebase.model import Defuzzifier, Term
 from fuzzyarm.rulebase.near import near_hint
 from fuzzyarm.rulebase.printing.words import name_text
 from fuzzyarm.rulebase.syntax.nodes import VariableNode, Word
+
+_MOST_HINTS = 200
+"""Findings beyond these are told without a guess at what was meant."""
 
 
 @dataclass(slots=True)
@@ -42,6 +46,11 @@ class Scope:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     broken_variables: bool = False
     full: set[str] = field(default_factory=set)
+
+    @property
+    def overflows(self) -> bool:
+        """Whether there are more findings than one run reports: looking on is useless."""
+        return len(self.diagnostics) > MAX_DIAGNOSTICS
 
     def report(
         self,
@@ -93,7 +102,9 @@ class Scope:
 
     def _unknown(self, name: str, what: str, word: Word, choices: Iterable[str]) -> None:
         options = list(choices)
-        hint, replacement = near_hint(word.text, options)
+        hint, replacement = "", None
+        if len(self.diagnostics) < _MOST_HINTS:
+            hint, replacement = near_hint(word.text, options)
         if not hint and options:
             shown = ", ".join(options[:10]) + (", …" if len(options) > 10 else "")
             hint = f"there are {shown}"

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field
 
 from fuzzyarm.rulebase.diagnostic import Diagnostic
+from fuzzyarm.rulebase.limits import MAX_DIAGNOSTICS
 from fuzzyarm.rulebase.near import near_hint
 from fuzzyarm.rulebase.syntax.nodes import Trivia
 from fuzzyarm.rulebase.syntax.tokens import Line, Token
@@ -49,6 +50,8 @@ def group_lines(
     groups: list[Group] = []
     waiting: list[str] = []
     for line in lines:
+        if len(diagnostics) > MAX_DIAGNOSTICS:
+            break
         if not line.tokens:
             if line.comment or (waiting[-1:] != [""] and (groups or waiting)):
                 waiting.append(line.comment)

@@ -7,6 +7,7 @@ where they stood are taken over; the result is the same with a memory and withou
 from __future__ import annotations
 
 from fuzzyarm.rulebase.diagnostic import Diagnostic
+from fuzzyarm.rulebase.limits import MAX_DIAGNOSTICS
 from fuzzyarm.rulebase.syntax.lines import Group
 from fuzzyarm.rulebase.syntax.nodes import StatementNode
 from fuzzyarm.rulebase.syntax.tokens import Line, split_lines, tokenize_line
@@ -38,6 +39,8 @@ class ParseMemory:
                 entry = (line, tokenize_line(index + 1, line, found), tuple(found))
             diagnostics += entry[2]
             self._lines.append(entry)
+            if len(diagnostics) > MAX_DIAGNOSTICS:
+                break  # this is no rule base; reading all of it would take for ever
         return self.lines
 
     def recall(self, group: Group) -> tuple[StatementNode, Found] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fuzzyarm.rulebase.diagnostic import Diagnostic, Span
-from fuzzyarm.rulebase.limits import MAX_CHARACTERS, MAX_LINE
+from fuzzyarm.rulebase.limits import MAX_CHARACTERS, MAX_DIAGNOSTICS, MAX_LINE, MAX_LINES
 from fuzzyarm.rulebase.syntax.cursor import Cursor, Fault
 from fuzzyarm.rulebase.syntax.lines import Group, allowances, group_lines
 from fuzzyarm.rulebase.syntax.memory import ParseMemory
@@ -40,6 +40,8 @@ def _first_at_each_place(diagnostics: list[Diagnostic]) -> tuple[Diagnostic, ...
 
 def _read_group(group: Group, diagnostics: list[Diagnostic], memory: ParseMemory) -> Statement:
     trivia = Trivia(group.before, group.behind)
+    if len(diagnostics) > MAX_DIAGNOSTICS:
+        return Statement(Broken(group.keyword, group.tokens[0].span), trivia)
     known = memory.recall(group)
     if known is None:
         found: list[Diagnostic] = []
@@ -66,6 +68,12 @@ def _size_fault(text: str) -> Diagnostic | None:
         return Diagnostic(
             "file-too-large",
             f"the text has {len(text):,} characters; the limit is {MAX_CHARACTERS:,}",
+        )
+    if text.count("\n") + text.count("\r") > MAX_LINES and len(split_lines(text)) > MAX_LINES:
+        return Diagnostic(
+            "file-too-large",
+            f"the text has more than {MAX_LINES:,} lines",
+            Span(MAX_LINES + 1, 1, MAX_LINES + 1, 2),
         )
     if len(text) > MAX_LINE:
         for number, line in enumerate(split_lines(text), start=1):

@@ -72,9 +72,9 @@ def _read_sum(cursor: Cursor) -> tuple[LinearPart, ...]:
 
 def _read_summand(cursor: Cursor, sign: float) -> LinearPart:
     start = cursor.span
+    while not cursor.at_figure and cursor.accept("-"):
+        sign = -sign
     if not cursor.at_figure:
-        if cursor.accept("-"):
-            return _read_summand(cursor, -sign)
         variable = cursor.name("a number or an input")
         return LinearPart(sign, variable, variable.span)
     figure = cursor.figure("a number")
