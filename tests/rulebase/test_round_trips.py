@@ -10,7 +10,7 @@ from fuzzyarm.rulebase.printing.words import name_text, number_text
 from fuzzyarm.rulebase.syntax.tokens import is_plain_name
 
 
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_what_is_written_reads_back_to_the_same_model(rulebase):
     text = write(rulebase)
@@ -19,7 +19,7 @@ def test_what_is_written_reads_back_to_the_same_model(rulebase):
     assert parsed.rulebase == rulebase
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_formatting_changes_no_meaning_and_settles_at_once(rulebase):
     text = write(rulebase)
