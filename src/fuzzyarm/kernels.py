@@ -1,8 +1,8 @@
 """Plain functions that run as they stand or as machine code.
 
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and
-arrays only, and calls nothing but :mod:`math` and other kernels by their bare
-names. :func:`build` makes a callable of such a function and of everything it
+arrays that it is given (it makes none), and calls nothing but :mod:`math` and
+other kernels by their bare names. :func:`build` makes a callable of such a function and of everything it
 calls: machine code by numba, or the very same Python, line by line, for a
 debugger. Both give the same bits: the compiled code neither reorders nor fuses
 floating-point operations.
@@ -70,8 +70,11 @@ def build(
 
     import numba
 
-    # Inlining everything spares the copies of named tuples: twice as fast.
-    machine: Any = partial(numba.njit, error_model="numpy", nogil=True, forceinline=True)
+    # Inlining everything spares the copies of named tuples: twice as fast. Kernels make no
+    # arrays, so nothing has to count who holds one (which cost as much as the loop itself).
+    machine: Any = partial(
+        numba.njit, error_model="numpy", nogil=True, forceinline=True, _nrt=False
+    )
     root = _clone(function, bindings, {}, machine, root=True)
     root.__qualname__ = f"{root.__qualname__}_{_digest(function, bindings)}"
     try:

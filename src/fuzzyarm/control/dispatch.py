@@ -8,6 +8,8 @@ from fuzzyarm.control.computed_torque import computed_torque
 from fuzzyarm.control.critically_damped import critically_damped_torque
 from fuzzyarm.control.decentralised import decentralised_torque
 from fuzzyarm.control.feed_forward_inverse import feed_forward_inverse_torque
+from fuzzyarm.control.fuzzy_rules import fuzzy_rules_torque
+from fuzzyarm.control.fuzzy_table import fuzzy_table_torque
 from fuzzyarm.control.integral import integral_torque
 from fuzzyarm.control.kinds import (
     ADAPTIVE_CRITICALLY_DAMPED,
@@ -15,14 +17,18 @@ from fuzzyarm.control.kinds import (
     CRITICALLY_DAMPED,
     DECENTRALISED,
     FEED_FORWARD_INVERSE,
+    FUZZY_RULES,
+    FUZZY_TABLE,
     INTEGRAL,
     MODEL_REFERENCE,
     PD,
     PURE_FEED_FORWARD,
+    SELF_ORGANIZING,
 )
 from fuzzyarm.control.model_reference import model_reference_torque
 from fuzzyarm.control.pd import pd_torque
 from fuzzyarm.control.pure_feed_forward import pure_feed_forward_torque
+from fuzzyarm.control.self_organizing import self_organizing_torque
 from fuzzyarm.kernels import kernel
 
 
@@ -61,7 +67,7 @@ def summed_torque(
 
 
 @kernel
-def law_torque(  # noqa: PLR0911 - one branch for each law is the point
+def law_torque(  # noqa: C901, PLR0911 - one branch for each law is the point
     kind: int,
     reference: Reference,
     state: State,
@@ -93,4 +99,10 @@ def law_torque(  # noqa: PLR0911 - one branch for each law is the point
         return model_reference_torque(reference, state, pose, clock, numbers, at, memory, cell)
     if kind == DECENTRALISED:
         return decentralised_torque(reference, state, clock, numbers, at, memory, cell)
+    if kind == FUZZY_TABLE:
+        return fuzzy_table_torque(reference, state, clock, numbers, at)
+    if kind == SELF_ORGANIZING:
+        return self_organizing_torque(reference, state, clock, numbers, at, memory, cell)
+    if kind == FUZZY_RULES:
+        return fuzzy_rules_torque(reference, state, clock, numbers, at, memory, cell)
     return 0.0, 0.0

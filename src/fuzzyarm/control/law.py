@@ -12,6 +12,7 @@ import numpy as np
 from fuzzyarm.arm.parameters import UNITS, ArmParameters, constants
 from fuzzyarm.control.gains import Gain, Gains, Origin
 
+
 class Arithmetic(NamedTuple):
     """How the programs of a run count.
 

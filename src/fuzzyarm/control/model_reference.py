@@ -21,6 +21,13 @@ UNIT_MASS = Gain("unit_mass", (1.0,), "kg m²", "multiplies u: 1 as in the figur
 GRAVITY = Gain(
     "gravity", (1.0,), "1", "1: with the estimate's gravity term; 0: without", "identified"
 )
+ACCELERATION = Gain(
+    "acceleration_in_v",
+    (1.0,),
+    "1",
+    "1: with the desired acceleration in v; 0: without",
+    "identified",
+)
 INERTIA = Gain(
     "inertia_times_u",
     (0.0,),
@@ -48,7 +55,8 @@ def model_reference_torque(
     friction at the desired velocity and ``(M̂ + J) θ̈d``. The gains follow
     ``Δ̇₁ = −a w θᵀ``, ``Δ̇₂ = −a w θ̇ᵀ``, ``Δ̇v = b w vᵀ`` with ``w = P₂ e + P₃ ė``.
 
-    Constants: K₁ (2), K₂ (2), P₂ (2), P₃ (2), −a, b, unit mass, gravity, form, model (9);
+    Constants: K₁ (2), K₂ (2), P₂ (2), P₃ (2), −a, b, unit mass, gravity, form, whether
+    θ̈d is in v, model (9);
     memory: Δ₁, Δ₂, Δv, each 2 × 2 by rows.
     """
     q_1, q_2 = state.position
@@ -58,8 +66,15 @@ def model_reference_torque(
     e_2 = reference.position[1] - q_2
     d_1 = reference.velocity[0] - v_1
     d_2 = reference.velocity[1] - v_2
-    in_1 = a_1 + numbers[at + 2] * reference.velocity[0] + numbers[at] * reference.position[0]
-    in_2 = a_2 + numbers[at + 3] * reference.velocity[1] + numbers[at + 1] * reference.position[1]
+    into = numbers[at + 13]
+    in_1 = (
+        into * a_1 + numbers[at + 2] * reference.velocity[0] + numbers[at] * reference.position[0]
+    )
+    in_2 = (
+        into * a_2
+        + numbers[at + 3] * reference.velocity[1]
+        + numbers[at + 1] * reference.position[1]
+    )
     u_1 = in_1 - numbers[at] * q_1 - numbers[at + 2] * v_1
     u_2 = in_2 - numbers[at + 1] * q_2 - numbers[at + 3] * v_2
     u_1 += times(memory, cell + 8, in_1, in_2)
@@ -67,7 +82,7 @@ def model_reference_torque(
     u_2 += times(memory, cell + 10, in_1, in_2)
     u_2 -= times(memory, cell + 2, q_1, q_2) + times(memory, cell + 6, v_1, v_2)
 
-    model = at + 13
+    model = at + 14
     mass = numbers[at + 10]
     weight = numbers[at + 11]
     rubbed = reference.velocity
@@ -125,7 +140,7 @@ def grow(
     memory[cell + 3] = stored(memory[cell + 3] + left_2 * right_2, single)
 
 
-SWITCHES = ("a", "b", "unit_mass", "gravity", "inertia_times_u")
+SWITCHES = ("a", "b", "unit_mass", "gravity", "inertia_times_u", "acceleration_in_v")
 
 
 def _pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
@@ -159,6 +174,7 @@ LAW = Law(
         UNIT_MASS,
         GRAVITY,
         INERTIA,
+        ACCELERATION,
         *model_gains(ESTIMATE),
     ),
     pack=_pack,

@@ -8,8 +8,10 @@ from pathlib import Path
 from types import ModuleType
 
 from fuzzyarm.arm.signals import Clock, Pair, Reference, State
-from fuzzyarm.control.catalogue import CATALOGUE, Start, Variant, controller
+from fuzzyarm.control.catalogue import CATALOGUE, controller, entries_of, require_taken
 from fuzzyarm.control.controller import Controller, Sum
+from fuzzyarm.control.entry import Choice, Start, Variant
+from fuzzyarm.control.sources import NONE_GIVEN, Sources
 from fuzzyarm.errors import FuzzyarmError
 
 
@@ -22,7 +24,11 @@ class OwnControllerError(FuzzyarmError, RuntimeError):
 
 
 def find_controller(
-    name: str, *, start: Start = "warm", variant: Variant = "as-printed"
+    name: str,
+    *,
+    start: Start = "warm",
+    variant: Variant = "as-printed",
+    sources: Sources = NONE_GIVEN,
 ) -> Controller:
     """Make a controller from a name, a file, or a sum of both.
 
@@ -30,23 +36,26 @@ def find_controller(
     ----------
     name : str
         Names of the catalogue, ``FILE.py`` or ``FILE.py:CLASS``, with plus signs between.
-    start, variant
+    start, variant, sources
         See :func:`fuzzyarm.control.catalogue.controller`.
 
     Raises
     ------
     UnknownControllerError
         For a name that is none.
+    SourceError
+        If a rule base or a table does not serve, or nothing reads it.
     OwnControllerError
         For a file without a usable controller.
     """
     if name in CATALOGUE or ".py" not in name:
-        return controller(name, start=start, variant=variant)
+        return controller(name, start=start, variant=variant, sources=sources)
+    words = [part.strip() for part in name.split("+")]
+    known = [entry for word in words if ".py" not in word for entry in entries_of(word)]
+    require_taken(name, known, sources)
+    choice = Choice(start, variant, sources)
     parts = [
-        load_own(part.strip())
-        if ".py" in part
-        else controller(part.strip(), start=start, variant=variant)
-        for part in name.split("+")
+        load_own(word) if ".py" in word else entries_of(word)[0].make(choice) for word in words
     ]
     return parts[0] if len(parts) == 1 else Sum(parts)
 

@@ -8,8 +8,9 @@ from typing import cast
 
 from fuzzyarm.arm.conventions import Conventions
 from fuzzyarm.arm.trajectory import Trajectory, pick_and_place, reach, reach_return
-from fuzzyarm.control.catalogue import CATALOGUE, Start, Variant, controller
+from fuzzyarm.control.catalogue import CATALOGUE, controller
 from fuzzyarm.control.controller import CompiledController, Controller, Sum
+from fuzzyarm.control.entry import Start, Variant
 from fuzzyarm.control.run import Options, Run, simulate
 from fuzzyarm.study.bounds import Judgement, judge
 from fuzzyarm.study.published import MAXIMUM_ON, Eight, PublishedRow
