@@ -46,13 +46,15 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.studio.document import StudioDocument
 
     _demand_sense(arguments)
+    # Taken before the file is read: a save in between is then seen as one.
+    seen = _stamp(arguments.file)
     document = StudioDocument(arguments.file)
     console = make_console()
     _redraw(console, document, arguments)
     if arguments.once:
         return int(document.broken)
     try:
-        _follow(console, document, arguments)
+        _follow(console, document, arguments, seen)
     except KeyboardInterrupt:
         if console.is_terminal:
             console.print()
@@ -71,8 +73,12 @@ def _demand_sense(arguments: argparse.Namespace) -> None:
             raise WatchError(f"{target} is the file that is watched")
 
 
-def _follow(console: Console, document: StudioDocument, arguments: argparse.Namespace) -> None:
-    seen = _stamp(document.path)
+def _follow(
+    console: Console,
+    document: StudioDocument,
+    arguments: argparse.Namespace,
+    seen: tuple[int, int, int] | None,
+) -> None:
     while True:
         time.sleep(_PAUSE)
         stamp = _stamp(document.path)

@@ -29,7 +29,7 @@ Tab / Shift+Tab  text, drawing, findings     F2 to F5  surface, rules, terms, fi
 in the drawing:  ← → ↑ ↓ move the crisp inputs (Shift: further), c puts them in the middle,
                  x / y choose another input, o another output, Enter goes to the rule
 in the findings: Enter goes there, f repairs what is certain
-F7 next finding  F8 repair at the cursor  Ctrl+S format and save  Ctrl+Q leave"""
+F8 next finding  F9 repair at the cursor  Ctrl+S format and save  Ctrl+Q leave"""
 
 
 class Studio(App[int]):
@@ -51,8 +51,8 @@ class Studio(App[int]):
         Binding("f3", "show_view(1)", "rules"),
         Binding("f4", "show_view(2)", "terms"),
         Binding("f5", "show_view(3)", "firing"),
-        Binding("f7", "next_finding", "next"),
-        Binding("f8", "repair", "fix"),
+        Binding("f8", "next_finding", "next"),
+        Binding("f9", "repair", "fix"),
         Binding("ctrl+s", "save", "save", priority=True),
         Binding("ctrl+q", "leave", "quit", priority=True),
     ]
@@ -140,8 +140,8 @@ class Studio(App[int]):
             listed.add_option(Option(line))
         if not self.document.findings:
             listed.add_option(Option(Text("no findings", "dim green"), disabled=True))
-        elif before is not None:
-            listed.highlighted = min(before, len(self.document.findings) - 1)
+        else:
+            listed.highlighted = min(before or 0, len(self.document.findings) - 1)
 
     # ── the text changes ─────────────────────────────────────────────────────────────
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any, ClassVar
 
 from rich.style import Style
+from textual import events
 from textual.binding import Binding, BindingType
 from textual.widgets import TextArea
 from textual.widgets.text_area import TextAreaTheme
@@ -49,6 +50,15 @@ class Editor(TextArea):
         super().__init__(text, soft_wrap=False, tab_behavior="focus", **options)
         self.register_theme(THEME)
         self.theme = THEME.name
+
+    async def _on_key(self, event: events.Key) -> None:
+        # A key that moves the cursor would act after letters that arrive with it in one
+        # packet, as they do over a slow line: the library lets it bubble up first.
+        own = self._bindings.key_to_bindings.get(event.key)
+        if own:
+            event.stop()
+            event.prevent_default()
+            await self.run_action(own[0].action)
 
     def colour(self, words: Iterable[Coloured], findings: tuple[Diagnostic, ...]) -> None:
         """Show words and findings, whose places are those of the text as it is now."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lut import LookupTable
+from fuzzyarm.lut import Axis, LookupTable
 from fuzzyarm.rulebase import Span
 from fuzzyarm.rulebase.syntax.tokens import split_lines
 from fuzzyarm.show.scale import scale_of
@@ -56,13 +56,13 @@ class TableScene(Scene):
         return tuple(self.table.cell(*(self.point[name] for name in self.table.names)))
 
     def move(self, name: str, steps: int, *, coarse: bool = False) -> None:
-        """Move a crisp input to the next level; with `coarse` by three."""
+        """Move a crisp input into the next cell; with `coarse` by three."""
         if name not in self.point:
             return
-        levels = self.table.axis(name).levels
+        axis = self.table.axis(name)
         now = self.cell[self.table.names.index(name)]
         by = 3 * steps if coarse else steps
-        self.point[name] = levels[min(len(levels) - 1, max(0, now + by))]
+        self.point[name] = _inside(axis, min(len(axis.levels) - 1, max(0, now + by)))
 
     def result(self) -> str:
         """Return the value that the table gives."""
@@ -153,6 +153,13 @@ class TableScene(Scene):
     def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
         """Return nothing: a map is too coarse to be pointed at."""
         return None
+
+
+def _inside(axis: Axis, index: int) -> float:
+    """Return a number that falls into a cell: the middle between its thresholds."""
+    if not axis.bins or index in (0, len(axis.levels) - 1):
+        return axis.levels[index]
+    return float(f"{0.5 * (axis.bins[index - 1] + axis.bins[index]):.12g}")
 
 
 def _words(line: str) -> list[tuple[int, int]]:

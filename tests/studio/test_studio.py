@@ -1,0 +1,242 @@
+"""The studio driven by its pilot: every key, broken text, saving, jumping, repairing."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from textual.widgets import OptionList, Static
+
+from fuzzyarm.inference import infer
+from fuzzyarm.rulebase import format_text
+from fuzzyarm.studio.app import Studio
+from fuzzyarm.studio.document import StudioDocument
+from fuzzyarm.studio.editor import Editor
+from fuzzyarm.studio.rulebase_scene import RulebaseScene
+from fuzzyarm.studio.table_scene import TableScene
+from fuzzyarm.studio.view import View
+
+RULEBASES = Path(__file__).parents[2] / "rulebases"
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Iterator[Any]:
+    def make(name: str) -> Path:
+        return Path(shutil.copy(RULEBASES / name, tmp_path / name))
+
+    return make
+
+
+@asynccontextmanager
+async def _studio(path: Path, size: tuple[int, int] = (80, 24)) -> Any:
+    app = Studio(StudioDocument(path))
+    async with app.run_test(size=size) as pilot:
+        await pilot.pause()
+        yield app, pilot
+
+
+def _scene(app: Studio) -> RulebaseScene:
+    assert isinstance(app.document.scene, RulebaseScene)
+    return app.document.scene
+
+
+def _shown(app: Studio, name: str) -> str:
+    return str(app.query_one(name, Static).render())
+
+
+async def test_arrow_keys_move_the_crisp_inputs(copy: Any) -> None:
+    async with _studio(copy("pd7.frb")) as (app, pilot):
+        await pilot.press("tab", "right", "right", "shift+down")
+        assert app.query_one(View).has_focus
+        assert _scene(app).point == {"e": 1.0, "ce": 0.4}
+        value = infer(_scene(app).rulebase, e=1.0, ce=0.4)["u"]
+        assert f"u = {value:.4g}" in _shown(app, "#point")
+        await pilot.press("c")
+        assert _scene(app).point == {"e": 0.0, "ce": 0.0}
+        await pilot.press(*["shift+left"] * 14)
+        assert _scene(app).point["ce"] == -6.0
+
+
+async def test_the_keys_can_move_any_input(copy: Any) -> None:
+    async with _studio(copy("thermostat.frb")) as (app, pilot):
+        await pilot.press("tab")
+        assert (_scene(app).across, _scene(app).down) == ("rate", "error")
+        await pilot.press("x")
+        assert (_scene(app).across, _scene(app).down) == ("presence", "error")
+        before = dict(_scene(app).point)
+        await pilot.press("right")
+        assert _scene(app).point["presence"] > before["presence"]
+        await pilot.press("y")
+        assert (_scene(app).across, _scene(app).down) == ("presence", "rate")
+
+
+@pytest.mark.parametrize("name", ["pd7.frb", "thermostat.frb", "tipper.frb", "fan.frb"])
+async def test_every_view_draws(copy: Any, name: str) -> None:
+    async with _studio(copy(name)) as (app, pilot):
+        for key, view in (("f2", "surface"), ("f3", "rules"), ("f4", "terms"), ("f5", "firing")):
+            await pilot.press(key)
+            assert app.query_one(View).view == view
+            assert app.query_one("#drawing", Static).size.height > 3
+        await pilot.press("tab", "2")
+        assert app.query_one(View).view == "rules"
+
+
+async def test_a_cell_is_found_in_the_text(copy: Any) -> None:
+    async with _studio(copy("pd7.frb")) as (app, pilot):
+        await pilot.press("f3", "tab", "right", "down", "down", "enter")
+        editor = app.query_one(Editor)
+        assert editor.has_focus
+        row, column = editor.cursor_location
+        lines = app.document.text.splitlines()
+        # Two terms down and one across from the middle: e is PM, ce is PS.
+        assert lines[row].split()[0] == "PM"
+        header = next(line for line in lines if "e \\ ce" in line)
+        assert column == header.index("PS")
+
+
+async def test_the_mouse_finds_a_cell_too(copy: Any) -> None:
+    async with _studio(copy("thermostat.frb")) as (app, pilot):
+        await pilot.press("f3")
+        await pilot.pause()
+        drawing = app.query_one("#drawing", Static)
+        line = drawing.render_line(4).text
+        await pilot.click("#drawing", offset=(line.index("LOW"), 4))
+        await pilot.pause()
+        row, column = app.query_one(Editor).cursor_location
+        text = app.document.text.splitlines()[row]
+        assert text.split()[0] == "GOOD"
+        assert text[column:].startswith("LOW")
+
+
+async def test_broken_text_keeps_the_last_good_drawing(copy: Any) -> None:
+    path = copy("pd7.frb")
+    async with _studio(path) as (app, pilot):
+        await pilot.press("tab", "right", "shift+tab")
+        scene, point = _scene(app), dict(_scene(app).point)
+        await pilot.press("down", "down", "down", "delete")
+        app.read_text()
+        assert app.document.broken
+        assert app.document.scene is scene
+        assert "last sound text" in _shown(app, "#title")
+        assert app.query_one(View).has_class("stale")
+        findings = app.query_one("#findings", OptionList)
+        assert findings.option_count == len(app.document.findings) == 1
+        await pilot.press("f9")
+        assert not app.document.broken
+        assert app.document.is_current
+        assert _scene(app).point == point
+        assert app.query_one(Editor).text == path.read_text(encoding="utf-8")
+
+
+async def test_findings_are_read_and_repaired_from_their_list(copy: Any) -> None:
+    path = copy("pd7.frb")
+    path.write_text(path.read_text("utf-8").replace("PM  PB  PB  PB", "PM  PX  PB  PB"), "utf-8")
+    async with _studio(path) as (app, pilot):
+        assert app.document.scene is None
+        await pilot.press("tab", "tab", "enter")
+        row, column = app.query_one(Editor).cursor_location
+        assert app.document.text.splitlines()[row][column:].startswith("PX")
+        await pilot.press("tab", "tab", "f")
+        assert not app.document.broken
+        assert isinstance(app.document.scene, RulebaseScene)
+        await pilot.press("shift+tab", "shift+tab", "ctrl+z")
+        app.read_text()
+        assert app.document.broken
+
+
+async def test_f8_goes_from_finding_to_finding(copy: Any) -> None:
+    path = copy("pd7.frb")
+    text = path.read_text("utf-8").replace(
+        "NM  NS  ZE  PS  PM  PB\n  PS", "NX  NS  ZE  PX  PM  PB\n  PS"
+    )
+    path.write_text(text, "utf-8")
+    async with _studio(path) as (app, pilot):
+        places = []
+        for _ in range(3):
+            await pilot.press("f8")
+            places.append(app.query_one(Editor).cursor_location)
+        assert places[0] != places[1]
+        assert places[2] == places[0]
+
+
+async def test_saving_formats_the_file(copy: Any) -> None:
+    path = copy("pd7.frb")
+    untidy = path.read_text("utf-8").replace("  e \\ ce  NB", "  e \\ ce NB")
+    path.write_text(untidy, "utf-8")
+    async with _studio(path) as (app, pilot):
+        await pilot.press("ctrl+s")
+        await pilot.pause()
+        assert path.read_text("utf-8") == format_text(untidy)
+        assert app.query_one(Editor).text == format_text(untidy)
+        assert not app.is_changed
+
+
+async def test_a_file_with_mistakes_is_saved_as_it_is(copy: Any) -> None:
+    path = copy("pd7.frb")
+    async with _studio(path) as (app, pilot):
+        await pilot.press("down", "x", "ctrl+s")
+        await pilot.pause()
+        assert path.read_text("utf-8") == app.query_one(Editor).text
+        assert "xrulebase" in path.read_text("utf-8")
+
+
+async def test_a_file_that_changed_on_disk_is_not_lost(copy: Any) -> None:
+    path = copy("pd7.frb")
+    async with _studio(path) as (_, pilot):
+        path.write_text("rulebase other\n", "utf-8")
+        await pilot.press("ctrl+s")
+        assert path.read_text("utf-8") == "rulebase other\n"
+        await pilot.press("ctrl+s")
+        assert path.read_text("utf-8").startswith("# Joint controller")
+
+
+async def test_unsaved_text_is_left_only_when_asked_twice(copy: Any) -> None:
+    async with _studio(copy("pd7.frb")) as (app, pilot):
+        await pilot.press("x", "ctrl+q")
+        assert app.is_running
+        assert app.return_value is None
+        await pilot.press("ctrl+q")
+        assert app.return_value == 0
+
+
+async def test_typing_brings_a_new_drawing(copy: Any) -> None:
+    async with _studio(copy("fan.frb")) as (app, pilot):
+        before = _scene(app)
+        editor = app.query_one(Editor)
+        place = app.document.text.index("singleton 900")
+        row = app.document.text[:place].count("\n")
+        column = len("term speed SLOW:   singleton 900")
+        editor.move_cursor((row, column))
+        await pilot.press("backspace", "5")
+        await pilot.pause(0.4)
+        assert _scene(app) is not before
+        assert _scene(app).rulebase.variable("speed").term("SLOW").shape.parameters == (905.0,)
+
+
+async def test_a_table_is_walked_level_by_level(copy: Any) -> None:
+    path = RULEBASES / "thesis-6.1.lut"
+    async with _studio(copy(path.name)) as (app, pilot):
+        await pilot.press("tab", "right", "down", "down")
+        scene = app.document.scene
+        assert isinstance(scene, TableScene)
+        assert scene.cell == (8, 7)
+        await pilot.press("enter")
+        row, column = app.query_one(Editor).cursor_location
+        line = app.document.text.splitlines()[row]
+        shown = _shown(app, "#point")
+        assert line.split()[0] == "2"
+        assert f"u = {float(line[column:].split()[0]):g}" in shown
+        await pilot.press("f3")
+        assert app.query_one(View).view == "numbers"
+
+
+@pytest.mark.parametrize("size", [(80, 24), (50, 15), (160, 50)])
+async def test_any_size_will_do(copy: Any, size: tuple[int, int]) -> None:
+    async with _studio(copy("thermostat.frb"), size) as (app, pilot):
+        for key in ("f2", "f3", "f4", "f5", "tab", "right", "down"):
+            await pilot.press(key)
+        assert app.query_one(View).size.width > 10
