@@ -101,7 +101,7 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
     for variable in rulebase.inputs:
         try:
             array = np.asarray(inputs[variable.name], dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             detail = f"is no array of numbers: {type(inputs[variable.name]).__name__}"
             raise NotANumberError(variable.name, detail) from None
         if np.isnan(array).any():

@@ -289,7 +289,7 @@ class Prepared:
             except KeyError:
                 check_names(inputs, self._names)
                 raise MissingInputError(n for n in self._names if n not in inputs) from None
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 raise NotANumberError(name, f"is no number: {inputs[name]!r}") from None
             if not low <= value <= high:
                 value = _outside(name, value, low, high, outside)

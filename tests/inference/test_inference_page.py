@@ -1,0 +1,28 @@
+"""The examples of docs/inference.md are run, and its numbers compared."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs/inference.md").read_text(encoding="utf-8")
+
+
+def test_the_example_runs_as_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    names: dict[str, object] = {}
+    exec(code, names)
+    shown = re.search(r"ce=-2\.2\) +# (\{.*\})", code)
+    assert shown is not None
+    assert eval(shown[1]) == eval("infer(rulebase, e=1.3, ce=-2.2)", names)
+
+
+def test_every_norm_and_defuzzifier_is_named() -> None:
+    from fuzzyarm.rulebase.model import CONJUNCTIONS, DEFUZZIFIERS, DISJUNCTIONS, SAMPLINGS
+
+    for name in (*CONJUNCTIONS, *DISJUNCTIONS, *DEFUZZIFIERS, *SAMPLINGS):
+        assert f"`{name}" in PAGE, name
