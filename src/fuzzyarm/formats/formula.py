@@ -81,7 +81,7 @@ def names_in(node: Node) -> set[str]:
 def write_formula(
     node: Node, rename: dict[str, str] | None = None, functions: dict[str, str] | None = None
 ) -> str:
-    """Return the text of a tree; every operand that is an operation stands in parentheses.
+    """Return the text of a tree, with parentheses wherever a reader could hesitate.
 
     Parameters
     ----------
@@ -107,15 +107,24 @@ class _Text:
         if not node.arguments:
             return self.rename.get(node.symbol, node.symbol)
         if len(node.arguments) == 1:
-            return f"-{self._operand(node.arguments[0])}"
+            return f"-{self._operand(node.arguments[0], '-', at_right=True)}"
         left, right = node.arguments
-        chain = node.symbol in "+*" and left.symbol == node.symbol and len(left.arguments) == 2
-        first = self.of(left) if chain else self._operand(left)  # a + b + c needs none
-        return f"{first} {node.symbol} {self._operand(right)}"
+        first = self._operand(left, node.symbol, at_right=False)
+        second = self._operand(right, node.symbol, at_right=True)
+        return f"{first} {node.symbol} {second}"
 
-    def _operand(self, node: Node) -> str:
+    def _operand(self, node: Node, parent: str, *, at_right: bool) -> str:
         text = self.of(node)
-        return f"({text})" if node.arguments and not node.is_call else text
+        if node.is_call or not node.arguments:
+            return text
+        own = _BINDS.get(node.symbol, 0) if len(node.arguments) == 2 else 0
+        above = _BINDS.get(parent, 9)
+        clear = own > above or (own == above and not at_right and own < 3)
+        return text if clear else f"({text})"
+
+
+_BINDS = {"+": 1, "-": 1, "*": 2, "/": 2, "^": 3}
+"""How tightly operators bind in every dialect; ``%`` is among none, as they differ."""
 
 
 def _is_number(symbol: str) -> bool:

@@ -9,7 +9,7 @@ from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.rulebase.model import Shape
 from fuzzyarm.rulebase.shapes import SHAPES
 
-_EITHER_WAY = frozenset({"rectangle", "semi-ellipse"})
+_EITHER_WAY = frozenset({"rectangle"})
 _SQUARED = frozenset({"gaussian", "two-sided-gaussian"})
 
 

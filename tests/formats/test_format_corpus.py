@@ -1,0 +1,49 @@
+"""Other people's files give the numbers that the programs they were written for gave."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from fuzzyarm.cli.corpus import Row, summary, survey
+
+CORPUS = Path(
+    os.environ.get("FUZZYARM_CORPUS", Path(__file__).parents[2].parent / "shared" / "corpus")
+)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not at hand"),
+]
+
+EXPLAINED = {"tsukamoto": "fuzzylite gives infinity for a sigmoid that fires fully"}
+"""Part of a file's name → why its numbers differ; docs/formats.md tells more."""
+
+
+@cache
+def rows() -> tuple[Row, ...]:
+    return tuple(survey(CORPUS / "files"))
+
+
+@pytest.mark.parametrize(("suffix", "least"), [(".fll", 0.95), (".fis", 0.95), (".fcl", 0.90)])
+def test_files_import(suffix: str, least: float) -> None:
+    counts = summary(list(rows()))[suffix]
+    assert counts["imported"] >= least * counts["files"]
+
+
+def test_a_file_that_does_not_import_says_where() -> None:
+    for row in rows():
+        assert row.imported or row.first.partition("error[")[2]
+
+
+def test_imported_files_give_the_reference_numbers() -> None:
+    counts = summary(list(rows()))["all"]
+    assert counts["compared"] > 100
+    assert counts["matched"] >= 0.98 * counts["compared"]
+
+
+def test_each_remaining_difference_is_known() -> None:
+    differing = [row.file for row in rows() if row.differences]
+    assert [f for f in differing if not any(part in f for part in EXPLAINED)] == []

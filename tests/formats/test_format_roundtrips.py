@@ -1,0 +1,291 @@
+"""A model that a format can express comes back as it was, and gives the same numbers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from strategies import input_points, plain_mamdani, rulebases
+
+from fuzzyarm.formats import Exported, parse, read, same_model, write
+from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
+from fuzzyarm.inference import InferenceError, infer
+from fuzzyarm.rulebase.model import (
+    And,
+    Defuzzifier,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+    Variable,
+)
+
+DATA = Path(__file__).parent / "data"
+FILES = sorted(DATA.glob("*.f??"))
+VALUES = ("singleton", "linear", "formula")
+
+slow_draws = settings(
+    max_examples=60,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
+
+
+def said_by_fuzzylite(expression: Expression) -> Expression:
+    """Keep what fuzzylite has words for: six hedges, on propositions alone."""
+    names = {"extremely": "very", "power": "somewhat"}
+    if isinstance(expression, Is):
+        hedges = tuple(Hedge(names.get(h.name, h.name)) for h in expression.hedges)
+        if any(h.name == "any" for h in hedges):
+            hedges = ()
+        return replace(expression, hedges=hedges)
+    if isinstance(expression, Hedged):
+        return said_by_fuzzylite(expression.operand)
+    return type(expression)(tuple(map(said_by_fuzzylite, expression.operands)))
+
+
+def inputs_only(rulebase: RuleBase) -> RuleBase:
+    """Leave out the rules that read an output."""
+    outputs = {output.name for output in rulebase.outputs}
+
+    def reads(expression: Expression) -> bool:
+        if isinstance(expression, Is):
+            return expression.variable in outputs
+        parts = (expression.operand,) if isinstance(expression, Hedged) else expression.operands
+        return any(map(reads, parts))
+
+    blocks = tuple(
+        replace(block, rules=tuple(rule for rule in block.rules if not reads(rule.antecedent)))
+        for block in rulebase.blocks
+    )
+    return replace(rulebase, blocks=blocks)
+
+
+def fitted(output: Output, samples: tuple[int, str]) -> Output:
+    """Sample an output as a program does; settle what it cannot say."""
+    method = output.defuzzifier.method
+    kinds = {term.shape.kind for term in output.terms}
+    if method == "tsukamoto" or kinds & set(VALUES):
+        if kinds & set(VALUES) and method not in ("weighted-average", "weighted-sum"):
+            method = "weighted-average"
+        defuzzifier = Defuzzifier(method)
+    else:
+        method = "centroid" if method.startswith("weighted") else method
+        defuzzifier = Defuzzifier(method, *samples)
+    no_rule = math.nan if output.no_rule == "error" else output.no_rule
+    return replace(output, defuzzifier=defuzzifier, no_rule=no_rule)
+
+
+def for_fuzzylite(rulebase: RuleBase, resolution: int, threshold: float) -> RuleBase:
+    plain = inputs_only(rulebase)
+    blocks = tuple(
+        replace(
+            block,
+            threshold=threshold,
+            rules=tuple(
+                Rule(
+                    said_by_fuzzylite(rule.antecedent),
+                    tuple(replace(c, hedges=()) for c in rule.consequents),
+                    rule.weight,
+                )
+                for rule in block.rules
+            ),
+        )
+        for block in plain.blocks
+    )
+    inputs = tuple(map(edged, plain.inputs))
+    outputs = tuple(edged(fitted(each, (resolution, "midpoints"))) for each in plain.outputs)
+    return replace(plain, inputs=inputs, blocks=blocks, outputs=outputs)
+
+
+def edged(variable: Variable) -> Variable:
+    """Write edges as fuzzylite would have to (by the smallest step) already in the model."""
+    terms = tuple(replace(t, shape=fuzzylite_shape(t.shape)) for t in variable.terms)
+    return replace(variable, terms=terms)
+
+
+def same_numbers(one: RuleBase, other: RuleBase, points: dict[str, list[float]]) -> bool:
+    """Whether two rule bases agree to the last bit at every point."""
+    held = {output.name: 0.25 for output in one.outputs}
+    for row in zip(*points.values(), strict=True):
+        at = dict(zip(points, row, strict=True))
+        try:
+            found = infer(one, at, held=held)
+        except InferenceError as error:
+            with pytest.raises(type(error)):
+                infer(other, at, held=held)
+            continue
+        again = infer(other, at, held=held)
+        pairs = [(found[name], again[name]) for name in found]
+        if any(a != b and not (math.isnan(a) and math.isnan(b)) for a, b in pairs):
+            return False
+    return True
+
+
+def comes_back(rulebase: RuleBase, suffix: str, exported: Exported) -> RuleBase:
+    assert exported.text is not None, [str(d) for d in exported.errors]
+    imported = parse(exported.text, suffix)
+    assert imported.rulebase is not None, [str(d) for d in imported.errors]
+    return imported.rulebase
+
+
+@slow_draws
+@given(st.data())
+def test_fll_keeps_whatever_fuzzylite_can_say(data: st.DataObject) -> None:
+    rulebase = for_fuzzylite(data.draw(rulebases()), 40, 0.125)
+    again = comes_back(rulebase, ".fll", write(rulebase, ".fll"))
+    assert same_model(again, rulebase)
+    assert same_numbers(rulebase, again, data.draw(input_points(rulebase, 3)))
+
+
+@slow_draws
+@given(st.data())
+def test_fcl_keeps_whatever_fuzzylite_can_say(data: st.DataObject) -> None:
+    drawn = for_fuzzylite(data.draw(rulebases()), 1000, 1e-6)
+    inputs = tuple(replace(each, outside="extend") for each in drawn.inputs)
+    rulebase = replace(drawn, inputs=inputs)
+    again = comes_back(rulebase, ".fcl", write(rulebase, ".fcl", producer="fuzzylite"))
+    assert same_model(again, rulebase)
+
+
+@slow_draws
+@given(st.data(), st.sampled_from([("matlab", 101), ("octave", 101), ("fuzzylite", 1000)]))
+def test_fis_keeps_plain_mamdani_for_each_program(
+    data: st.DataObject, program: tuple[str, int]
+) -> None:
+    name, samples = program
+    sampling = "midpoints" if name == "fuzzylite" else "endpoints"
+    kinds = ("triangle", "trapezoid", "gaussian", "bell", "s", "z", "pi", "sigmoid-product")
+    drawn = data.draw(
+        plain_mamdani(kinds=kinds, aggregations=("max", "sum"), implications=("min", "product"))
+    )
+    output = drawn.outputs[0]
+    edge = edged if name == "fuzzylite" else lambda variable: variable
+    usual = 0.5 * (output.low + output.high) if name == "matlab" else math.nan
+    rulebase = replace(
+        drawn,
+        inputs=tuple(replace(edge(_low(each)), outside="extend") for each in drawn.inputs),
+        outputs=(
+            replace(
+                edge(_low(output)),
+                defuzzifier=Defuzzifier("centroid", samples, sampling),
+                no_rule=usual,
+                outside="extend",
+            ),
+        ),
+        blocks=tuple(
+            replace(block, threshold=1e-6 if name == "fuzzylite" else 0.0) for block in drawn.blocks
+        ),
+    )
+    again = comes_back(rulebase, ".fis", write(rulebase, ".fis", producer=name))
+    assert same_model(again, rulebase)
+    assert same_numbers(rulebase, again, data.draw(input_points(rulebase, 3)))
+
+
+def _low(variable: Output) -> Output:
+    """Heights of terms have no place in a FIS of MATLAB."""
+    terms = tuple(replace(t, shape=replace(t.shape, height=1.0)) for t in variable.terms)
+    return replace(variable, terms=terms)
+
+
+@slow_draws
+@given(st.data())
+def test_fcl_keeps_plain_mamdani_for_jfuzzylogic(data: st.DataObject) -> None:
+    kinds = ("triangle", "trapezoid", "gaussian", "two-sided-gaussian", "bell", "sigmoid", "points")
+    drawn = data.draw(plain_mamdani(kinds=kinds, aggregations=("max", "sum", "probor")))
+    pairs = {"min": "max", "product": "probor"}
+    rulebase = replace(
+        drawn,
+        inputs=tuple(replace(_low(each), outside="extend") for each in drawn.inputs),
+        outputs=(
+            replace(
+                _gentle(_low(drawn.outputs[0])),
+                defuzzifier=Defuzzifier("centroid", 1000, "left"),
+                outside="extend",
+            ),
+        ),
+        blocks=tuple(replace(b, disjunction=pairs[b.conjunction]) for b in drawn.blocks),
+    )
+    again = comes_back(rulebase, ".fcl", write(rulebase, ".fcl", producer="jfuzzylogic"))
+    assert same_numbers(rulebase, again, data.draw(input_points(rulebase, 3)))
+
+
+def _gentle(output: Output) -> Output:
+    """Without vertical edges, which jFuzzyLogic may see from the other side of a sample."""
+
+    def slanted(term: Term) -> Term:
+        if term.shape.kind not in ("triangle", "trapezoid"):
+            return term
+        p = [value + 0.001 * index for index, value in enumerate(term.shape.parameters)]
+        return Term(term.name, Shape(term.shape.kind, tuple(p)))
+
+    return replace(output, terms=tuple(map(slanted, output.terms)))
+
+
+@slow_draws
+@given(st.data(), st.sampled_from([".fll", ".fcl", ".fis"]))
+def test_any_model_is_written_or_refused_and_what_is_written_is_read(
+    data: st.DataObject, suffix: str
+) -> None:
+    rulebase = data.draw(rulebases(odd_names=True, decorated=True))
+    exported = write(rulebase, suffix)
+    assert (exported.text is None) == bool(exported.errors)
+    lossy = write(rulebase, suffix, lossy=True)
+    for text in filter(None, (exported.text, lossy.text)):
+        imported = parse(text, suffix)
+        names = {d.name for d in imported.errors}
+        assert names <= {"set-as-value", "value-as-set", "not-monotonic", "chained-output"}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_our_files_survive_their_own_format(path: Path) -> None:
+    rulebase = read(path).rulebase
+    assert rulebase is not None
+    exported = write(rulebase, path.suffix)
+    again = comes_back(rulebase, path.suffix, exported)
+    points = {v.name: [v.low, 0.3 * v.low + 0.7 * v.high, v.high + 1] for v in rulebase.inputs}
+    if not any(d.name == "renamed" for d in exported.diagnostics):
+        assert same_model(again, rulebase)
+    assert same_numbers(rulebase, again, points)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_our_files_survive_the_way_through_the_language(path: Path) -> None:
+    rulebase = read(path).rulebase
+    assert rulebase is not None
+    exported = write(rulebase, ".frb")
+    assert same_model(comes_back(rulebase, ".frb", exported), rulebase)
+
+
+def test_a_nested_expression_keeps_its_parentheses() -> None:
+    source = read(DATA / "shapes.fll").rulebase
+    assert source is not None
+    a, b, c = (Is("x", name) for name in ("tri", "trap", "bell"))
+    antecedents = [
+        And((a, Or((b, c)))),
+        Or((And((a, b)), c)),
+        And((And((a, b)), c)),
+        And((a, And((b, c)))),
+        Or((a, Or((b, c)))),
+        Hedged((Hedge("very"),), And((a, Or((b, c))))),
+    ]
+    consequents = source.rules[0].consequents
+    block = RuleBlock(tuple(Rule(each, consequents) for each in antecedents), "nested")
+    rulebase = replace(source, blocks=(block,))
+    for suffix in (".fll", ".fcl"):
+        text = write(rulebase, suffix, lossy=True).text
+        assert text is not None
+        again = parse(text, suffix).rulebase
+        assert again is not None
+        assert [rule.antecedent for rule in again.rules] == antecedents
