@@ -31,6 +31,12 @@ from fuzzyarm.rulebase.queries import (
 LEGEND = types.SemanticTokensLegend(list(COLOURS), ["declaration"])
 
 
+def initialized(server: FuzzyarmServer, params: types.InitializedParams) -> None:
+    """Load what the first check of a sound file needs, so that it is as quick as the others."""
+    import fuzzyarm.inference
+    import fuzzyarm.rulebase.check  # noqa: F401
+
+
 def did_open(server: FuzzyarmServer, params: types.DidOpenTextDocumentParams) -> None:
     """Take an opened file and check it."""
     server.open(params.text_document)
@@ -249,6 +255,7 @@ def register(server: FuzzyarmServer) -> None:
     """Tell `server` which function answers which question."""
     triggers = types.CompletionOptions(trigger_characters=[" ", ":", "'", "\\"])
     handlers: list[tuple[str, Callable[..., Any], Any]] = [
+        (types.INITIALIZED, initialized, None),
         (types.TEXT_DOCUMENT_DID_OPEN, did_open, None),
         (types.TEXT_DOCUMENT_DID_CHANGE, did_change, None),
         (types.TEXT_DOCUMENT_DID_CLOSE, did_close, None),
