@@ -2,10 +2,10 @@
 
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and
 arrays that it is given (it makes none), and calls nothing but :mod:`math` and
-other kernels by their bare names. :func:`build` makes a callable of such a function and of everything it
-calls: machine code by numba, or the very same Python, line by line, for a
-debugger. Both give the same bits: the compiled code neither reorders nor fuses
-floating-point operations.
+other kernels by their bare names. :func:`build` makes a callable of such a
+function and of everything it calls: machine code by numba, or the very same
+Python, line by line, for a debugger. Both give the same bits: the compiled code
+neither reorders nor fuses floating-point operations.
 
 numba is imported by the first call of :func:`build` that needs it. The machine
 code is kept on disk beside the module (where that folder cannot be written, in

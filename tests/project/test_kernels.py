@@ -81,9 +81,9 @@ def test_interpreted_run_does_not_load_numba():
 def test_second_process_loads_machine_code_from_disk(tmp_path):
     code = (
         "import json;from fuzzyarm.arm import reach;from fuzzyarm.control import *;"
-        "from fuzzyarm.control import run as module;"
+        "from fuzzyarm.control import program as module;"
         "simulate(controller('cdid'), reach(segment=0.1));"
-        "stats = module._loop(True).stats;"
+        "stats = module.compiled_loop(True).stats;"
         "print(json.dumps([sum(stats.cache_hits.values()), sum(stats.cache_misses.values())]))"
     )
     # A folder of its own stands for a package folder that cannot be written.
@@ -106,7 +106,7 @@ def test_digest_covers_every_kernel_file(monkeypatch, tmp_path):
     monkeypatch.setattr(kernels.Path, "read_bytes", watched)
     kernels._digest(run_loop, {"control": summed_torque})
     wanted = {"loop.py", "dynamics.py", "integrators.py", "signals.py", "dispatch.py", "pd.py"}
-    assert wanted | {"model_reference.py", "kernels.py", "decentralised.py"} <= set(read)
+    assert wanted | {"model_reference.py", "kernels.py", "fuzzy_kernel.py"} <= set(read)
 
 
 @pytest.mark.slow

@@ -4,34 +4,23 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.arm import norms
-from fuzzyarm.arm.conventions import ITERATIONS, PLAIN, SET_POINT_PERIOD, Conventions
+from fuzzyarm.arm.conventions import ITERATIONS, PLAIN, Conventions
 from fuzzyarm.arm.faults import ArmError
-from fuzzyarm.arm.loop import Setting, run_loop
-from fuzzyarm.arm.parameters import ArmParameters, constants
 from fuzzyarm.arm.payload import Schedule, schedule
-from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State
-from fuzzyarm.arm.trajectory import SetPoints, Trajectory, sample
-from fuzzyarm.control.controller import CompiledController, Controller
-from fuzzyarm.control.dispatch import summed_torque
+from fuzzyarm.arm.signals import Pair
+from fuzzyarm.arm.trajectory import Trajectory
+from fuzzyarm.control.controller import Controller
 from fuzzyarm.control.law import Arithmetic
-from fuzzyarm.kernels import build, jit_wanted
+from fuzzyarm.control.program import Course, Program, Record, flat
+from fuzzyarm.kernels import jit_wanted
 
 Vector = NDArray[np.float64]
-
-ERROR_BOUND = 20.0 * math.pi
-"""A tracking error beyond ten turns has diverged, rad."""
-
-SPEED_BOUND = 1e5
-"""So has a joint faster than this, rad/s."""
 
 
 @dataclass(frozen=True)
@@ -168,6 +157,52 @@ def simulate(
         If `arms` does not fit the segments.
     """
     options = options or Options()
+    arms = checked_arms(trajectory, arms, payload=payload, conventions=conventions)
+    arithmetic = Arithmetic(conventions.single, conventions.pi)
+    program = Program(controller, arithmetic)
+    wanted = jit_wanted() if options.compiled is None else options.compiled
+    compiled = wanted and program.compilable
+    loop = program.loop(compiled)
+    course = Course(trajectory, arms, conventions, options, as_array=compiled)
+    record = Record(course, program.memory)
+    constants = [flat(program.program, np.int64, as_array=compiled)]
+    constants.append(flat(program.numbers, as_array=compiled))
+    controller.prepare(arithmetic)
+    begin = time.perf_counter()
+    with np.errstate(all="ignore"):
+        loop(*course.inputs, course.setting, *constants, *record.outputs)
+    seconds = time.perf_counter() - begin
+    errors = record.degrees(course)
+    taken = np.flatnonzero(course.points.iterations == ITERATIONS)[: len(errors)]
+    return Run(
+        controller.name,
+        trajectory.name,
+        conventions,
+        course.points.time[taken],
+        course.points.position[taken] * (180.0 / conventions.pi),
+        errors,
+        np.array(record.torques[: 2 * len(errors)]).reshape(-1, 2),
+        record.diverged(course),
+        seconds,
+        compiled,
+        [float(each) for each in record.memory],
+    )
+
+
+def checked_arms(
+    trajectory: Trajectory,
+    arms: Schedule | None,
+    *,
+    payload: bool,
+    conventions: Conventions,
+) -> Schedule:
+    """Return `arms`, or by default those of the trajectory; one for each segment.
+
+    Raises
+    ------
+    ArmError
+        If `arms` does not fit the segments.
+    """
     if arms is None:
         arms = schedule(trajectory, payload=payload, conventions=conventions)
     if len(arms) != len(trajectory.segments):
@@ -177,136 +212,4 @@ def simulate(
             name="arms",
             value=len(arms),
         )
-    points = sample(trajectory, conventions)
-    arithmetic = Arithmetic(conventions.single, conventions.pi)
-    program = _Program(controller, arithmetic)
-    wanted = jit_wanted() if options.compiled is None else options.compiled
-    compiled = wanted and program.compilable
-    loop = _loop(compiled) if program.compilable else program.interpreted_loop()
-    outcome = _Outcome(points, arms, conventions, options, program, as_arrays=compiled)
-    controller.prepare(arithmetic)
-    begin = time.perf_counter()
-    with np.errstate(all="ignore"):
-        loop(*outcome.arguments)
-    seconds = time.perf_counter() - begin
-    return outcome.run(controller.name, trajectory.name, seconds, compiled)
-
-
-@cache
-def _loop(compiled: bool) -> Callable[..., Any]:
-    return build(run_loop, {"control": summed_torque}, compiled=compiled)
-
-
-class _Program:
-    """A controller as the loop takes it: integers, constants and memory in three lists."""
-
-    def __init__(self, controller: Controller, arithmetic: Arithmetic) -> None:
-        self.controller = controller
-        self.program: list[int] = []
-        self.numbers: list[float] = []
-        self.memory: list[float] = []
-        parts = list(controller.parts())
-        self.compilable = all(isinstance(part, CompiledController) for part in parts)
-        if self.compilable:
-            for part in parts:
-                assert isinstance(part, CompiledController)
-                block = part.block(arithmetic)
-                self.program += [block.kind, len(self.numbers), len(self.memory)]
-                self.numbers += block.numbers
-                self.memory += block.memory
-
-    def interpreted_loop(self) -> Callable[..., Any]:
-        """Build the loop around the controller's own Python."""
-        torque = self.controller.torque
-
-        def control(
-            reference: Reference, state: State, _pose: Pose, clock: Clock, *_arrays: object
-        ) -> Pair:
-            first, second = torque(reference, state, clock)
-            return float(first), float(second)
-
-        return build(run_loop, {"control": control}, compiled=False)
-
-
-class _Outcome:
-    """The arguments of one call of the loop and what they hold afterwards."""
-
-    def __init__(
-        self,
-        points: SetPoints,
-        arms: tuple[ArmParameters, ...],
-        conventions: Conventions,
-        options: Options,
-        program: _Program,
-        *,
-        as_arrays: bool,
-    ) -> None:
-        def numbers(values: Any, kind: type = np.float64) -> Any:
-            flat: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
-            # Lists of Python numbers are what an interpreter is fast with.
-            return flat if as_arrays else flat.tolist()
-
-        step = SET_POINT_PERIOD / ITERATIONS
-        if conventions.single:
-            step = float(np.float32(np.float64(np.float32(SET_POINT_PERIOD)) / ITERATIONS))
-        count = len(points.time)
-        kinds = list(dict.fromkeys(arms))
-        which = np.array([kinds.index(arm) for arm in arms])[points.segment]
-        plants = [constants(arm, single=conventions.single) for arm in kinds]
-        self.points = points
-        self.conventions = conventions
-        self.memory = numbers(program.memory)
-        self.errors = numbers(np.zeros(2 * count))
-        self.torques = numbers(np.zeros(2 * count))
-        self.progress = numbers([0, -1, -1], np.int64)
-        setting = Setting(
-            step,
-            conventions.single,
-            options.runge_kutta,
-            float(options.torque_limits[0]),
-            float(options.torque_limits[1]),
-            ERROR_BOUND,
-            SPEED_BOUND,
-            float(options.disturbance),
-            options.seed,
-        )
-        self.arguments = (
-            numbers(points.position),
-            numbers(points.velocity),
-            numbers(points.acceleration),
-            numbers(points.iterations, np.int64),
-            numbers(which, np.int64),
-            numbers(plants),
-            setting,
-            numbers(program.program, np.int64),
-            numbers(program.numbers),
-            self.memory,
-            numbers(np.zeros(4)),
-            self.errors,
-            self.torques,
-            self.progress,
-        )
-
-    def run(self, controller: str, trajectory: str, seconds: float, compiled: bool) -> Run:
-        samples, point, iteration = (int(each) for each in self.progress)
-        taken = np.flatnonzero(self.points.iterations == ITERATIONS)[:samples]
-        degrees = 180.0 / self.conventions.pi
-        errors = np.array(self.errors[: 2 * samples]).reshape(-1, 2)
-        diverged = None
-        if point >= 0:
-            diverged = float(self.points.time[point]) + (iteration + 1) * (
-                SET_POINT_PERIOD / ITERATIONS
-            )
-        return Run(
-            controller,
-            trajectory,
-            self.conventions,
-            self.points.time[taken],
-            self.points.position[taken] * degrees,
-            errors * degrees,
-            np.array(self.torques[: 2 * samples]).reshape(-1, 2),
-            diverged,
-            seconds,
-            compiled,
-            [float(each) for each in self.memory],
-        )
+    return arms
