@@ -65,7 +65,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     if suffix in TABLE_SUFFIXES:
         from fuzzyarm.lut import read_table
 
-        return read_table(path)
+        return read_table(name)
     if suffix in RULEBASE_SUFFIXES:
         from fuzzyarm.formats import read
 
