@@ -6,6 +6,12 @@ as-described and as-printed; the bounds are for as-printed.
 
 The eight figures of a row are the RMS error and the final error (on pick-and-place the
 maximum) of links 1 and 2 on the first trajectory, then on the second, in degrees.
+
+Rows that switch between the cells of a table are chaotic in single precision. They run
+another --runs times, each with the last bit of every state disturbed at every step.
+
+With --plot DIR: fewer than five rows are drawn each, more by chapters and all beside
+each other (overview.png).
 """
 
 from __future__ import annotations
@@ -13,39 +19,59 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fuzzyarm.study import PublishedRow, Reproduced
+    from collections.abc import Callable
+
+    from fuzzyarm.study import Ensemble, PublishedRow, Reproduced
+
+FEW = 5
+"""Rows from which on figures are by chapters."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``fuzzyarm reproduce``."""
     parser.add_argument("rows", nargs="*", metavar="ROW", help="which rows; all by default")
     parser.add_argument("--list", action="store_true", help="list the rows")
+    parser.add_argument(
+        "--runs",
+        type=int,
+        default=200,
+        metavar="N",
+        help="disturbed runs of each chaotic row; 200 by default, 0 for none",
+    )
     parser.add_argument("--plot", metavar="DIR", help="draw the error profiles into a folder")
+    parser.add_argument("--overview", metavar="FIG", help="draw all rows beside each other")
     parser.add_argument("--markdown", action="store_true", help="print tables for a page")
     parser.add_argument("--json", action="store_true")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run ``fuzzyarm reproduce``."""
-    from fuzzyarm.study import find_rows, runnable
+    from fuzzyarm.study import find_rows
 
     rows = find_rows(arguments.rows)
     if arguments.list:
         for row in rows:
             print(f"{row.identifier:<24}{row.row:<20}{row.condition}")
         return 0
-    ready = [row for row in rows if runnable(row)]
-    missing = [row for row in rows if not runnable(row)]
+    if not 0 <= arguments.runs <= 100_000:
+        print("fuzzyarm reproduce: --runs takes 0 to 100000", file=sys.stderr)
+        return 2
+    if arguments.overview:
+        from fuzzyarm.study.profiles import figure_format
+
+        figure_format(arguments.overview)  # a mistake in the name is told before the runs
     # Nothing is printed while the bar is on the screen: it would swallow it.
-    results = list(_watched(ready))
+    results = list(_watched(rows, arguments.runs))
     if arguments.plot:
-        for result in results:
-            _plot(result, Path(arguments.plot))
+        _plot(results, Path(arguments.plot))
+    if arguments.overview:
+        _overview(results, Path(arguments.overview))
     if arguments.json:
         print(json.dumps([_as_json(result) for result in results], indent=1))
     elif arguments.markdown:
@@ -54,27 +80,32 @@ def run(arguments: argparse.Namespace) -> int:
         for result in results:
             print(_as_text(result), end="\n\n")
         _summary(results)
-    if missing:
-        names = ", ".join(dict.fromkeys(row.controller for row in missing))
-        print(
-            f"fuzzyarm: left out, because there is no controller for them: {names}", file=sys.stderr
-        )
     return 0
 
 
-def _watched(rows: list[PublishedRow]) -> Iterator[Reproduced]:
+def _watched(rows: list[PublishedRow], runs: int) -> Iterator[Reproduced]:
     """Run the rows, with a progress bar where a terminal shows it."""
-    from fuzzyarm.study import reproduce_row, variants
+    from fuzzyarm.study import chaotic, reproduce_row, variants
 
     jobs = [(row, variant) for row in rows for variant in variants(row)]
-    shown: Iterable[Any] = jobs
-    if sys.stderr.isatty():
-        from rich.console import Console
-        from rich.progress import track
+    total = sum(2 + 2 * runs * chaotic(row) for row, _ in jobs)
+    with _bar(total) as watch:
+        for row, variant in jobs:
+            yield reproduce_row(row, variant, runs=runs, watch=watch)
+            watch(2)
 
-        shown = track(jobs, "rows", console=Console(stderr=True), transient=True)
-    for row, variant in shown:
-        yield reproduce_row(row, variant)
+
+@contextmanager
+def _bar(total: int) -> Iterator[Callable[[int], None]]:
+    if not sys.stderr.isatty():
+        yield lambda _count: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("runs", total=total)
+        yield lambda count: progress.advance(task, count)
 
 
 def _as_json(result: Reproduced) -> dict[str, Any]:
@@ -93,6 +124,19 @@ def _as_json(result: Reproduced) -> dict[str, Any]:
         "verdict": result.judgement.sentence,
         "note": result.judgement.note,
         "diverged": [run.diverged for run in result.runs],
+        **(_ensemble_json(result.ensemble, row) if result.ensemble else {}),
+    }
+
+
+def _ensemble_json(ensemble: Ensemble, row: PublishedRow) -> dict[str, Any]:
+    return {
+        "runs": ensemble.runs,
+        "median": list(ensemble.median),
+        "band_low": list(ensemble.band_low),
+        "band_high": list(ensemble.band_high),
+        "lowest": list(ensemble.lowest),
+        "highest": list(ensemble.highest),
+        "published_inside": list(ensemble.inside(row.figures)),
     }
 
 
@@ -114,6 +158,8 @@ def _as_text(result: Reproduced) -> str:
         _line("reproduced", [f"{value:.4f}" for value in result.figures]),
         _line("difference", apart),
     ]
+    if result.ensemble is not None:
+        lines += _ensemble_lines(result.ensemble, row)
     judgement = result.judgement
     if result.variant == "as-described":
         lines.append(f"  as the text has it; {judgement.sentence}")
@@ -122,6 +168,22 @@ def _as_text(result: Reproduced) -> str:
     if judgement.note:
         lines.append(f"  note: {judgement.note}")
     return "\n".join(lines)
+
+
+def _ensemble_lines(ensemble: Ensemble, row: PublishedRow) -> list[str]:
+    named = {
+        "median": ensemble.median,
+        "5 %": ensemble.band_low,
+        "95 %": ensemble.band_high,
+        "lowest": ensemble.lowest,
+        "highest": ensemble.highest,
+    }
+    inside = ["inside" if each else "OUTSIDE" for each in ensemble.inside(row.figures)]
+    return [
+        f"  {ensemble.runs} runs, each disturbed in the last bit at every step:",
+        *(_line(name, [f"{value:.4f}" for value in row_]) for name, row_ in named.items()),
+        _line("published", inside),
+    ]
 
 
 def _markdown(results: list[Reproduced]) -> Iterator[str]:
@@ -138,6 +200,10 @@ def _markdown(results: list[Reproduced]) -> Iterator[str]:
         verdict = "agrees" if judgement.within else "differs"
         off = f"{100 * judgement.worst_rms:.2f} %"
         yield f"| | {result.variant} | {_eight(result.figures)} | {off} | {verdict} |"
+        ensemble = result.ensemble
+        if ensemble is not None and result.variant == "as-printed":
+            for name, figures in (("lowest", ensemble.lowest), ("highest", ensemble.highest)):
+                yield f"| | {name} of {ensemble.runs} | {_eight(figures)} | | |"
 
 
 def _eight(figures: Sequence[float]) -> str:
@@ -167,14 +233,48 @@ def _summary(results: list[Reproduced]) -> None:
     for result in printed:
         if not result.judgement.within:
             print(f"  {result.published.identifier}: {result.judgement.sentence}")
+    both = {r.published.identifier for r in results if r.variant == "as-described"}
+    if both:
+        print("where the variants differ, the row is reproduced by")
+    for result in printed:
+        name = result.published.identifier
+        if name in both:
+            described = next(
+                r for r in results if r.published is result.published and r is not result
+            )
+            print(f"  {name:<20} {_reproduced_by(described, result)}")
 
 
-def _plot(result: Reproduced, folder: Path) -> None:
+def _reproduced_by(described: Reproduced, printed: Reproduced) -> str:
+    names = [r.variant for r in (described, printed) if r.judgement.within]
+    return " and ".join(names) if names else "neither"
+
+
+def _plot(results: Sequence[Reproduced], folder: Path) -> None:
+    from fuzzyarm.study.chapters import FAMILIES, chapter_of, draw_chapter
     from fuzzyarm.study.profiles import draw_profiles, save_figure
 
     folder.mkdir(parents=True, exist_ok=True)
-    row = result.published
-    variant = "" if result.variant == "as-printed" else f"-{result.variant}"
-    name = f"{row.table}-{row.controller}{variant}.png"
-    figure = draw_profiles(result.runs, f"{row.row} ({row.condition}), {result.variant}")
-    save_figure(figure, folder / name)
+    if len({result.published.identifier for result in results}) < FEW:
+        for result in results:
+            row = result.published
+            variant = "" if result.variant == "as-printed" else f"-{result.variant}"
+            title = f"{row.row} ({row.condition}), {result.variant}"
+            name = f"{row.table}-{row.controller}{variant}.png"
+            save_figure(draw_profiles(result.runs, title), folder / name)
+        return
+    for chapter, (family, _) in FAMILIES.items():
+        chosen = [r for r in results if chapter_of(r.published) == chapter]
+        if chosen:
+            title = f"Chapter {chapter}: {family} control"
+            save_figure(draw_chapter(chosen, title), folder / f"chapter-{chapter}.png")
+    _overview(results, folder / "overview.png")
+
+
+def _overview(results: Sequence[Reproduced], path: Path) -> None:
+    """Draw the rows of the summary, or, if there are none among them, all."""
+    from fuzzyarm.study.chapters import SUMMARY, draw_overview
+    from fuzzyarm.study.profiles import save_figure
+
+    summary = [result for result in results if result.published.table[0] == SUMMARY]
+    save_figure(draw_overview(summary or results), path)

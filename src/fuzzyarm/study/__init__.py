@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 from fuzzyarm.study.bounds import Judgement, judge
+from fuzzyarm.study.ensemble import Ensemble
 from fuzzyarm.study.published import PublishedRow, UnknownRowError, find_rows, published_rows
-from fuzzyarm.study.reproduce import Reproduced, reproduce, reproduce_row, runnable, variants
+from fuzzyarm.study.reproduce import (
+    Reproduced,
+    chaotic,
+    reproduce,
+    reproduce_row,
+    runnable,
+    variants,
+)
 
 __all__ = [
+    "Ensemble",
     "Judgement",
     "PublishedRow",
     "Reproduced",
     "UnknownRowError",
+    "chaotic",
     "find_rows",
     "judge",
     "published_rows",

@@ -20,6 +20,16 @@ MAXIMUM_ON = "pick-and-place"
 Eight = tuple[float, float, float, float, float, float, float, float]
 """RMS and last figure of links 1 and 2 on the first trajectory, then on the second."""
 
+RMS_PLACES = (0, 2, 4, 6)
+"""Where the RMS figures stand among the eight."""
+
+MISPRINTS = {"7.1.1/hfie": (0, 0.0831)}
+"""Rows with a misprint: the place of the figure, and what it has to be.
+
+0.0381 is 0.0831 with two digits swapped: the final error and the seven other figures
+come out only with it.
+"""
+
 
 class UnknownRowError(FuzzyarmError, LookupError):
     """No published row goes by `name`."""
@@ -72,6 +82,14 @@ class PublishedRow:
     def identifier(self) -> str:
         """Table and controller; no two rows share it."""
         return f"{self.table}/{self.controller}"
+
+    @property
+    def corrected(self) -> Eight:
+        """The figures without the misprint, where there is one."""
+        place, value = MISPRINTS.get(self.identifier, (0, self.figures[0]))
+        figures = list(self.figures)
+        figures[place] = value
+        return tuple(figures)  # type: ignore[return-value]
 
     @property
     def condition(self) -> str:

@@ -11,8 +11,10 @@ from fuzzyarm.arm.trajectory import Trajectory, pick_and_place, reach, reach_ret
 from fuzzyarm.control.catalogue import CATALOGUE, controller
 from fuzzyarm.control.controller import CompiledController, Controller, Sum
 from fuzzyarm.control.entry import Start, Variant
+from fuzzyarm.control.law import Arithmetic
 from fuzzyarm.control.run import Options, Run, simulate
 from fuzzyarm.study.bounds import Judgement, judge
+from fuzzyarm.study.ensemble import Ensemble, run_ensemble
 from fuzzyarm.study.published import MAXIMUM_ON, Eight, PublishedRow
 
 TRAJECTORIES: dict[str, Callable[[], Trajectory]] = {
@@ -39,6 +41,8 @@ class Reproduced:
         On the first and the second trajectory.
     judgement : Judgement
         Against the bounds.
+    ensemble : Ensemble or None
+        Of the rows that are chaotic.
     """
 
     published: PublishedRow
@@ -46,6 +50,7 @@ class Reproduced:
     figures: Eight
     runs: tuple[Run, Run]
     judgement: Judgement
+    ensemble: Ensemble | None = None
 
 
 def runnable(row: PublishedRow) -> bool:
@@ -53,18 +58,24 @@ def runnable(row: PublishedRow) -> bool:
     return row.controller in CATALOGUE
 
 
+def chaotic(row: PublishedRow) -> bool:
+    """Tell whether a row switches between the cells of a table."""
+    return "table" in CATALOGUE[row.controller].takes
+
+
 def variants(row: PublishedRow) -> tuple[Variant, ...]:
     """Return the variants that differ: both where the study's text and figures do."""
+    arithmetic = Arithmetic()
     printed, described = (
-        row_controller(row, variant) for variant in ("as-printed", "as-described")
+        [
+            (block.kind, block.numbers, block.memory)
+            for part in row_controller(row, variant).parts()
+            if isinstance(part, CompiledController)
+            for block in (part.block(arithmetic),)
+        ]
+        for variant in ("as-printed", "as-described")
     )
-    if _values(printed) == _values(described):
-        return ("as-printed",)
-    return ("as-described", "as-printed")
-
-
-def _values(made: Controller) -> dict[str, tuple[float, ...]]:
-    return {name: gain.value for name, gain in made.gains.items()}
+    return ("as-printed",) if printed == described else ("as-described", "as-printed")
 
 
 def row_controller(row: PublishedRow, variant: str = "as-printed") -> Controller:
@@ -98,6 +109,8 @@ def reproduce_row(
     *,
     made: Controller | None = None,
     options: Options | None = None,
+    runs: int = 0,
+    watch: Callable[[int], None] | None = None,
 ) -> Reproduced:
     """Run one row on both trajectories, in the study's conventions.
 
@@ -111,20 +124,26 @@ def reproduce_row(
         Another controller in its place.
     options : Options, optional
         See :func:`fuzzyarm.control.run.simulate`.
+    runs : int, optional
+        Disturbed runs on each trajectory if the row is chaotic; none by default.
+    watch : callable, optional
+        Called with the number of disturbed runs just finished.
     """
     made = made or row_controller(row, variant)
+    there, back = (TRAJECTORIES[name]() for name in row.trajectories)
+    conventions = row_conventions(row)
     first, second = (
-        simulate(
-            made,
-            TRAJECTORIES[name](),
-            payload=row.payload,
-            conventions=row_conventions(row),
-            options=options,
-        )
-        for name in row.trajectories
+        simulate(made, trajectory, payload=row.payload, conventions=conventions, options=options)
+        for trajectory in (there, back)
     )
     figures = (*four(first), *four(second))
-    return Reproduced(row, variant, figures, (first, second), judge(row, figures))
+    ensemble = None
+    if runs and chaotic(row):
+        ensemble = run_ensemble(
+            made, (there, back), conventions, payload=row.payload, runs=runs, watch=watch
+        )
+    judgement = judge(row, figures, ensemble)
+    return Reproduced(row, variant, figures, (first, second), judgement, ensemble)
 
 
 def four(run: Run) -> tuple[float, float, float, float]:
@@ -133,8 +152,8 @@ def four(run: Run) -> tuple[float, float, float, float]:
     return float(run.rms[0]), float(last[0]), float(run.rms[1]), float(last[1])
 
 
-def reproduce(rows: list[PublishedRow]) -> Iterator[Reproduced]:
-    """Run rows in every variant, one after the other."""
+def reproduce(rows: list[PublishedRow], runs: int = 0) -> Iterator[Reproduced]:
+    """Run rows in every variant, one after the other; chaotic ones `runs` times more."""
     for row in rows:
         for variant in variants(row):
-            yield reproduce_row(row, variant)
+            yield reproduce_row(row, variant, runs=runs)

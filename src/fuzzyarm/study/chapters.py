@@ -1,0 +1,161 @@
+"""Figures of many rows: the error profiles of a chapter, and all controllers beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.control.catalogue import CATALOGUE
+from fuzzyarm.study.profiles import COLOURS
+from fuzzyarm.study.published import RMS_PLACES, PublishedRow
+from fuzzyarm.study.reproduce import Reproduced
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SUMMARY = "7"
+"""The chapter that only repeats rows of the others."""
+
+FAMILIES = {
+    "4": ("conventional", "#3b6ea5"),
+    "5": ("adaptive", "#2f8f6b"),
+    "6": ("fuzzy", "#c8553d"),
+}
+"""Chapter: what its controllers are, and their colour."""
+
+ACROSS = 3
+"""Rows side by side in the figure of a chapter."""
+
+
+def chapter_of(row: PublishedRow) -> str:
+    """Return the chapter that a row belongs to; those of the summary go by their controller."""
+    first = row.table[0]
+    if first != SUMMARY:
+        return first
+    if CATALOGUE[row.controller].takes:
+        return "6"
+    return "5" if row.controller.partition("+")[0] in {"acdid", "mrac", "dac"} else "4"
+
+
+def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
+    """Draw small error profiles of rows, first and second trajectory side by side.
+
+    Parameters
+    ----------
+    results : sequence of Reproduced
+        One pair of panels for each.
+    title : str
+        Above all.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.ticker import MaxNLocator
+
+    lines = -(-len(results) // ACROSS)
+    figure = Figure(figsize=(5.4 * ACROSS, 1.75 * lines + 0.9), layout="constrained")
+    panels = figure.subplots(lines, 2 * ACROSS, squeeze=False)
+    for panel in panels.flat:
+        panel.set_visible(False)
+    for index, result in enumerate(results):
+        line, place = divmod(index, ACROSS)
+        for side, run in enumerate(result.runs):
+            panel = panels[line][2 * place + side]
+            panel.set_visible(True)
+            for link, style in ((0, "-"), (1, "--")):
+                panel.plot(run.time, run.errors[:, link], style, color=COLOURS[link], linewidth=0.7)
+            panel.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+            panel.spines[["top", "right"]].set_visible(False)
+            panel.tick_params(labelsize=7)
+            panel.margins(x=0.0)
+            panel.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+            if side == 0:
+                row = result.published
+                variant = "" if result.variant == "as-printed" else f", {result.variant}"
+                panel.set_title(f"{row.table} {row.row}{variant}", fontsize=8.5, loc="left")
+                panel.set_ylabel("error, °", fontsize=7)
+            else:
+                panel.set_title(run.trajectory, fontsize=7, loc="right", color="0.4")
+            if line == lines - 1:
+                panel.set_xlabel("time, s", fontsize=7)
+    figure.suptitle(title, fontsize=12)
+    figure.legend(
+        handles=[
+            Line2D([], [], linestyle=style, color=COLOURS[link], label=f"link {link + 1}")
+            for link, style in ((0, "-"), (1, "--"))
+        ],
+        loc="outside upper right",
+        ncols=2,
+        fontsize=9,
+        frameon=False,
+    )
+    return figure
+
+
+HEADINGS = ("link 1, {first}", "link 2, {first}", "link 1, {second}", "link 2, {second}")
+
+
+def draw_overview(results: Sequence[Reproduced]) -> Figure:
+    """Draw the RMS errors of all rows: published rings, reproduced dots, bands of chance.
+
+    Parameters
+    ----------
+    results : sequence of Reproduced
+        Rows on the same pair of trajectories, in the order of the table.
+    """
+    from matplotlib.figure import Figure
+
+    chosen = [result for result in results if result.variant == "as-printed"]
+    figure = Figure(figsize=(13.0, 1.9 + 0.24 * len(chosen)), layout="constrained")
+    panels: Any = figure.subplots(1, 4, sharey=True, squeeze=False)[0]
+    first, second = chosen[0].published.trajectories
+    for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
+        for height, result in enumerate(chosen):
+            _mark(panel, -height, result, place)
+        panel.set_xscale("log")
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
+        panel.set_xlabel("RMS error, degrees", fontsize=9)
+        panel.grid(axis="x", color="0.9", linewidth=0.7)
+        panel.set_axisbelow(True)
+        panel.spines[["top", "right", "left"]].set_visible(False)
+        panel.tick_params(axis="y", length=0)
+    panels[0].set_yticks([-height for height in range(len(chosen))])
+    panels[0].set_yticklabels([result.published.row for result in chosen], fontsize=9)
+    panels[0].set_ylim(-len(chosen) + 0.4, 0.6)
+    for label, result in zip(panels[0].get_yticklabels(), chosen, strict=True):
+        label.set_color(FAMILIES[chapter_of(result.published)][1])
+    _key(figure, chosen)
+    return figure
+
+
+def _mark(panel: Axes, height: float, result: Reproduced, place: int) -> None:
+    colour = FAMILIES[chapter_of(result.published)][1]
+    panel.axhline(height, color="0.94", linewidth=0.7, zorder=0)
+    ensemble = result.ensemble
+    if ensemble is not None:
+        ends = [ensemble.lowest[place], ensemble.highest[place]]
+        panel.plot(ends, [height, height], color=colour, alpha=0.35, linewidth=5.0, zorder=1)
+    panel.plot(result.figures[place], height, "o", color=colour, markersize=4.0, zorder=3)
+    wanted = result.published.figures[place]
+    panel.plot(wanted, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
+
+
+def _key(figure: Figure, chosen: Sequence[Reproduced]) -> None:
+    from matplotlib.lines import Line2D
+
+    ring: dict[str, Any] = {"marker": "o", "linestyle": "none"}
+    found = {chapter_of(result.published) for result in chosen}
+    entries = [
+        Line2D([], [], color="black", fillstyle="none", markersize=8.5, label="published", **ring),
+        Line2D([], [], color="0.3", markersize=4.0, label="reproduced", **ring),
+    ]
+    if any(result.ensemble is not None for result in chosen):
+        label = "spread when the last bit is disturbed"
+        entries.append(Line2D([], [], color="0.3", alpha=0.35, linewidth=5.0, label=label))
+    for chapter, (name, colour) in FAMILIES.items():
+        if chapter in found:
+            entries.append(Line2D([], [], color=colour, markersize=4.0, label=name, **ring))
+    figure.legend(
+        handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
+    )
