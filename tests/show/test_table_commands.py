@@ -162,7 +162,7 @@ def test_compile_reports_as_data(capsys, tmp_path, frb):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["-o", "t.xls"], "'t.xls' does not tell a table format"),
+        (["-o", "t.xls"], "'t.xls' does not tell a format"),
         (["-o", "t.lut", "--output", "x"], "no output 'x' (it has y)"),
         (["-o", "t.lut", "--levels", "0"], "1 to 100,000 levels, not 0"),
         (["-o", "t.lut", "--levels", "c = 4"], "no input 'c'"),
@@ -183,10 +183,17 @@ def test_compile_complains_in_one_sentence(capsys, tmp_path, monkeypatch, frb, w
     assert [path.name for path in tmp_path.iterdir()] == ["lopsided.frb"]
 
 
-def test_compile_refuses_a_table(capsys, tmp_path):
+def test_compile_rewrites_a_table_in_another_format(capsys, tmp_path):
+    out = str(tmp_path / "t.csv")
+    assert main(["compile", TABLE, "-o", out]) == 0
+    assert said(capsys) == f"{out}: 13 x 13 cells of u over e, ce\n"
+    assert read_table(out) == read_table(TABLE)
+    assert main(["compile", TABLE, "-o", out, "--mode", "linear", "--json"]) == 0
+    assert json.loads(said(capsys))["mode"] == read_table(out).default_mode == "linear"
     assert "is a table already" in complaint(
-        capsys, "compile", TABLE, "-o", str(tmp_path / "t.lut")
+        capsys, "compile", TABLE, "-o", out, "--levels", "5"
     )
+    assert "has no output 'x'" in complaint(capsys, "compile", TABLE, "-o", out, "--output", "x")
 
 
 def test_diff_of_tables_goes_by_name_not_by_place(capsys, tmp_path):

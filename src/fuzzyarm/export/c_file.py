@@ -27,16 +27,16 @@ class Prototype:
         return f"{self.kind} {self.name}({listed})"
 
 
-def c_header(routines: Sequence[Routine], prefix: str) -> str:
+def c_header(routines: Sequence[Routine], prefix: str, file: str) -> str:
     """Return a header that stands on its own: ``static inline`` functions and constants."""
     writer = CWriter(prefix, "static inline ")
     prototypes = [_prototype(writer, routine) for routine in routines]
     code = _definitions(writer, routines, prototypes)
     guard = writer.names.new(f"{prefix.upper()}_H")
-    use = f"gcc -std=c99 -D{SWITCH} -x c {prefix}.h -o self_test && ./self_test"
+    test = f"gcc -std=c99 -D{SWITCH} -x c {file} -o self_test && ./self_test"
     return "\n".join(
         [
-            *head_lines(routines, prototypes, writer, f'#include "{prefix}.h"', use),
+            *head_lines(routines, prototypes, writer, f'#include "{file}"', test),
             f"#ifndef {guard}",
             f"#define {guard}",
             "",
@@ -49,14 +49,14 @@ def c_header(routines: Sequence[Routine], prefix: str) -> str:
     )
 
 
-def c_pair(routines: Sequence[Routine], prefix: str) -> tuple[str, str]:
+def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, str]:
     """Return a header with prototypes and the ``.c`` file with everything else."""
     writer = CWriter(prefix)
     prototypes = [_prototype(writer, routine) for routine in routines]
     code = _definitions(writer, routines, prototypes)
     guard = writer.names.new(f"{prefix.upper()}_H")
-    use = f"gcc -std=c99 -D{SWITCH} {prefix}.c -o self_test && ./self_test"
-    head = head_lines(routines, prototypes, writer, f'#include "{prefix}.h", link {prefix}.c', use)
+    test = f"gcc -std=c99 -D{SWITCH} {stem}.c -o self_test && ./self_test"
+    head = head_lines(routines, prototypes, writer, f'#include "{stem}.h", link {stem}.c', test)
     header = [
         *head,
         f"#ifndef {guard}",
@@ -78,7 +78,7 @@ def c_pair(routines: Sequence[Routine], prefix: str) -> tuple[str, str]:
     ]
     source = [
         *head,
-        f'#include "{prefix}.h"',
+        f'#include "{stem}.h"',
         "",
         code,
         *_self_test(writer, routines, prototypes),
@@ -126,9 +126,7 @@ def _self_test(
         array = f"vectors_{number}"
         count = len(vectors.expected)
         rows = [routine.literal(x) for row in zip(*columns, strict=True) for x in row]
-        lines.append(
-            f"    static const {routine.kind} {array}[{count}][{len(columns)}] = {{"
-        )
+        lines.append(f"    static const {routine.kind} {array}[{count}][{len(columns)}] = {{")
         body = number_lines(rows, columns=len(columns), indent="        ")
         if len(body) == count:
             body = [f"        {{{line.strip().removesuffix(',')}}}," for line in body]

@@ -75,10 +75,8 @@ def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    "
         if columns
         else [literals]
     )
-    lines = []
-    for row in rows:
-        for i in range(0, len(row), per_line):
-            lines.append(indent + ", ".join(x.rjust(width) for x in row[i : i + per_line]) + ",")
+    parts_of_rows = [row[i : i + per_line] for row in rows for i in range(0, len(row), per_line)]
+    lines = [indent + ", ".join(x.rjust(width) for x in part) + "," for part in parts_of_rows]
     lines[-1] = lines[-1].removesuffix(",")
     return lines
 

@@ -9,7 +9,7 @@ one is taken off, in two straight pieces that meet where the lines cross.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import combinations
+from itertools import combinations, pairwise
 
 from fuzzyarm.export.errors import ExportError
 from fuzzyarm.export.expression import (
@@ -114,7 +114,7 @@ def scaled_union(
     for member, height in heights.items():
         yield 1, scaled(plan, member, height)
     edges = sorted({x for m in heights for p in plan.members[m].pieces for x in (p.x0, p.x1)})
-    for x0, x1 in zip(edges, edges[1:], strict=False):
+    for x0, x1 in pairwise(edges):
         present = {}
         for member in heights:
             ends = _ends(plan.members[member].pieces, x0, x1)

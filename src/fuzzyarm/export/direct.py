@@ -6,6 +6,7 @@ import hashlib
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -203,6 +204,11 @@ class DirectRoutine:
         return [*pairs, ("engine", f"fuzzyarm {__version__}")]
 
     def accuracy(self) -> Accuracy:
+        """Return :attr:`measured`, as all routines do."""
+        return self.measured
+
+    @cached_property
+    def measured(self) -> Accuracy:
         """Compare with the inference in double precision over a dense grid."""
         mesh = np.ix_(*self._grid())
         result = self.evaluate(*mesh, *self._held(mesh[0])).astype(np.float64)

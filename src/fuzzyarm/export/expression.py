@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -135,7 +135,14 @@ _COMPARISONS = {
     ">=": np.greater_equal,
     "==": np.equal,
 }
-_ARITHMETIC = {"+": np.add, "-": np.subtract, "*": np.multiply, "/": np.divide}
+_ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "min": lambda a, b: np.where(a < b, a, b),  # of two zeros the second, as in C
+    "max": lambda a, b: np.where(a > b, a, b),
+}
 
 
 def run(
@@ -176,10 +183,6 @@ def _value(expression: Expression, known: Mapping[str, Any], kind: type[np.float
         holds = _COMPARISONS[expression.operator](left, right)
         yes, no = _value(expression.yes, known, kind), _value(expression.no, known, kind)
         return np.where(holds, yes, no)
-    if expression.operator == "min":
-        return np.where(left < right, left, right)
-    if expression.operator == "max":
-        return np.where(left > right, left, right)
     return _ARITHMETIC[expression.operator](left, right)
 
 

@@ -146,9 +146,7 @@ CONJUNCTIONS: dict[str, Callable[[Expression, Expression], Expression]] = {
     "bounded": lambda a, b: greatest(ZERO, subtract(add(a, b), ONE)),
     "drastic": lambda a, b: Select(">=", greatest(a, b), ONE, least(a, b), ZERO),
     "hamacher": _hamacher_t,
-    "einstein": lambda a, b: divide(
-        times(a, b), subtract(TWO, subtract(add(a, b), times(a, b)))
-    ),
+    "einstein": lambda a, b: divide(times(a, b), subtract(TWO, subtract(add(a, b), times(a, b)))),
     "nilpotent": lambda a, b: Select(">", add(a, b), ONE, least(a, b), ZERO),
 }
 """T-norms by name."""
@@ -165,5 +163,3 @@ DISJUNCTIONS: dict[str, Callable[[Expression, Expression], Expression]] = {
     "normalized": lambda a, b: divide(add(a, b), greatest(ONE, add(a, b))),
 }
 """S-norms and aggregations by name."""
-
-

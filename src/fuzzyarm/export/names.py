@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-C_RESERVED = frozenset(
-    """
+_C_WORDS = """
     auto break case char const continue default do double else enum extern float for goto if
     inline int long register restrict return short signed sizeof static struct switch typedef
     union unsigned void volatile while asm typeof bool true false nullptr constexpr alignas
@@ -17,12 +16,12 @@ C_RESERVED = frozenset(
     xor xor_eq decltype noexcept concept requires
     int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t ptrdiff_t main
     NULL NAN INFINITY HUGE_VALF HUGE_VAL errno linux unix i386 vax near far interrupt I PI
-    """.split()
-)
+"""
+
+C_RESERVED = frozenset(_C_WORDS.split())
 """Words of C and C++, of the headers that are used, and macros of common compilers."""
 
-ST_RESERVED = frozenset(
-    """
+_ST_WORDS = """
     abs acos action add and any any_bit any_date any_int any_num any_real array asin at atan bool
     by byte case concat configuration constant cos ctd ctu ctud date delete div do dint dt dword
     else elsif end eq exit exp expt f_edge f_trig false find for function function_block ge gt if
@@ -32,8 +31,9 @@ ST_RESERVED = frozenset(
     shl shr sin single sint sqrt sr step st string struct sub super tan task then this time tod to
     tof ton tp transition trunc type udint uint ulint until usint var var_access var_config
     var_external var_global var_in_out var_input var_output var_temp while with word wstring xor
-    """.split()
-)
+"""
+
+ST_RESERVED = frozenset(_ST_WORDS.split())
 """Words and standard functions of IEC 61131-3, in lower case (the language ignores case)."""
 
 

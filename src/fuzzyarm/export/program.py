@@ -21,6 +21,7 @@ from fuzzyarm.export.expression import (
     times,
     without_unused,
 )
+from fuzzyarm.export.head import plain
 from fuzzyarm.export.membership import CONJUNCTIONS, DISJUNCTIONS, degree_of, hedged
 from fuzzyarm.export.names import Names
 from fuzzyarm.inference.plan import WEIGHTED, OutputPlan, Plan, PlannedRule, plan
@@ -78,6 +79,27 @@ def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> 
 def refuse(what: str, hint: str = _TABLE_HINT) -> ExportError:
     """Return the error that names what cannot be exported."""
     return ExportError(f"the direct inference cannot be exported: {what}", hint=hint)
+
+
+def rule_words(index: int, antecedent: Antecedent) -> str:
+    """Return a rule in words, for a comment."""
+    words = f"rule {index + 1}: if {_words(antecedent)}"
+    return plain(words if len(words) <= 72 else f"{words[:70]} …")
+
+
+def _words(expression: Antecedent) -> str:
+    if isinstance(expression, Is):
+        hedges = "".join(f"{hedge.name} " for hedge in expression.hedges)
+        return f"{expression.variable} is {hedges}{expression.term}"
+    if isinstance(expression, Hedged):
+        hedges = "".join(f"{hedge.name} " for hedge in expression.hedges)
+        return f"{hedges}({_words(expression.operand)})"
+    joined = " and " if isinstance(expression, And) else " or "
+    inner = (_words(each) for each in expression.operands)
+    return joined.join(
+        text if isinstance(each, Is | Hedged) else f"({text})"
+        for each, text in zip(expression.operands, inner, strict=True)
+    )
 
 
 class _Builder:
@@ -180,7 +202,7 @@ class _Builder:
         if planned.threshold > 0.0:
             strength = self.fresh(strength, "s")
             strength = Select(">", strength, Number(planned.threshold), strength, ZERO)
-        remark = f"rule {index + 1}"
+        remark = rule_words(index, planned.rule.antecedent)
         for name in sorted(outputs):
             for member, rule in self.plan.outputs[name].contributions:
                 if rule == index:
@@ -282,11 +304,14 @@ class _Builder:
                 return total, weighted
             return total, self._quotient(weighted, total)
         if name in self.sums:
-            area, moment = (Local(part) for part in self.sums[name])
+            area, moment = self._locals(name)
         else:
             area, moment = self._union(output)
         centre = Number(0.5 * (output.output.low + output.output.high))
         return area, add(centre, self._quotient(moment, area))
+
+    def _locals(self, name: str) -> tuple[Expression, Expression]:
+        return Local(self.sums[name][0]), Local(self.sums[name][1])
 
     @staticmethod
     def _quotient(top: Expression, bottom: Expression) -> Expression:

@@ -100,7 +100,8 @@ def _interpolate(core: Core, writer: CWriter, parameters: Sequence[str]) -> list
         lines.append(f"const {index} {i} = {found};")
         t = names.new(f"t_{parameter}")
         if fixed:
-            share = f"((int32_t){x} - {levels}[{i}]) * 32768 / ((int32_t){levels}[{i} + 1u] - {levels}[{i}])"
+            way = f"((int32_t){x} - {levels}[{i}]) * 32768"
+            share = f"{way}\n        / ((int32_t){levels}[{i} + 1u] - {levels}[{i}])"
         else:
             share = f"({x} - {levels}[{i}]) / ({levels}[{i} + 1u] - {levels}[{i}])"
         lines.append(f"const {wide} {t} = {share};")
@@ -128,16 +129,15 @@ def _corners(
     core: Core, names: Names, blend: str, cell: str, shares: list[str], strides: list[int]
 ) -> list[str]:
     """Blend the corners of a cell pairwise, the last axis first."""
-    index, suffix = index_type(core)
-    del index
+    _, suffix = index_type(core)
     wide = "int32_t" if isinstance(core, FixedTable) else inner_type(core)
     offsets = [0]
     for stride in strides:
         offsets = [base + more for base in offsets for more in (0, stride)]
     values = [f"{cell}[{offset}{suffix}]" for offset in offsets]
-    lines = []
+    lines: list[str] = []
     for axis in range(len(shares) - 1, -1, -1):
-        blended = []
+        blended: list[str] = []
         for near, far in zip(values[0::2], values[1::2], strict=True):
             call = f"{blend}({near}, {far}, {shares[axis]})"
             if axis == 0:
@@ -157,8 +157,8 @@ def _narrow(core: Core, expression: str) -> str:
 
 def bytes_of_locals(core: Core) -> int:
     """Return roughly what the local variables of a call take."""
-    axes = sum(size > 1 for size in core.table.shape)
+    axes: int = sum(size > 1 for size in core.table.shape)
     if not core.linear:
         return 12 + 4 * axes
-    wide = 4 if isinstance(core, FixedTable) else np.dtype(core.precision.inside).itemsize
-    return axes * (4 + 2 * wide) + 2**axes * wide + 16
+    wide = 4 if isinstance(core, FixedTable) else int(np.dtype(core.precision.inside).itemsize)
+    return axes * (4 + 2 * wide) + (1 << axes) * wide + 16

@@ -1,0 +1,148 @@
+"""From rule bases and tables to exported files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzzyarm.export.c_file import c_header, c_pair
+from fuzzyarm.export.direct import direct_routine
+from fuzzyarm.export.errors import ExportError
+from fuzzyarm.export.fixed_point import fixed_table
+from fuzzyarm.export.float_table import float_table
+from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
+from fuzzyarm.export.routine import Routine
+from fuzzyarm.export.structured_text import structured_text
+from fuzzyarm.export.table_routine import TableRoutine
+from fuzzyarm.files import write_atomically
+from fuzzyarm.lut import LookupTable
+from fuzzyarm.rulebase.model import RuleBase
+
+EXPORTS = (".h", ".c", ".st")
+"""Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text."""
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """Files, not yet written.
+
+    Attributes
+    ----------
+    routines : tuple of Routine
+        The functions in them.
+    files : tuple of (Path, str)
+        Where and what.
+    """
+
+    routines: tuple[Routine, ...]
+    files: tuple[tuple[Path, str], ...]
+
+
+def routines_of(
+    model: RuleBase | LookupTable | Sequence[LookupTable],
+    *,
+    output: str | None = None,
+    mode: str | None = None,
+    q: int | None = None,
+    precision: str = "mixed",
+    source: str | Path | None = None,
+) -> tuple[Routine, ...]:
+    """Return the routines that a file exports.
+
+    Parameters
+    ----------
+    model : RuleBase, LookupTable or sequence of LookupTable
+        A rule base is inferred directly, one routine for each output; a table is looked up.
+    output : str, optional
+        Only this output of a rule base.
+    mode : str, optional
+        How tables are looked up; their own way by default.
+    q : int, optional
+        15 or 7 for fixed point; tables only.
+    precision : str
+        ``mixed``, ``float32`` or ``float64``; without meaning in fixed point.
+    source : str or Path, optional
+        The file of a rule base, for the head.
+
+    Raises
+    ------
+    ExportError
+        If something cannot be exported so.
+    """
+    if isinstance(model, RuleBase):
+        if q is not None:
+            raise ExportError(
+                "direct inference is exported in floating point only",
+                hint="leave out --direct to export a table in fixed point",
+            )
+        if mode is not None:
+            raise ExportError("direct inference has no lookup mode", hint="leave out --mode")
+        names = [each.name for each in model.outputs] if output is None else [output]
+        if not names:
+            raise ExportError(f"'{model.name}' has no outputs")
+        return tuple(direct_routine(model, name, precision, source) for name in names)
+    tables = [model] if isinstance(model, LookupTable) else list(model)
+    if q is not None:
+        return tuple(TableRoutine(fixed_table(table, q, mode)) for table in tables)
+    return tuple(TableRoutine(float_table(table, mode, precision)) for table in tables)
+
+
+def export_files(
+    routines: Sequence[Routine], path: str | Path, name: str | None = None
+) -> Exported:
+    """Return the files for a path, by its suffix.
+
+    Parameters
+    ----------
+    routines : sequence of Routine
+        What to export.
+    path : str or Path
+        ``.h``: a header on its own; ``.c``: a ``.c`` and a ``.h`` beside it; ``.st``.
+    name : str, optional
+        Begins every identifier; the name of the file by default.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is none of these or `name` is no identifier.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in EXPORTS:
+        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(EXPORTS))
+    stem = path.stem
+    if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
+        raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
+    if name is not None:
+        reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
+        if identifier(name) != name or reserved:
+            raise ExportError(
+                f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
+            )
+    prefix = identifier(stem) if name is None else name
+    if suffix == ".st":
+        return Exported(tuple(routines), ((path, structured_text(routines, prefix)),))
+    if suffix == ".h":
+        return Exported(tuple(routines), ((path, c_header(routines, prefix, path.name)),))
+    header_path = path.with_suffix(".h")
+    header, source = c_pair(routines, prefix, path.stem)
+    return Exported(tuple(routines), ((path, source), (header_path, header)))
+
+
+def write_export(
+    routines: Sequence[Routine], path: str | Path, name: str | None = None
+) -> Exported:
+    """Write exported files, each whole or not at all, and return them.
+
+    Raises
+    ------
+    ExportError
+        As :func:`export_files`.
+    OSError
+        If the folder cannot be written.
+    """
+    exported = export_files(routines, path, name)
+    for where, text in exported.files:
+        write_atomically(where, text)
+    return exported
