@@ -1,0 +1,55 @@
+"""The page on authoring: its pictures are there, its configurations can be read and work."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "authoring.md").read_text("utf-8")
+
+
+def _block(language: str) -> str:
+    match = re.search(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+    assert match is not None
+    return match.group(1)
+
+
+def test_every_picture_is_there() -> None:
+    names = re.findall(r"!\[[^]]*\]\(([^)]+)\)", PAGE)
+    assert len(names) >= 10
+    for name in names:
+        assert (ROOT / "docs" / name).read_text("utf-8").lstrip().startswith(("<svg", "<?xml"))
+
+
+def test_the_configuration_of_helix_can_be_read() -> None:
+    settings = tomllib.loads(_block("toml"))
+    assert settings["language-server"]["fuzzyarm"] == {"command": "fuzzyarm", "args": ["lsp"]}
+    assert {n for each in settings["language"] for n in each["file-types"]} == {"frb", "lut"}
+
+
+@pytest.mark.slow
+def test_the_configuration_of_neovim_works_as_written(tmp_path: Path) -> None:
+    nvim = shutil.which("nvim")
+    if nvim is None:
+        pytest.skip("needs Neovim")
+    (tmp_path / "init.lua").write_text(_block("lua"), "utf-8")
+    damaged = (ROOT / "rulebases" / "pd7.frb").read_text("utf-8").replace("PB\n  NM", "PX\n  NM")
+    (tmp_path / "damaged.frb").write_text(damaged.replace("ZE\n  NM", "ZX\n  NM"), "utf-8")
+    wait = "vim.wait(15000, function() return #vim.diagnostic.get(0) > 0 end)"
+    say = "for _, d in ipairs(vim.diagnostic.get(0)) do print(d.message) end"
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        [nvim, "--headless", "-u", "init.lua", "damaged.frb", "-c", f"lua {wait}",
+         "-c", f"lua {say}", "-c", "qa!"],
+        cwd=tmp_path, env={**os.environ, "PATH": path}, capture_output=True, text=True,
+        check=False, timeout=60,
+    )  # fmt: skip
+    assert "no term of 'u' is called 'ZX'" in done.stdout + done.stderr
