@@ -10,6 +10,7 @@ Examples
   fuzzyarm simulate cdid+ie --trajectory pick-and-place --payload
   fuzzyarm simulate pd --angles 60 -30 --segment 1.5 --set K_P=300,200
   fuzzyarm simulate acdid --start cold --payload --conventions study --json
+  fuzzyarm simulate fuzzy-direct --rulebase pd7.frb --payload --plot errors.png
 """
 
 from __future__ import annotations
@@ -19,9 +20,16 @@ import json
 import math
 import sys
 from contextlib import nullcontext
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.cli.experiment import (
+    add_conventions,
+    add_trajectory,
+    conventions_of,
+    sources_of,
+    trajectory_of,
+)
 
 if TYPE_CHECKING:
     from fuzzyarm.arm import Conventions, Trajectory
@@ -32,27 +40,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``fuzzyarm simulate``."""
     parser.add_argument("controller", nargs="?", metavar="CONTROLLER", help="name, sum or file")
     parser.add_argument("--list", action="store_true", help="list all controllers")
-    path = parser.add_argument_group("trajectory")
-    path.add_argument(
-        "--trajectory", choices=["reach", "reach-return", "pick-and-place"], default="reach-return"
+    add_trajectory(parser)
+    files = parser.add_argument_group("files of fuzzy controllers, in place of the shipped ones")
+    files.add_argument("--rulebase", metavar="FILE", help="rules of the control")
+    files.add_argument("--alpha", metavar="FILE", help="rules of the factor on the control")
+    files.add_argument(
+        "--table", nargs="+", metavar="FILE", help="table of the control, or one for each joint"
     )
-    where = path.add_mutually_exclusive_group()
-    where.add_argument(
-        "--angles", nargs=2, type=float, metavar=("A1", "A2"), help="where to turn to, degrees"
-    )
-    path.add_argument("--segment", type=float, metavar="SECONDS", help="duration of each segment")
-    path.add_argument("--hold", type=float, metavar="SECONDS", help="duration of the hold")
-    where.add_argument(
-        "--way-points", nargs="+", metavar="A1,A2", help="move through these, degrees, instead"
-    )
-    load = parser.add_argument_group("load")
-    load.add_argument("--payload", action=argparse.BooleanOptionalAction, default=False)
-    load.add_argument(
-        "--loaded", nargs="+", type=int, metavar="N", help="carry the load in these segments"
-    )
+    files.add_argument("--performance", metavar="FILE", help="table by which SOC judges")
     run = parser.add_argument_group("run")
-    run.add_argument("--conventions", choices=["plain", "study"], default="plain")
-    run.add_argument("--precision", choices=["float32", "float64"])
+    add_conventions(run)
     run.add_argument("--start", choices=["warm", "cold"], default="warm", help="adaptive ones")
     run.add_argument(
         "--variant",
@@ -83,7 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.control import find_controller
 
     controller = find_controller(
-        arguments.controller, start=arguments.start, variant=arguments.variant
+        arguments.controller,
+        start=arguments.start,
+        variant=arguments.variant,
+        sources=sources_of(arguments),
     ).with_gains(_overrides(arguments.set))
     if arguments.show_gains:
         _show_gains(controller, arguments.json)
@@ -103,8 +103,8 @@ def _simulate(controller: Controller, arguments: argparse.Namespace) -> Run:
     from fuzzyarm.arm import schedule
     from fuzzyarm.control import simulate
 
-    trajectory = _trajectory(arguments)
-    conventions = _conventions(arguments)
+    trajectory = trajectory_of(arguments)
+    conventions = conventions_of(arguments, arguments.controller)
     arms = schedule(
         trajectory,
         payload=arguments.payload,
@@ -123,46 +123,6 @@ def _simulate(controller: Controller, arguments: argparse.Namespace) -> Run:
     if slower:
         print(slower, file=sys.stderr)
     return result
-
-
-def _trajectory(arguments: argparse.Namespace) -> Trajectory:
-    from fuzzyarm.arm import ArmError, pick_and_place, reach, reach_return, through
-
-    given: dict[str, Any] = {}
-    if arguments.segment is not None:
-        given["segment"] = arguments.segment
-    if arguments.hold is not None:
-        given["hold"] = arguments.hold
-    if arguments.way_points:
-        return through([_pair(text) for text in arguments.way_points], **given)
-    if arguments.angles is not None:
-        given["angles"] = tuple(arguments.angles)
-    if arguments.trajectory == "pick-and-place":
-        if "hold" in given:
-            raise ArmError("pick-and-place has no hold", name="hold", value=arguments.hold)
-        return pick_and_place(**given)
-    return (reach if arguments.trajectory == "reach" else reach_return)(**given)
-
-
-def _pair(text: str) -> tuple[float, float]:
-    from fuzzyarm.arm import ArmError
-
-    try:
-        first, second = (float(part) for part in text.split(","))
-    except ValueError:
-        message = f"way point '{text}' is not two angles"
-        raise ArmError(message, name="way_points", value=text, hint="as in 45,-30") from None
-    return first, second
-
-
-def _conventions(arguments: argparse.Namespace) -> Conventions:
-    from fuzzyarm.arm import PLAIN
-    from fuzzyarm.control.catalogue import study_conventions
-
-    chosen = PLAIN
-    if arguments.conventions == "study":
-        chosen = study_conventions(arguments.controller)
-    return replace(chosen, precision=arguments.precision) if arguments.precision else chosen
 
 
 def _options(arguments: argparse.Namespace) -> Options:
@@ -193,8 +153,8 @@ def _overrides(words: list[str]) -> dict[str, list[float]]:
 
 def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> str:
     """Say how much longer an interpreted run took than a compiled one of the same length."""
-    from fuzzyarm.kernels import jit_wanted
     from fuzzyarm.control import controller, simulate
+    from fuzzyarm.kernels import jit_wanted
 
     if result.compiled or not jit_wanted():
         return ""

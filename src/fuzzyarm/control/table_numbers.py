@@ -72,8 +72,8 @@ def joint_tables(table: LookupTable) -> JointTables:
     return JointTables(table.axis(ROW), table.axis(COLUMN), values, table.default_mode)
 
 
-def both_joints(tables: JointTables, like: LookupTable) -> LookupTable:
-    """Return both tables as one over joint, e and ce; heads as those of `like`."""
+def over_joints(tables: JointTables, like: LookupTable) -> LookupTable:
+    """Return both tables as one over joint, e and ce; with head and axes as `like` has them."""
     joint = Axis(JOINT, (1.0, 2.0), description="joint of the arm")
     return LookupTable(
         (joint, tables.rows, tables.columns),
@@ -83,7 +83,28 @@ def both_joints(tables: JointTables, like: LookupTable) -> LookupTable:
         high=like.high,
         description=like.description,
         mode=like.mode,
+        provenance=like.provenance,
     )
+
+
+def joined(first: LookupTable, second: LookupTable) -> LookupTable:
+    """Return the tables of two joints as one.
+
+    Raises
+    ------
+    SourceError
+        If they do not serve, or differ in levels, bins or lookup.
+    """
+    one, other = joint_tables(first), joint_tables(second)
+    if (one.rows.levels, one.columns.levels, one.edges(), one.mode) != (
+        other.rows.levels,
+        other.columns.levels,
+        other.edges(),
+        other.mode,
+    ):
+        raise SourceError("the tables of the joints differ in their levels or bins")
+    values = np.stack([one.values[0], other.values[1]])
+    return over_joints(JointTables(one.rows, one.columns, values, one.mode), first)
 
 
 SHAPE = 3

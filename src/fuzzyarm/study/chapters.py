@@ -81,8 +81,8 @@ def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
     figure.suptitle(title, fontsize=12)
     figure.legend(
         handles=[
-            Line2D([], [], linestyle=style, color=COLOURS[link], label=f"link {link + 1}")
-            for link, style in ((0, "-"), (1, "--"))
+            Line2D([], [], linestyle="-", color=COLOURS[0], label="link 1"),
+            Line2D([], [], linestyle="--", color=COLOURS[1], label="link 2"),
         ],
         loc="outside upper right",
         ncols=2,
