@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from c_programs import ARM, HOST, compile_c, execute, run_c, spread, ulps
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.export import ExportError, export_files, routines_of
@@ -95,7 +95,9 @@ def small_tables(draw):
             wanted = len(levels) - 1
             found = draw(st.sets(number.map(lambda x: x + 0.0), min_size=wanted, max_size=wanted))
             bins = tuple(sorted(found))
-        axes.append(Axis(draw(st.sampled_from(["e", "ė", "int", "a b"])) + str(k), tuple(levels), bins))
+        axes.append(
+            Axis(draw(st.sampled_from(["e", "ė", "int", "a b"])) + str(k), tuple(levels), bins)
+        )
     size = math.prod(len(axis.levels) for axis in axes)
     values = draw(st.lists(number, min_size=size, max_size=size))
     return LookupTable(
@@ -105,7 +107,9 @@ def small_tables(draw):
 
 
 @pytest.mark.slow
-@settings(max_examples=5, suppress_health_check=list(HealthCheck))
+@settings(
+    max_examples=5, suppress_health_check=list(HealthCheck), phases=(Phase.explicit, Phase.generate)
+)  # no shrinking: every step would call the compiler
 @given(st.lists(small_tables(), min_size=8, max_size=16), st.data())
 def test_any_tables_in_one_file_agree_in_every_arithmetic(tmp_path, tables, data):
     routines, columns = [], []
@@ -215,8 +219,6 @@ def test_what_cannot_be_exported_is_said_in_one_sentence():
         routines_of(close, mode="linear", precision="float32")
     with pytest.raises(ExportError, match="are the same number in q7"):
         routines_of(close, mode="linear", q=7)
-    many = LookupTable(
-        tuple(Axis(f"x{k}", (0.0, 1.0)) for k in range(9)), "y", np.zeros((2,) * 9)
-    )
+    many = LookupTable(tuple(Axis(f"x{k}", (0.0, 1.0)) for k in range(9)), "y", np.zeros((2,) * 9))
     with pytest.raises(ExportError, match="interpolation is exported for at most 8"):
         routines_of(many, mode="linear")

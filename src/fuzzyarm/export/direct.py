@@ -129,8 +129,8 @@ class DirectRoutine:
         inner, outer = self.precision.c_inside, self.precision.c_outside
         program = self.program
         helpers = {
-            "min": writer.helper("least", LEAST, TYPE=inner),
-            "max": writer.helper("greatest", GREATEST, TYPE=inner),
+            "min": lambda: writer.helper("least", LEAST, TYPE=inner),
+            "max": lambda: writer.helper("greatest", GREATEST, TYPE=inner),
         }
         functions: dict[Function, str] = {}
         printer = CPrinter(self.precision.inside, helpers, functions)

@@ -271,8 +271,8 @@ class CPrinter:
     ----------
     kind : type
         Of the arithmetic.
-    helpers : mapping of str to str
-        Names of the C functions for ``min`` and ``max``.
+    helpers : mapping of str to callable
+        Give the names of the C functions for ``min`` and ``max``, which are written if asked for.
     functions : mapping of Function to str
         Names of the C functions that are called.
     """
@@ -280,7 +280,7 @@ class CPrinter:
     def __init__(
         self,
         kind: type[np.floating],
-        helpers: Mapping[str, str],
+        helpers: Mapping[str, Callable[[], str]],
         functions: Mapping[Function, str],
     ) -> None:
         self._kind = kind
@@ -301,7 +301,7 @@ class CPrinter:
             return f"{name}({self.expression(expression.argument)})"
         if isinstance(expression, Binary) and expression.operator in self._helpers:
             parts = (self.expression(expression.left), self.expression(expression.right))
-            return f"{self._helpers[expression.operator]}({parts[0]}, {parts[1]})"
+            return f"{self._helpers[expression.operator]()}({parts[0]}, {parts[1]})"
         left = self.expression(expression.left, inner=True)
         right = self.expression(expression.right, inner=True)
         text = f"{left} {expression.operator} {right}"

@@ -59,13 +59,13 @@ def _values(core: Core, writer: CWriter) -> str:
 
 def _pick(core: Core, writer: CWriter, parameters: Sequence[str]) -> list[str]:
     index, suffix = index_type(core)
-    search = writer.helper("cell", c_writer.COUNT_BELOW, INDEX=index, TYPE=outer_type(core))
     lines = []
     terms = ""
     for axis, (parameter, size) in enumerate(zip(parameters, core.table.shape, strict=True)):
         if size == 1:
             lines.append(f"(void){parameter}; /* one level only */")
             continue
+        search = writer.helper("cell", c_writer.COUNT_BELOW, INDEX=index, TYPE=outer_type(core))
         edges = _points(core, writer, axis, "bins" if core.mode == "bins" else "middles")
         call = f"{search}({edges}, {size - 1}{suffix}, {parameter})"
         scaled = f"({terms}) * {size}{suffix}" if " " in terms else f"{terms} * {size}{suffix}"
@@ -78,8 +78,6 @@ def _interpolate(core: Core, writer: CWriter, parameters: Sequence[str]) -> list
     fixed = isinstance(core, FixedTable)
     inner, outer = inner_type(core), outer_type(core)
     wide = "int32_t" if fixed else inner
-    clamp = writer.helper("clamp", c_writer.CLAMP, TYPE=inner)
-    search = writer.helper("level", c_writer.COUNT_UP_TO, INDEX=index, TYPE=inner)
     names = Names(taken=set(parameters))
     lines: list[str] = []
     shares: list[str] = []
@@ -91,12 +89,16 @@ def _interpolate(core: Core, writer: CWriter, parameters: Sequence[str]) -> list
         if size == 1:
             lines.append(f"(void){parameter}; /* one level only */")
             continue
+        clamp = writer.helper("clamp", c_writer.CLAMP, TYPE=inner)
         levels = _points(core, writer, axis, "levels")
-        x, i, t = names.new(f"x_{parameter}"), names.new(f"i_{parameter}"), ""
+        x, i = names.new(f"x_{parameter}"), names.new(f"i_{parameter}")
         first, last = (literal(core, core.points[axis][k], inside=True) for k in (0, -1))
         given = f"({inner}){parameter}" if inner != outer else parameter
         lines.append(f"const {inner} {x} = {clamp}({given}, {first}, {last});")
-        found = f"{search}({levels} + 1, {size - 2}{suffix}, {x})" if size > 2 else f"0{suffix}"
+        found = f"0{suffix}"
+        if size > 2:
+            search = writer.helper("level", c_writer.COUNT_UP_TO, INDEX=index, TYPE=inner)
+            found = f"{search}({levels} + 1, {size - 2}{suffix}, {x})"
         lines.append(f"const {index} {i} = {found};")
         t = names.new(f"t_{parameter}")
         if fixed:

@@ -1,0 +1,291 @@
+"""Direct inference: the straight-line program against the engine, and C against the program."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from c_programs import ARM, HOST, run_c, spread, ulps
+from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import strategies as st
+from strategies import (
+    STRAIGHT,
+    blocks_of,
+    input_points,
+    inputs_of,
+    plain_mamdani,
+    term_lists,
+    value_terms,
+)
+
+from fuzzyarm.export import ExportError, routines_of
+from fuzzyarm.export.direct import corners_of
+from fuzzyarm.rulebase import Defuzzifier, Output, RuleBase, load_rulebase, parse
+
+RULEBASES = Path(__file__).parents[2] / "rulebases"
+TARGETS = [HOST, pytest.param(ARM, marks=pytest.mark.slow)]
+
+
+def text(more="", **settings):
+    chosen = {
+        "and": "product", "or": "probor", "implication": "min", "aggregation": "max",
+        "defuzzifier": "centroid exact", "no-rule": "0", **settings,
+    }  # fmt: skip
+    words = ", ".join(f"{key} {value}" for key, value in chosen.items())
+    return f"""rulebase made
+input  a  0 .. 4
+input  b  -1 .. 1
+output u  -5 .. 5
+term a L: trapezoid -inf -inf 1 2
+term a H: ramp 1 3.5
+term b N: triangle -1 -1 0.25
+term b P: points (-0.5, 0) (0, 0.4) (0, 0.9) (0.7, 1)
+term u D: triangle -5 -3 0
+term u M: triangle -2 0.5 2
+term u U: trapezoid 0 3 4 5
+inference {words}
+{more}
+"""
+
+
+RULES = """
+rule if a is L and b is N then u is D
+rule if a is H or b is not P then u is M with 0.5
+rule if a is very H and b is P then u is U
+"""
+
+
+def made(more=RULES, **settings):
+    parsed = parse(text(more, **settings))
+    assert parsed.rulebase is not None, [d.message for d in parsed.diagnostics]
+    return parsed.rulebase
+
+
+def points_for(rulebase, count, dtype=np.float32):
+    parts = []
+    for variable in rulebase.inputs:
+        near = np.array(corners_of(variable), dtype)
+        around = [np.nextafter(near, dtype(way)) for way in (-np.inf, np.inf)]
+        beyond = np.array([near[0] - 1, near[-1] + 1, -1e30, 1e30], dtype)
+        extra = [near, *around] + ([beyond] if variable.outside != "extend" else [])
+        parts.append(np.unique(np.concatenate(extra)))
+    return spread(parts, count, seed=6)
+
+
+def assert_close(found, truth, span, steps=1):
+    """One unit in the last place of float32, or the noise of double arithmetic about zero."""
+    assert np.array_equal(np.isnan(found), np.isnan(truth))
+    known = ~np.isnan(truth)
+    off = np.abs(found.astype(float) - truth)[known]
+    near = ulps(found[known], truth[known].astype(np.float32)) <= steps
+    assert (near | (off <= 1e-12 * span)).all(), off.max()
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_shipped_rule_bases_agree_over_100_000_points(tmp_path, target):
+    models = [load_rulebase(RULEBASES / f"{name}.frb") for name in ("pd7", "fan", "alpha7")]
+    routines = [routine for model in models for routine in routines_of(model)]
+    columns = [points_for(model, 100_000) for model in models]
+    results = run_c(routines, columns, tmp_path, target)
+    for routine, points, found in zip(routines, columns, results, strict=True):
+        np.testing.assert_array_equal(found, routine.evaluate(*points))
+        output = routine.rulebase.output(routine.name)
+        assert_close(found, routine.model(*points), output.high - output.low)
+
+
+VARIETY = [
+    {},
+    {"implication": "product", "aggregation": "sum"},
+    {"aggregation": "sum", "and": "min", "or": "max"},
+    {"and": "bounded", "or": "bounded"},
+    {"and": "drastic", "or": "drastic"},
+    {"and": "hamacher", "or": "hamacher"},
+    {"and": "einstein", "or": "einstein"},
+    {"and": "nilpotent", "or": "nilpotent"},
+    {"defuzzifier": "weighted-average"},
+    {"defuzzifier": "weighted-sum", "aggregation": "sum"},
+    {"defuzzifier": "weighted-average", "aggregation": "probor"},
+    {"implication": "product"},
+    {"outside": "error"},
+    {"outside": "extend"},
+    {"no-rule": "error"},
+]
+
+
+def test_norms_and_defuzzifiers_agree_in_c(tmp_path):
+    models = [made(**settings) for settings in VARIETY]
+    two_sets = RULES.replace("u is M", "u is D")
+    models[11] = made(two_sets, implication="product")
+    routines, columns = [], []
+    for model in models:
+        for precision in ("mixed", "float32", "float64"):
+            routines += routines_of(model, precision=precision)
+            dtype = np.float64 if precision == "float64" else np.float32
+            columns.append(points_for(model, 3_000, dtype))
+    results = run_c(routines, columns, tmp_path, suffix=".c")
+    for routine, points, found in zip(routines, columns, results, strict=True):
+        np.testing.assert_array_equal(found, routine.evaluate(*points))
+        if routine.precision.inside is np.float64:
+            assert_close(found, routine.model(*points), 10.0)
+
+
+CHAIN = """
+rulebase chain
+input  a  0 .. 4
+output mid 0 .. 10
+output out -5 .. 5
+term a L: triangle 0 0 1.5
+term a H: ramp 1 3.5
+term mid S: triangle 0 3 5
+term mid T: trapezoid 4 8 10 10
+term out D: singleton -5
+term out U: linear 0.5*a - 1
+inference and min, or max, implication min, aggregation max, defuzzifier centroid exact, no-rule error
+inference out: defuzzifier weighted-average, no-rule hold
+rule if a is L then mid is S
+rule if a is H then mid is T
+block second
+rule if mid is S then out is D
+rule if mid is T and a is very H then out is U
+"""
+
+
+def test_an_output_that_holds_takes_its_last_value_as_an_argument(tmp_path):
+    rules = "rule if a is L and b is N then u is D"
+    model = made(rules, **{"no-rule": "hold"})
+    (routine,) = routines_of(model)
+    a, b = points_for(model, 2_000)
+    last = np.linspace(-4, 4, a.size, dtype=np.float32)
+    (found,) = run_c([routine], [[a, b, last]], tmp_path)
+    np.testing.assert_array_equal(found, routine.evaluate(a, b, last))
+    silent = np.isnan(routine.model(a, b, held=math.nan))
+    assert silent.any()
+    np.testing.assert_array_equal(found[silent], last[silent])
+    assert_close(found[~silent], routine.model(a, b)[~silent], 10.0)
+
+
+def test_a_later_block_reads_the_number_of_an_earlier_output(tmp_path):
+    model = parse(CHAIN).rulebase
+    assert model is not None, [d.message for d in parse(CHAIN).diagnostics]
+    (routine,) = routines_of(model, output="out")
+    points = points_for(model, 2_000)
+    last = np.full_like(points[0], 1.5)
+    (found,) = run_c([routine], [[*points, last]], tmp_path)
+    np.testing.assert_array_equal(found, routine.evaluate(*points, last))
+    nowhere = (points[0] >= 1.5) & (points[0] <= 1.0)
+    assert_close(found[~nowhere], routine.model(*points, held=1.5)[~nowhere], 10.0)
+
+
+def test_nan_counts_as_the_lower_border(tmp_path, pd7):
+    (routine,) = routines_of(pd7)
+    columns = [np.float32([np.nan, 1.0]), np.float32([1.0, np.nan])]
+    (found,) = run_c([routine], [columns], tmp_path)
+    expected = routine.evaluate(np.float32([-6.0, 1.0]), np.float32([1.0, -6.0]))
+    np.testing.assert_array_equal(found, expected)
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
+@given(
+    st.data(),
+    plain_mamdani(kinds=STRAIGHT, aggregations=("max", "sum"), implications=("min", "product")),
+)
+def test_the_program_is_the_inference_for_any_straight_rule_base(data, model):
+    try:
+        (routine,) = routines_of(model, precision="float64")
+    except ExportError as refusal:
+        assert "overlap" in str(refusal)
+        return
+    points = [np.array(x) for x in data.draw(input_points(model)).values()]
+    output = model.outputs[0]
+    truth = routine.model(*points)
+    np.testing.assert_allclose(
+        routine.evaluate(*points), truth, atol=1e-9 * (output.high - output.low), rtol=0
+    )
+
+
+@st.composite
+def straight_systems(draw):
+    """Any antecedents and norms; sets or values; what is exported as a rule."""
+    inputs = draw(inputs_of(STRAIGHT, ["e", "ce", "load"][: draw(st.integers(1, 3))]))
+    low, high = -3.0, 8.0
+    values = draw(st.booleans())
+    sets = term_lists(STRAIGHT, low, high)
+    terms = draw(value_terms(inputs, low, high, odd=False) if values else sets)
+    methods = ["weighted-average", "weighted-sum"] if values else ["centroid", "weighted-average"]
+    method = draw(st.sampled_from(methods))
+    folds = ["max", "sum"] if method == "centroid" else ["max", "sum", "probor"]
+    output = Output(
+        "u", low, high, terms,
+        aggregation=draw(st.sampled_from(folds)), defuzzifier=Defuzzifier(method),
+        no_rule=draw(st.sampled_from([1.5, "error", "hold"])),
+        outside=draw(st.sampled_from(["clamp", "extend"])),
+    )  # fmt: skip
+    block = draw(blocks_of(inputs, [output]))
+    block = dataclasses.replace(block, implication=draw(st.sampled_from(["min", "product"])))
+    return RuleBase("made", inputs, (output,), (block,))
+
+
+@settings(max_examples=80, suppress_health_check=list(HealthCheck), phases=(Phase.generate,))
+@given(st.data(), straight_systems())
+def test_what_is_exported_of_any_rule_base_agrees(data, model):
+    routines = []
+    for output in model.outputs:
+        try:
+            routines += routines_of(model, output=output.name, precision="float64")
+        except ExportError as refusal:
+            assert "cannot be exported: " in str(refusal)
+    assume(routines)
+    points = [np.array(x) for x in data.draw(input_points(model)).values()]
+    for routine in routines:
+        output = model.output(routine.name)
+        given_last = [np.full(len(points[0]), routine._last())] if routine.program.holds else []
+        found = routine.evaluate(*points, *given_last)
+        truth = routine.model(*points)
+        assert np.array_equal(np.isnan(found), np.isnan(truth))
+        scale = max(output.high - output.low, float(np.nanmax(np.abs(truth), initial=0.0)))
+        np.testing.assert_allclose(found, truth, atol=1e-9 * scale, rtol=0)
+
+
+@pytest.mark.parametrize(
+    ("settings", "what"),
+    [
+        ({"defuzzifier": "bisector exact"}, "defuzzifier bisector of 'u'"),
+        ({"defuzzifier": "centroid(101)"}, "the centroid of 'u' over 101 samples"),
+        ({"aggregation": "einstein"}, "aggregation einstein of 'u'"),
+        ({"implication": "hamacher"}, "implication hamacher of 'u'"),
+        ({"aggregation": "probor"}, "the exact centroid under aggregation probor"),
+        ({"implication": "product"}, "three sets of 'u' overlap"),
+    ],
+)
+def test_what_cannot_be_exported_is_named(settings, what):
+    model = made(**settings)
+    if "overlap" in what:
+        output = model.outputs[0]
+        wide = tuple(
+            dataclasses.replace(
+                term, shape=dataclasses.replace(term.shape, kind="triangle", parameters=(-5, 0, 5))
+            )
+            for term in output.terms
+        )
+        model = dataclasses.replace(model, outputs=(dataclasses.replace(output, terms=wide),))
+    with pytest.raises(ExportError, match="cannot be exported: ") as caught:
+        routines_of(model)
+    assert what in str(caught.value)
+
+
+def test_smooth_terms_and_roots_are_named():
+    with pytest.raises(ExportError, match="term 'POOR' of 'service' is gaussian"):
+        routines_of(load_rulebase(RULEBASES / "tipper.frb"))
+    with pytest.raises(ExportError, match="hedge 'somewhat' needs"):
+        routines_of(made("rule if a is somewhat L then u is D"))
+
+
+def test_rules_and_inputs_that_do_not_count_leave_no_trace(tmp_path):
+    model = made("rule if a is L then u is D\nrule if b is N then u is U with 0")
+    (routine,) = routines_of(model)
+    points = points_for(model, 500)
+    (found,) = run_c([routine], [points], tmp_path)
+    assert_close(found, routine.model(*points), 10.0)

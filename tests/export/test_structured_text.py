@@ -1,0 +1,195 @@
+"""Structured Text: it means what the C means, and other people's parser reads it."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fuzzyarm.export import ExportError, export_files, routines_of
+from fuzzyarm.lut import Axis, LookupTable, read_table
+
+PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")
+UNEVEN = LookupTable(
+    (
+        Axis("LOAD", (-1.5, 0.1, 0.7), bins=(-0.3, 0.3)),
+        Axis("load", (0.0, 0.3, 1.0, 7.7)),
+        Axis("alone", (4.0,)),
+        Axis("if", (-2.2, -0.1, 0.2, 9.9), bins=(-1.1, 0.0, 1.7)),
+    ),
+    "real",
+    np.random.default_rng(7).uniform(-3e-9, 5.0, (3, 4, 1, 4)),
+    description="(* a *) comment",
+)
+OPTIONS = [
+    {"mode": "bins", "precision": "float32"},
+    {"mode": "linear", "precision": "float32"},
+    {"mode": "linear", "precision": "mixed"},
+    {"mode": "nearest", "precision": "float64"},
+    {"mode": "bins", "q": 7},
+    {"mode": "linear", "q": 15},
+]
+
+WIDTHS = {"INT": 16, "SINT": 8, "DINT": 32}
+REALS = {"REAL": np.float32, "LREAL": np.float64}
+
+
+class Whole(int):
+    """An integer of Structured Text: its division drops the remainder towards zero."""
+
+    def _of(self, value):
+        assert -(2**31) <= value < 2**31, "DINT overflows"
+        return Whole(value)
+
+    def __add__(self, other):
+        return self._of(int(self) + int(other))
+
+    def __sub__(self, other):
+        return self._of(int(self) - int(other))
+
+    def __rsub__(self, other):
+        return self._of(int(other) - int(self))
+
+    def __mul__(self, other):
+        return self._of(int(self) * int(other))
+
+    def __truediv__(self, other):
+        quotient = abs(int(self)) // abs(int(other))
+        return self._of(quotient if (self >= 0) == (other >= 0) else -quotient)
+
+
+def stored(kind, value):
+    """Return a value as a variable of this type holds it."""
+    if kind in REALS:
+        return REALS[kind](value)
+    width = WIDTHS[kind]
+    assert -(2 ** (width - 1)) <= value < 2 ** (width - 1), f"{kind} overflows"
+    return Whole(value)
+
+
+class FunctionBlock:
+    """A small interpreter: declarations, assignments, IF and WHILE, as the standard has them."""
+
+    def __init__(self, text):
+        code = re.sub(r"\(\*.*?\*\)", "", text, flags=re.DOTALL)
+        self.name = re.search(r"FUNCTION_BLOCK (\w+)", code)[1]
+        self.kinds, self.values, self.inputs, self.outputs = {}, {}, [], []
+        for section, body in re.findall(
+            r"VAR(_INPUT|_OUTPUT| CONSTANT|)\n(.*?)END_VAR", code, re.DOTALL
+        ):
+            for name, kind, _, numbers in re.findall(
+                r"(\w+) : (ARRAY \[0\.\.\d+\] OF )?(\w+)(?: := \[(.*?)\])?;".replace("(ARRAY", "((?:ARRAY")
+                .replace("OF )?(\\w+)", "OF )?\\w+)()"),
+                body, re.DOTALL,
+            ):  # fmt: skip
+                element = kind.split()[-1]
+                assert name.lower() not in self.kinds, "the language ignores case"
+                self.kinds[name.lower()] = element
+                if numbers:
+                    size = int(re.search(r"\.\.(\d+)", kind)[1]) + 1
+                    cells = [
+                        stored(element, float(x) if "." in x else int(x))
+                        for x in numbers.split(",")
+                    ]
+                    assert len(cells) == size
+                    self.values[name.lower()] = cells
+                elif section == "_INPUT":
+                    self.inputs.append(name.lower())
+                elif section == "_OUTPUT":
+                    self.outputs.append(name.lower())
+        statements = code.rpartition("END_VAR")[2].partition("END_FUNCTION_BLOCK")[0]
+        self.program = compile(self.translate(statements), self.name, "exec")
+
+    def translate(self, statements):
+        lines, depth = [], 0
+        for line in statements.split("\n"):
+            words = line.strip()
+            if not words:
+                continue
+            if words in {"END_IF;", "END_WHILE;"}:
+                depth -= 1
+                continue
+            if words == "ELSE":
+                lines.append("    " * (depth - 1) + "else:")
+            elif match := re.fullmatch(r"(IF|WHILE) (.*) (THEN|DO)", words):
+                lines.append("    " * depth + f"{match[1].lower()} {self.python(match[2])}:")
+                depth += 1
+            else:
+                match = re.fullmatch(r"(\w+) := (.*);", words)
+                name = match[1].lower()
+                value = f"stored('{self.kinds[name]}', {self.python(match[2])})"
+                lines.append("    " * depth + f"v['{name}'] = {value}")
+        return "\n".join(lines)
+
+    def python(self, expression):
+        def word(match):
+            token = match[0]
+            if re.fullmatch(r"[A-Z]+_TO_[A-Z]+", token):
+                return f"as_{token.rpartition('_')[2]}"
+            if token[0].isdigit():
+                return token
+            assert token.lower() in self.kinds, token
+            return f"v['{token.lower()}']"
+
+        return re.sub(r"\d[\d.]*(?:E[+-]?\d+)?|\w+", word, expression)
+
+    def call(self, *inputs):
+        values = dict(self.values)
+        for name, value in zip(self.inputs, inputs, strict=True):
+            values[name] = stored(self.kinds[name], value)
+        casts = {f"as_{k}": (lambda x, k=k: stored(k, x)) for k in [*WIDTHS, *REALS]}
+        exec(self.program, {"v": values, "stored": stored, **casts})
+        return values[self.outputs[0]]
+
+
+def sample_points(routine, count=150):
+    random = np.random.default_rng(2)
+    vectors = routine.vectors().inputs
+    points = []
+    for column in vectors:
+        low, high = float(column.min()), float(column.max())
+        more = random.uniform(low, high, count)
+        between = np.round(more) if column.dtype.kind == "i" else more
+        points.append(np.concatenate([column, between.astype(column.dtype)]))
+    return points
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=str)
+@pytest.mark.parametrize("table", [PRINTED, UNEVEN], ids=["printed", "uneven"])
+def test_the_block_computes_what_the_model_computes(table, options, tmp_path):
+    (routine,) = routines_of(table, **options)
+    (file,) = export_files([routine], tmp_path / "plc.st").files
+    block = FunctionBlock(file[1])
+    points = sample_points(routine)
+    with np.errstate(all="ignore"):
+        found = [block.call(*point) for point in zip(*(p.tolist() for p in points), strict=True)]
+    expected = routine.evaluate(*points)
+    if getattr(routine.core, "linear", False) and options.get("precision") == "float32":
+        # Mixed with untyped literals Python may round once less than a PLC: one unit.
+        np.testing.assert_allclose(found, expected, rtol=0, atol=4e-6)
+    else:
+        np.testing.assert_array_equal(np.array(found, expected.dtype), expected)
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=str)
+def test_a_parser_of_other_people_reads_it(options, tmp_path):
+    if importlib.util.find_spec("blark") is None:
+        pytest.skip("blark, a parser of IEC 61131-3, is not installed")
+    import blark
+
+    routines = [*routines_of(PRINTED, **options), *routines_of(UNEVEN, **options)]
+    (file,) = export_files(routines, tmp_path / "plc.st").files
+    parsed = blark.parse_source_code(file[1])
+    blocks = parsed.transform().items
+    assert [str(each.name) for each in blocks] == ["plc_u", "plc_real_x"]
+    assert all(type(each).__name__ == "FunctionBlock" for each in blocks)
+    with pytest.raises(Exception, match="Unexpected token"):
+        blark.parse_source_code(file[1].replace("END_WHILE;", "END_FOR;", 1))
+
+
+def test_direct_inference_is_not_written(pd7, tmp_path):
+    with pytest.raises(ExportError, match="for tables, not for direct inference"):
+        export_files(routines_of(pd7), tmp_path / "plc.st")
