@@ -17,6 +17,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "convert": ("fuzzyarm.cli.convert", "rule bases of other programs, in and out"),
     "corpus": ("fuzzyarm.cli.corpus", "how a folder of other programs' files comes in"),
     "simulate": ("fuzzyarm.cli.simulate", "run a controller on the robot arm"),
+    "learn": ("fuzzyarm.cli.learn", "train a table on the robot arm and see it grow"),
     "reproduce": ("fuzzyarm.cli.reproduce", "run the study's published experiments again"),
     "identify": ("fuzzyarm.cli.identify", "fit unprinted gains to published figures"),
     "new": ("fuzzyarm.cli.new", "a commented rule base to start from"),

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
         start=arguments.start,
         variant=arguments.variant,
         sources=sources_of(arguments),
-    ).with_gains(_overrides(arguments.set))
+    ).with_gains(overrides(arguments.set))
     if arguments.show_gains:
         _show_gains(controller, arguments.json)
         return 0
@@ -134,7 +134,8 @@ def _options(arguments: argparse.Namespace) -> Options:
     return Options(**given)
 
 
-def _overrides(words: list[str]) -> dict[str, list[float]]:
+def overrides(words: list[str]) -> dict[str, list[float]]:
+    """Return the gains that words like ``K_P=120,80`` set."""
     from fuzzyarm.control import GainError
 
     values = {}
