@@ -16,6 +16,9 @@ from fuzzyarm.inference import NoRuleFiredError, infer
 from fuzzyarm.rulebase import parse
 from fuzzyarm.rulebase.model import And, Defuzzifier, Hedge, Is, Or, RuleBase
 
+# scikit-fuzzy calls np.maximum in a way that newer NumPy frowns upon.
+pytestmark = pytest.mark.filterwarnings("ignore:Passing more than 2 positional")
+
 STEPS = np.linspace(-1.0, 1.0, 9)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from fuzzyarm.formats.draft import Draft
 from fuzzyarm.formats.imported import Findings
-from fuzzyarm.formats.propositions import RuleText, hedged
+from fuzzyarm.formats.rule_text import RuleText, hedged
 from fuzzyarm.rulebase.diagnostic import Span
 from fuzzyarm.rulebase.model import (
     And,

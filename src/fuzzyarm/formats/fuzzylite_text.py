@@ -9,7 +9,7 @@ from fuzzyarm.formats.export import Names, without_any
 from fuzzyarm.formats.fuzzylite_rules import POWERS, hedged_weight
 from fuzzyarm.formats.imported import Findings
 from fuzzyarm.formats.numerals import written
-from fuzzyarm.formats.propositions import NOT, hedged
+from fuzzyarm.formats.rule_text import NOT, hedged
 from fuzzyarm.rulebase.model import (
     And,
     Consequent,

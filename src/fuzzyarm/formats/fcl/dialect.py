@@ -7,7 +7,7 @@ import re
 from fuzzyarm.formats.draft import VALUES, Draft
 from fuzzyarm.formats.fll.outputs import settle_weighted
 from fuzzyarm.formats.imported import Findings, Word
-from fuzzyarm.formats.propositions import Dialect
+from fuzzyarm.formats.rule_text import Dialect
 from fuzzyarm.rulebase.model import Defuzzifier
 
 DIALECTS = ("jfuzzylogic", "fuzzylite")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from fuzzyarm.formats.export import Names
 from fuzzyarm.formats.formula import JFUZZYLOGIC_NAMES, Node, read_formula, write_formula
 from fuzzyarm.formats.imported import Findings
 from fuzzyarm.formats.numerals import all_written, written
-from fuzzyarm.formats.propositions import NOT
+from fuzzyarm.formats.rule_text import NOT
 from fuzzyarm.rulebase.model import (
     And,
     Expression,
@@ -111,7 +112,15 @@ def _formula(text: str, names: Names, findings: Findings) -> str:
         if function not in JFUZZYLOGIC_NAMES:
             message = f"jFuzzyLogic has no function '{function}'"
             findings.loss("unsupported-function", message)
-    return write_formula(tree, names.variables, JFUZZYLOGIC_NAMES)
+    return write_formula(_without_signs(tree), names.variables, JFUZZYLOGIC_NAMES)
+
+
+def _without_signs(node: Node) -> Node:
+    """Write -(a) as 0 - (a): jFuzzyLogic knows signs of numbers only."""
+    arguments = tuple(map(_without_signs, node.arguments))
+    if len(arguments) == 1 and not node.is_call:
+        arguments = (Node("0"), *arguments)
+    return replace(node, arguments=arguments)
 
 
 def _calls(node: Node) -> list[str]:

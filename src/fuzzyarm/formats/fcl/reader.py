@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
-from fuzzyarm.formats.draft import Draft, add_term
+from fuzzyarm.formats.draft import Draft
 from fuzzyarm.formats.fcl.cursor import Cursor, SyntaxFaultError
 from fuzzyarm.formats.fcl.dialect import detect, finish_output
 from fuzzyarm.formats.fcl.lexer import SECTIONS, fcl_words
-from fuzzyarm.formats.fcl.rules import BlockText, blocks_in_model, read_block
-from fuzzyarm.formats.fcl.terms import fcl_shape
+from fuzzyarm.formats.fcl.rules import blocks_in_model, read_block
+from fuzzyarm.formats.fcl.variables import FunctionBlock, VariableReader
 from fuzzyarm.formats.fcl.walk import settle_edges
 from fuzzyarm.formats.imported import (
     MAX_VARIABLES,
@@ -19,21 +18,10 @@ from fuzzyarm.formats.imported import (
     Word,
     too_long,
 )
-from fuzzyarm.formats.norms import FCL_DISJUNCTIONS
-from fuzzyarm.formats.numerals import number
 from fuzzyarm.formats.shaping import estimated_range
 from fuzzyarm.rulebase.model import RuleBase
 
 _OPTIONS = {"OPTIONS": "END_OPTIONS", "OPTION": "END_OPTION"}
-
-
-@dataclass(slots=True)
-class _FunctionBlock:
-    word: Word
-    variables: dict[str, Draft] = field(default_factory=dict)
-    methods: dict[str, Word] = field(default_factory=dict)
-    accumulations: dict[str, str] = field(default_factory=dict)
-    blocks: list[BlockText] = field(default_factory=list)
 
 
 def parse_fcl(
@@ -76,7 +64,7 @@ class _Reader:
         self.findings = Findings(path, lossy=lossy)
         self.dialect = dialect
         self.cursor = Cursor(fcl_words(text, self.findings))
-        self.blocks: list[_FunctionBlock] = []
+        self.blocks: list[FunctionBlock] = []
 
     def read(self, wanted: str | None) -> Imported:
         while not self.cursor.ended:
@@ -99,7 +87,7 @@ class _Reader:
         }[self.dialect]
         self.findings.info("assumed-producer", message)
 
-    def _chosen(self, wanted: str | None) -> _FunctionBlock | None:
+    def _chosen(self, wanted: str | None) -> FunctionBlock | None:
         if not self.blocks:
             if not self.findings.failed:
                 self.findings.error("no-engine", "there is no FUNCTION_BLOCK in this file")
@@ -122,7 +110,7 @@ class _Reader:
             cursor.take()
             is_name = not cursor.ended and cursor.key() not in SECTIONS
             word = cursor.take() if is_name else Word("", cursor.word.span)
-            self.blocks.append(_FunctionBlock(word))
+            self.blocks.append(FunctionBlock(word))
         elif key == "END_FUNCTION_BLOCK":
             cursor.take()
             cursor.skip(";")
@@ -140,13 +128,14 @@ class _Reader:
 
     def _inner(self, key: str) -> None:
         if not self.blocks:
-            self.blocks.append(_FunctionBlock(Word("", self.cursor.word.span)))
+            self.blocks.append(FunctionBlock(Word("", self.cursor.word.span)))
         block = self.blocks[-1]
+        reader = VariableReader(self.cursor, block, self.dialect, self.findings)
         self.cursor.take()
         if key in ("VAR_INPUT", "VAR_OUTPUT"):
-            self._declarations(block, is_output=key == "VAR_OUTPUT")
+            reader.declarations(is_output=key == "VAR_OUTPUT")
         elif key in ("FUZZIFY", "DEFUZZIFY"):
-            self._fuzzify(block, is_output=key == "DEFUZZIFY")
+            reader.fuzzify(is_output=key == "DEFUZZIFY")
         else:
             text = read_block(self.cursor, self.findings)
             if self.findings.room(len(block.blocks), MAX_VARIABLES, "rule blocks", text.word):
@@ -160,151 +149,7 @@ class _Reader:
                 return
             cursor.take()
 
-    def _declarations(self, block: _FunctionBlock, *, is_output: bool) -> None:
-        cursor = self.cursor
-        last: Draft | None = None
-        while not cursor.skip("END_VAR"):
-            if cursor.key() == "RANGE" and last is not None:
-                self._range(last)
-                continue
-            word = cursor.name("a variable")
-            if word.text in block.variables:
-                message = f"there are two variables called '{word.text}'"
-                self.findings.error("duplicate-variable", message, word)
-            last = Draft(word, is_output)
-            if self.findings.room(len(block.variables), MAX_VARIABLES, "variables", word):
-                last = block.variables.setdefault(word.text, last)
-            cursor.expect(":")
-            while not cursor.ended and cursor.word.text != ";" and cursor.key() != "END_VAR":
-                if cursor.word.span.line != word.span.line:
-                    break
-                cursor.take()
-            cursor.skip(";")
-
-    def _fuzzify(self, block: _FunctionBlock, *, is_output: bool) -> None:
-        cursor = self.cursor
-        end = "END_DEFUZZIFY" if is_output else "END_FUZZIFY"
-        draft = self._variable(block, is_output=is_output)
-        while not cursor.skip(end):
-            if cursor.ended or cursor.key() in SECTIONS:
-                raise SyntaxFaultError(f"'{end}' is missing", cursor.word)
-            try:
-                self._statement(block, draft)
-            except SyntaxFaultError as fault:
-                self.findings.error(fault.name, str(fault), fault.word)
-                cursor.at += cursor.key() not in (end, *SECTIONS)
-                cursor.to_next_statement()
-
-    def _variable(self, block: _FunctionBlock, *, is_output: bool) -> Draft:
-        word = self.cursor.name("a variable")
-        draft = block.variables.get(word.text)
-        if draft is None:
-            kind = "VAR_OUTPUT" if is_output else "VAR_INPUT"
-            message = f"'{word.text}' is not declared in {kind}"
-            self.findings.warn("undeclared-variable", message, word)
-            draft = Draft(word, is_output)
-            if self.findings.room(len(block.variables), MAX_VARIABLES, "variables", word):
-                block.variables[word.text] = draft
-        if draft.is_output != is_output:
-            kind = "output" if draft.is_output else "input"
-            message = f"'{word.text}' is declared as an {kind}"
-            self.findings.error("wrong-section", message, word)
-        return draft
-
-    def _statement(self, block: _FunctionBlock, draft: Draft) -> None:
-        cursor = self.cursor
-        inputs = sum(not d.is_output for d in block.variables.values())
-        match cursor.key():
-            case "TERM":
-                cursor.take()
-                word = cursor.name("a term")
-                cursor.skip(":=", "=", ":")
-                shape = fcl_shape(cursor, self.dialect, inputs, self.findings)
-                if shape is not None:
-                    keep = "last" if self.dialect == "jfuzzylogic" else "first"
-                    add_term(draft, word, shape, self.findings, keep=keep)
-            case "RANGE":
-                self._range(draft)
-            case "ENABLED":
-                cursor.take()
-                cursor.skip(":", ":=", "=")
-                draft.enabled = cursor.take().text.upper() != "FALSE"
-            case "METHOD" if draft.is_output:
-                cursor.take()
-                cursor.skip(":", ":=", "=")
-                block.methods[draft.name] = cursor.name("a method")
-            case "ACCU" if draft.is_output:
-                self._accumulation(block, draft)
-            case "DEFAULT" if draft.is_output:
-                self._default(draft)
-            case "LOCK" if draft.is_output:
-                self._lock(draft)
-            case _:
-                found = cursor.word.text[:40]
-                message = f"TERM, RANGE and the like are expected here, not '{found}'"
-                raise SyntaxFaultError(message, cursor.word)
-        if not cursor.skip(";") and cursor.word.text not in ("", ";"):
-            self._after_statement()
-
-    def _after_statement(self) -> None:
-        """Complain where a statement goes on after its end."""
-        cursor = self.cursor
-        if cursor.at and cursor.word.span.line == cursor.words[cursor.at - 1].span.line:
-            word = cursor.word
-            if not cursor.key().startswith(("END_", "TERM", "RANGE", "METHOD")):
-                raise SyntaxFaultError(f"';' is expected before '{word.text[:40]}'", word)
-
-    def _range(self, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.take()
-        cursor.skip(":=", "=", ":")
-        cursor.expect("(")
-        draft.low = cursor.number()
-        cursor.expect("..", ",")
-        draft.high = cursor.number()
-        cursor.expect(")")
-        cursor.skip(";")
-
-    def _accumulation(self, block: _FunctionBlock, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.take()
-        cursor.skip(":", ":=", "=")
-        word = cursor.name("a norm")
-        if word.text.upper() == "NONE":
-            return
-        if word.text.upper() not in FCL_DISJUNCTIONS:
-            self.findings.unknown("unknown-norm", "the accumulation", word, FCL_DISJUNCTIONS)
-            return
-        block.accumulations[draft.name] = FCL_DISJUNCTIONS[word.text.upper()]
-
-    def _default(self, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.take()
-        cursor.skip(":=", "=", ":")
-        if cursor.skip("NC"):
-            draft.no_rule = "hold"
-            return
-        if cursor.key() in ("NAN", "INF"):
-            draft.no_rule = number(cursor.take().text) or math.nan
-        else:
-            draft.no_rule = cursor.number()
-        if cursor.skip("|") and cursor.skip("NC"):
-            message = "the value is held; the default counts only before the first value"
-            self.findings.info("default-with-hold", message, draft.word)
-            draft.no_rule = "hold"
-
-    def _lock(self, draft: Draft) -> None:
-        cursor = self.cursor
-        cursor.take()
-        cursor.skip(":", ":=", "=")
-        while cursor.key() in ("PREVIOUS", "RANGE", "NONE", "|"):
-            word = cursor.take().text.upper()
-            if word == "PREVIOUS":
-                draft.no_rule = "hold"
-            elif word == "RANGE":
-                draft.outside = "clamp"
-
-    def _rulebase(self, block: _FunctionBlock) -> RuleBase:
+    def _rulebase(self, block: FunctionBlock) -> RuleBase:
         for draft in block.variables.values():
             self._settle(block, draft)
         blocks = blocks_in_model(
@@ -320,7 +165,7 @@ class _Reader:
             blocks,
         )
 
-    def _settle(self, block: _FunctionBlock, draft: Draft) -> None:
+    def _settle(self, block: FunctionBlock, draft: Draft) -> None:
         if draft.is_output:
             draft.aggregation = block.accumulations.get(draft.name, "sum")
             finish_output(draft, block.methods.get(draft.name), self.dialect, self.findings)

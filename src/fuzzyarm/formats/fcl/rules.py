@@ -12,7 +12,8 @@ from fuzzyarm.formats.fcl.lexer import SECTIONS
 from fuzzyarm.formats.fuzzylite_rules import MACHINE_EPSILON, Norms, RuleBuilder, concluded
 from fuzzyarm.formats.imported import MAX_RULES, Findings, Word
 from fuzzyarm.formats.norms import FCL_CONJUNCTIONS, FCL_DISJUNCTIONS, JFUZZYLOGIC_PAIRS
-from fuzzyarm.formats.propositions import RuleFaultError, RuleParser, RuleText
+from fuzzyarm.formats.propositions import RuleParser
+from fuzzyarm.formats.rule_text import RuleFaultError, RuleText
 from fuzzyarm.rulebase.model import Rule, RuleBlock
 
 _END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})

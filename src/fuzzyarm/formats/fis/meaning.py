@@ -19,7 +19,7 @@ from fuzzyarm.formats.fuzzylite_rules import (
 )
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS
-from fuzzyarm.formats.propositions import RuleText
+from fuzzyarm.formats.rule_text import RuleText
 from fuzzyarm.rulebase.model import (
     Consequent,
     Defuzzifier,

@@ -7,7 +7,7 @@ from fuzzyarm.formats.fis.rules import fraction_of
 from fuzzyarm.formats.fuzzylite_text import Said, said_rules, weight_before
 from fuzzyarm.formats.imported import Findings
 from fuzzyarm.formats.numerals import written
-from fuzzyarm.formats.propositions import NOT, hedged
+from fuzzyarm.formats.rule_text import NOT, hedged
 from fuzzyarm.rulebase.model import (
     And,
     Consequent,

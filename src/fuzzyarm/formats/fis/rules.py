@@ -10,7 +10,7 @@ from fuzzyarm.formats.draft import Draft
 from fuzzyarm.formats.fuzzylite_rules import POWERS
 from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.numerals import number
-from fuzzyarm.formats.propositions import NOT, RuleText
+from fuzzyarm.formats.rule_text import NOT, RuleText
 from fuzzyarm.rulebase.diagnostic import Span
 from fuzzyarm.rulebase.model import And, Consequent, Expression, Hedge, Is, Or
 

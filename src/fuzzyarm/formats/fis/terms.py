@@ -31,8 +31,6 @@ _ORDER: dict[str, tuple[str, tuple[int, ...]]] = {
     "concavemf": ("concave", (0, 1)),
     "spikemf": ("spike", (0, 1)),
     "binarymf": ("binary", (0, 1)),
-    "arcmf": ("arc", (0, 1)),
-    "semiellipsemf": ("semi-ellipse", (0, 1)),
     "singletonmf": ("singleton", (0,)),
 }
 MATLAB_SHAPES = frozenset(
@@ -58,7 +56,11 @@ MATLAB_SHAPES = frozenset(
 
 _WORDS = (*_ORDER, "discretemf", "constant", "linear", "function")
 
-_SINGLE_NAMES = {kind: name for name, (kind, _) in reversed(_ORDER.items())}
+_NAMES = {kind: name for name, (kind, _) in reversed(_ORDER.items())} | {
+    "arc": "Arc",
+    "semi-ellipse": "SemiEllipse",
+}
+"""Kind of shape → name in the file; fuzzylite has no ``…mf`` for the last two."""
 
 
 def fis_shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | None:
@@ -127,11 +129,11 @@ def fis_term(shape: Shape, producer: str) -> tuple[str, str]:
         return "linear", f"[{all_written(shape.parameters)}]"
     if shape.kind == "points":
         return "discretemf", f"[{all_written((*shape.parameters, *height))}]"
-    name = _SINGLE_NAMES[shape.kind]
+    name = _NAMES[shape.kind]
     if shape.kind == "ramp":
         name = "linsmf" if shape.parameters[0] <= shape.parameters[1] else "linzmf"
         name = "rampmf" if producer == "fuzzylite" else name
-    _, order = _ORDER[name]
+    _, order = _ORDER[name] if name in _ORDER else _class(name)
     values = [0.0] * len(order)
     for position, index in enumerate(order):
         values[index] = shape.parameters[position]

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
 
 from fuzzyarm.formats.draft import Draft, add_term
+from fuzzyarm.formats.fll.blocks import Block, block_setting, flag, norm
 from fuzzyarm.formats.fll.lines import Line, fll_lines
 from fuzzyarm.formats.fll.outputs import settle_defuzzifier
 from fuzzyarm.formats.fll.terms import shape_of
 from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder, concluded
 from fuzzyarm.formats.imported import (
-    MAX_RULES,
     MAX_TERMS,
     MAX_VARIABLES,
     Findings,
@@ -20,27 +19,14 @@ from fuzzyarm.formats.imported import (
     Word,
     too_long,
 )
-from fuzzyarm.formats.norms import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS
+from fuzzyarm.formats.norms import FLL_DISJUNCTIONS
 from fuzzyarm.formats.numerals import number, rounded
-from fuzzyarm.formats.propositions import Dialect, RuleFaultError, RuleParser, RuleText
-from fuzzyarm.rulebase.diagnostic import NOWHERE, Span
+from fuzzyarm.formats.propositions import RuleParser
+from fuzzyarm.formats.rule_text import Dialect, RuleFaultError, RuleText
+from fuzzyarm.rulebase.diagnostic import Span
 from fuzzyarm.rulebase.model import RuleBase, RuleBlock
 
 _SECTIONS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
-_FLAGS = {"true": True, "false": False}
-_ACTIVATIONS = ("General", "First", "Last", "Highest", "Lowest", "Proportional", "Threshold")
-
-
-@dataclass(slots=True)
-class _Block:
-    name: str
-    enabled: bool = True
-    conjunction: str | None = None
-    disjunction: str | None = None
-    implication: str | None = None
-    threshold: float = 0.0
-    rules: list[Line] = field(default_factory=list)
-    span: Span = NOWHERE
 
 
 def parse_fll(text: str, path: str = "<text>", *, lossy: bool = False) -> Imported:
@@ -75,7 +61,7 @@ class _Reader:
         self.variables: dict[str, Draft] = {}
         self.terms: list[tuple[Draft, Line]] = []
         self.defuzzifiers: dict[str, Line] = {}
-        self.blocks: list[_Block] = []
+        self.blocks: list[Block] = []
         self.draft: Draft | None = None
         self.section = ""
 
@@ -109,7 +95,7 @@ class _Reader:
         if self.section == "Engine":
             self.name = line.value.text
         elif self.section == "RuleBlock":
-            self.blocks.append(_Block(line.value.text, span=line.key.span))
+            self.blocks.append(Block(line.value.text, span=line.key.span))
         else:
             self._open_variable(line)
 
@@ -140,18 +126,19 @@ class _Reader:
         elif self.draft is not None:
             self._variable_setting(self.draft, line)
         else:
-            self._block_setting(self.blocks[-1], line)
+            count = sum(len(each.rules) for each in self.blocks)
+            block_setting(self.blocks[-1], line, count, self.findings)
 
     def _variable_setting(self, draft: Draft, line: Line) -> None:
         match line.key.text:
             case "description":
                 draft.description = line.value.text
             case "enabled":
-                draft.enabled = self._flag(line, default=True)
+                draft.enabled = flag(line, self.findings, default=True)
             case "range":
                 self._range(draft, line)
             case "lock-range":
-                draft.outside = "clamp" if self._flag(line) else "extend"
+                draft.outside = "clamp" if flag(line, self.findings) else "extend"
             case "term":
                 if self.findings.room(len(self.terms), 5 * MAX_TERMS, "terms", line.key):
                     self.terms.append((draft, line))
@@ -164,8 +151,8 @@ class _Reader:
     def _output_setting(self, draft: Draft, line: Line) -> None:
         match line.key.text:
             case "aggregation" | "accumulation":
-                norm = self._norm(line.value, FLL_DISJUNCTIONS, "S-norm")
-                draft.aggregation = norm or "sum"
+                found = norm(line.value, FLL_DISJUNCTIONS, "S-norm", self.findings)
+                draft.aggregation = found or "sum"
             case "defuzzifier":
                 self.defuzzifiers[draft.name] = line
             case "default":
@@ -178,7 +165,7 @@ class _Reader:
                 elif not math.isnan(value):
                     self._held_default(line.key)
             case "lock-previous" | "lock-valid" | "lock-defuzz":
-                if self._flag(line):
+                if flag(line, self.findings):
                     if isinstance(draft.no_rule, float) and not math.isnan(draft.no_rule):
                         self._held_default(line.key)
                     draft.no_rule = "hold"
@@ -193,56 +180,6 @@ class _Reader:
         message = "the value is held; the default counts only before the first value"
         self.findings.info("default-with-hold", message, at, "pass it as the held value")
 
-    def _block_setting(self, block: _Block, line: Line) -> None:
-        match line.key.text:
-            case "description":
-                if line.value.text:
-                    message = "the description of a rule block has no place in the model"
-                    self.findings.info("dropped-description", message, line.key)
-            case "enabled":
-                block.enabled = self._flag(line, default=True)
-            case "conjunction":
-                block.conjunction = self._norm(line.value, FLL_CONJUNCTIONS, "T-norm")
-            case "disjunction":
-                block.disjunction = self._norm(line.value, FLL_DISJUNCTIONS, "S-norm")
-            case "implication":
-                block.implication = self._norm(line.value, FLL_CONJUNCTIONS, "T-norm")
-            case "activation":
-                self._activation(block, line)
-            case "rule":
-                count = sum(len(each.rules) for each in self.blocks)
-                if self.findings.room(count, MAX_RULES, "rules", line.key):
-                    block.rules.append(line)
-            case _:
-                keys = (
-                    "description", "enabled", "conjunction", "disjunction", "implication",
-                    "activation", "rule",
-                )  # fmt: skip
-                self.findings.unknown("unknown-key", "the key", line.key, keys)
-
-    def _activation(self, block: _Block, line: Line) -> None:
-        words = line.words()
-        method = words[0].text if words else "none"
-        if method in FLL_CONJUNCTIONS:  # fuzzylite 5 said activation for implication
-            block.implication = FLL_CONJUNCTIONS[method]
-        elif method in _ACTIVATIONS:
-            threshold = _threshold(words)
-            if threshold is None:
-                message = f"the activation method '{line.value.text[:60]}' cannot be carried"
-                self.findings.loss("unsupported-activation", message, line.value)
-            else:
-                block.threshold = threshold
-        elif method != "none":
-            self.findings.unknown("unknown-activation", "the method", words[0], _ACTIVATIONS)
-
-    def _flag(self, line: Line, *, default: bool = False) -> bool:
-        value = _FLAGS.get(line.value.text.lower())
-        if value is None:
-            message = f"'{line.value.text[:40]}' is neither true nor false"
-            self.findings.error("not-a-flag", message, line.value)
-            return default
-        return value
-
     def _range(self, draft: Draft, line: Line) -> None:
         values = [number(word.text) for word in line.words()]
         if len(values) != 2 or values[0] is None or values[1] is None:
@@ -250,14 +187,6 @@ class _Reader:
             self.findings.error("bad-range", message, line.value)
             return
         draft.low, draft.high = values[0], values[1]
-
-    def _norm(self, word: Word, table: dict[str, str], what: str) -> str | None:
-        if word.text in ("", "none"):
-            return None
-        if word.text not in table:
-            self.findings.unknown("unknown-norm", f"the {what}", word, table)
-            return None
-        return table[word.text]
 
     def _finish_variables(self) -> None:
         inputs = sum(not d.is_output for d in self.variables.values())
@@ -296,13 +225,13 @@ class _Reader:
             blocks.append(builder.block(block.name, norms, rules, later))
         return tuple(blocks)
 
-    def _is_on(self, block: _Block) -> bool:
+    def _is_on(self, block: Block) -> bool:
         if not block.enabled:
             message = f"the block '{block.name}' is switched off; its rules are left out"
             self.findings.warn("disabled-block", message, block.span)
         return block.enabled
 
-    def _rules(self, block: _Block) -> list[RuleText]:
+    def _rules(self, block: Block) -> list[RuleText]:
         rules = []
         for line in block.rules:
             words = line.words(rule=True)
@@ -331,22 +260,3 @@ def identifier(name: str) -> str:
     """Return `name` as fuzzylite spells it: letters, digits and underscores only."""
     cleaned = re.sub(r"\W", "", name) or "_"
     return f"_{cleaned}" if cleaned[0].isnumeric() else cleaned
-
-
-def _threshold(words: list[Word]) -> float | None:
-    """Return the firing strength below which a rule is left out; None for other methods.
-
-    ``Threshold >= t`` is the next number below t: strengths are numbers of the machine.
-    """
-    if words[0].text == "General":
-        return 0.0
-    values = [word.text for word in words[1:]]
-    if words[0].text != "Threshold" or len(values) not in (0, 2):
-        return None
-    if not values:
-        return 0.0  # greater than 0
-    limit = number(values[1])
-    if limit is None or not math.isfinite(limit) or values[0] not in (">", ">="):
-        return None
-    below = limit if values[0] == ">" else math.nextafter(limit, -math.inf)
-    return max(below, 0.0)
