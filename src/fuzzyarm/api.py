@@ -108,11 +108,23 @@ def check_text(text: str, path: str = "<text>") -> Review:
     return check_parsed(parse(text, path), text, path)
 
 
-def check_parsed(parsed: Parsed, text: str, path: str = "<text>") -> Review:
-    """Check a text that has been parsed already; as :func:`check_text`."""
+def check_parsed(
+    parsed: Parsed, text: str, path: str = "<text>", failed: list[Diagnostic] | None = None
+) -> Review:
+    """Check a text that has been parsed already; as :func:`check_text`.
+
+    Parameters
+    ----------
+    parsed : Parsed
+        The text as it was read.
+    text, path : str
+        The text and its name.
+    failed : list of Diagnostic, optional
+        What :func:`failed_expectations` found, where that is known already.
+    """
     if parsed.rulebase is None:
         return Review(text, parsed.diagnostics)
-    more = _failed_expectations(parsed.rulebase)
+    more = failed_expectations(parsed.rulebase) if failed is None else failed
     findings = check_rulebase(parsed.rulebase, parsed.document, path=path, more=more)
     merged = sorted((*parsed.diagnostics, *findings), key=lambda d: (d.span, d.name))
     return Review(text, tuple(merged), parsed.rulebase)
@@ -154,12 +166,13 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
         text = file.read()
     if imported.rulebase is None:
         return Review(text, tuple(imported.diagnostics))
-    more = _failed_expectations(imported.rulebase)
+    more = failed_expectations(imported.rulebase)
     findings = check_rulebase(imported.rulebase, path=name, more=more)
     return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
 
 
-def _failed_expectations(rulebase: RuleBase) -> list[Diagnostic]:
+def failed_expectations(rulebase: RuleBase) -> list[Diagnostic]:
+    """Return a finding for each outcome that an ``expect`` line promises and that does not hold."""
     if not rulebase.expectations:
         return []
     from fuzzyarm.inference import check_expectations

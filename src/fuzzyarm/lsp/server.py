@@ -88,7 +88,7 @@ class FuzzyarmServer(LanguageServer):
         if document.language_id == "fuzzyarm-table" and not path.lower().endswith(".lut"):
             path += ".lut"
         self.sessions[document.uri] = Session(path, document.text, document.version)
-        self.schedule(document.uri)
+        self.schedule(document.uri, pause=False)
 
     def change(self, params: types.DidChangeTextDocumentParams) -> None:
         """Take the changes of a file."""
@@ -112,13 +112,13 @@ class FuzzyarmServer(LanguageServer):
 
     # ── diagnostics ──────────────────────────────────────────────────────────────────
 
-    def schedule(self, uri: str) -> None:
-        """Check a file soon: at once if that is quick, else when the typing pauses."""
+    def schedule(self, uri: str, *, pause: bool = True) -> None:
+        """Check a file soon: at once if that is quick, else (with `pause`) when typing pauses."""
         waiting = self._timers.pop(uri, None)
         if waiting is not None:
             waiting.cancel()
         cost = self.sessions[uri].cost
-        delay = 0.0 if cost < SLOW else min(1.5, 2.0 * cost)
+        delay = 0.0 if cost < SLOW or not pause else min(1.5, 2.0 * cost)
         self._timers[uri] = asyncio.get_running_loop().call_later(delay, self._check, uri)
 
     def _check(self, uri: str) -> None:

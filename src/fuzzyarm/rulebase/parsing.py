@@ -57,7 +57,7 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     """
     document = parse_document(text, memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
-    partial, findings = elaborate(document)
+    partial, findings = elaborate(document, memory)
     found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     # One slip in a line shared by several variables is one finding.
     once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(found)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import TypeVar
 
 from fuzzyarm.rulebase.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
@@ -27,6 +28,7 @@ from fuzzyarm.rulebase.model import (
     RuleBlock,
     propositions,
 )
+from fuzzyarm.rulebase.syntax.memory import ParseMemory
 from fuzzyarm.rulebase.syntax.nodes import (
     BlockNode,
     Broken,
@@ -46,12 +48,16 @@ from fuzzyarm.rulebase.syntax.nodes import (
 UNNAMED = "unnamed"
 
 
-def elaborate(document: Document) -> tuple[RuleBase, list[Diagnostic]]:
+def elaborate(
+    document: Document, memory: ParseMemory | None = None
+) -> tuple[RuleBase, list[Diagnostic]]:
     """Return the rule base that `document` means, and what is wrong with it.
 
     Statements may stand in any order; where one is at fault it is left out, so the result
-    is complete only if no diagnostic is an error.
+    is complete only if no diagnostic is an error. With a `memory`, rules that stand as they
+    stood are not judged again.
     """
+    memory = memory or ParseMemory()
     scope = Scope()
     nodes = [statement.node for statement in document.statements]
     scope.broken_variables = any(
@@ -68,7 +74,8 @@ def elaborate(document: Document) -> tuple[RuleBase, list[Diagnostic]]:
         elif isinstance(node, EvenTermsNode):
             add_even_terms(node, scope)
     norms = _settings(nodes, scope)
-    blocks = _blocks(nodes, scope, norms)
+    memory.enter_scope(_identity(scope))
+    blocks = _blocks(nodes, scope, norms, memory)
     heading = _single(nodes, Heading, "heading", scope)
     rulebase = RuleBase(
         name=heading.name.text if heading else UNNAMED,
@@ -91,7 +98,9 @@ def _settings(nodes: list[StatementNode], scope: Scope) -> Norms:
     return norms
 
 
-def _blocks(nodes: list[StatementNode], scope: Scope, norms: Norms) -> tuple[RuleBlock, ...]:
+def _blocks(
+    nodes: list[StatementNode], scope: Scope, norms: Norms, memory: ParseMemory
+) -> tuple[RuleBlock, ...]:
     blocks: list[RuleBlock] = []
     rules: list[Rule] = []
     name, own = "", norms
@@ -113,10 +122,7 @@ def _blocks(nodes: list[StatementNode], scope: Scope, norms: Norms) -> tuple[Rul
         elif isinstance(node, RuleNode | GridNode):
             if budget < 0 or scope.overflows:
                 continue
-            if isinstance(node, RuleNode):
-                found = elaborate_rule(node, scope)
-            else:
-                found = elaborate_grid(node, scope, budget)
+            found = _rules_of(node, scope, budget, memory)
             budget -= len(found)
             if budget < 0:
                 report_too_many(node.span, scope)
@@ -124,6 +130,30 @@ def _blocks(nodes: list[StatementNode], scope: Scope, norms: Norms) -> tuple[Rul
     if rules or name:
         blocks.append(RuleBlock(tuple(rules), name, **own))
     return tuple(blocks)
+
+
+def _identity(scope: Scope) -> Hashable:
+    """Return everything that the meaning of a rule depends on besides its own words."""
+    drafts = scope.drafts.values()
+    variables = tuple((d.name, d.is_input, d.node.name.span, *d.terms.values()) for d in drafts)
+    return scope.broken_variables, variables
+
+
+def _rules_of(
+    node: RuleNode | GridNode, scope: Scope, budget: int, memory: ParseMemory
+) -> list[Rule]:
+    known = memory.recall_rules(node)
+    if known is not None and len(known[0]) <= budget:
+        scope.diagnostics += known[1]
+        return known[0]
+    before = len(scope.diagnostics)
+    if isinstance(node, RuleNode):
+        found = elaborate_rule(node, scope)
+    else:
+        found = elaborate_grid(node, scope, budget)
+    if not scope.overflows:  # else it may have been given up half-way
+        memory.keep_rules(node, found, scope.diagnostics[before:])
+    return found
 
 
 def _lookup(nodes: list[StatementNode], scope: Scope) -> Lookup | None:

@@ -6,8 +6,11 @@ where they stood are taken over; the result is the same with a memory and withou
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+
 from fuzzyarm.rulebase.diagnostic import Diagnostic
 from fuzzyarm.rulebase.limits import MAX_DIAGNOSTICS
+from fuzzyarm.rulebase.model import Rule
 from fuzzyarm.rulebase.syntax.lines import Group
 from fuzzyarm.rulebase.syntax.nodes import StatementNode
 from fuzzyarm.rulebase.syntax.tokens import Line, split_lines, tokenize_line
@@ -16,12 +19,15 @@ Found = tuple[Diagnostic, ...]
 
 
 class ParseMemory:
-    """The lines and statements of one text as they were read last."""
+    """The lines, statements and rules of one text as they were read last."""
 
     def __init__(self) -> None:
         self._lines: list[tuple[str, Line, Found]] = []
         self._statements: dict[int, tuple[Group, StatementNode, Found]] = {}
         self._fresh: dict[int, tuple[Group, StatementNode, Found]] = {}
+        self._scope: Hashable = None
+        self._rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
+        self._fresh_rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
 
     @property
     def lines(self) -> list[Line]:
@@ -58,3 +64,20 @@ class ParseMemory:
     def finish(self) -> None:
         """Forget what the text that has just been read does not have."""
         self._statements, self._fresh = self._fresh, {}
+
+    def enter_scope(self, scope: Hashable) -> None:
+        """Start to give rules their meaning under these variables and terms."""
+        kept = self._fresh_rules if scope == self._scope else {}
+        self._scope, self._rules, self._fresh_rules = scope, kept, {}
+
+    def recall_rules(self, node: StatementNode) -> tuple[list[Rule], Found] | None:
+        """Return the rules of a statement that was met last time under the same scope."""
+        known = self._rules.get(id(node))
+        if known is None or known[0] is not node:
+            return None
+        self._fresh_rules[id(node)] = known
+        return known[1], known[2]
+
+    def keep_rules(self, node: StatementNode, rules: list[Rule], found: list[Diagnostic]) -> None:
+        """Remember what a statement means."""
+        self._fresh_rules[id(node)] = (node, rules, tuple(found))
