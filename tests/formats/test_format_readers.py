@@ -221,6 +221,15 @@ def test_fll_older_spellings_are_read() -> None:
     assert rulebase.outputs[0].aggregation == "max"
 
 
+def test_fll_a_triangle_with_a_foot_at_infinity_is_a_shoulder() -> None:
+    text = FLL.replace("Ramp 0 1", "Triangle -inf 0.25 0.75").replace(
+        "RULE", "if x is a then y is low"
+    )
+    assert shape(good(parse_fll(text)), "x", "a") == Shape(
+        "trapezoid", (-math.inf, 0.25, 0.25, 0.75)
+    )
+
+
 # ── FIS ──────────────────────────────────────────────────────────────────────────────
 
 FIS = (DATA / "tipper_matlab.fis").read_text()

@@ -51,6 +51,9 @@ def make_shape(
         return None
     if kind == "linear":
         return Shape(kind, tuple(parameters), height)
+    if kind == "triangle" and any(map(math.isinf, (parameters[0], parameters[2]))):
+        # A foot at infinity is a shoulder, which only a trapezoid has in the model.
+        kind, parameters = "trapezoid", [*parameters[:2], *parameters[1:]]
     if kind == "points":
         return _points(parameters, at, findings, height, ties)
     return _checked(kind, parameters, at, findings, height)
