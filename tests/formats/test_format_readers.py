@@ -328,6 +328,13 @@ def test_fis_findings_have_a_name_and_a_place(old: str, new: str, name: str) -> 
     assert found.line > 1
 
 
+def test_fis_sections_go_by_number() -> None:
+    first, second = FIS.index("[Input1]"), FIS.index("[Input2]")
+    end = FIS.index("[Output1]")
+    swapped = FIS[:first] + FIS[second:end] + FIS[first:second] + FIS[end:]
+    assert good(parse_fis(swapped)) == ours("tipper_matlab.fis")
+
+
 def test_fis_terms_with_one_name_are_told_apart_by_number() -> None:
     rulebase = good(parse_fis(FIS.replace("MF2='middling'", "MF2='little'")))
     assert [t.name for t in rulebase.outputs[0].terms] == ["little", "little_2", "much"]

@@ -30,8 +30,10 @@ WEIGHTED = {"COGS": "weighted-average", "COGF": "weighted-average", "COGSS": "we
 METHODS = (*INTEGRAL, *WEIGHTED)
 
 _ONLY_FUZZYLITE = re.compile(
-    r"\b(EPROD|DPROD|HPROD|ESUM|DSUM|HSUM|NMIN|NMAX|COGSS|ENABLED|LOCK|Triangle|Trapezoid|Bell|"
-    r"Gaussian|Sigmoid|Ramp|Rectangle|ZShape|SShape|PiShape|Linear|Concave|Spike|Discrete)\b"
+    r"[:=]\s*(EPROD|DPROD|HPROD|ESUM|DSUM|HSUM|NMIN|NMAX|COGSS|Triangle|Trapezoid|Bell|Gaussian|"
+    r"Sigmoid|Ramp|Rectangle|ZShape|SShape|PiShape|Linear|Concave|Spike|Discrete)\b"
+    r"|^\s*(ENABLED|LOCK)\s*:",
+    re.MULTILINE,
 )
 
 

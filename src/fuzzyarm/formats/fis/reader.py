@@ -79,7 +79,8 @@ class _Reader:
         if not sections and not self.findings.failed:
             self.findings.error("no-engine", "there is no section like [System] in this file")
         inputs = sum(section.kind == "input" for section in sections)
-        for section in sections:
+        # [Input2] may stand before [Input1]; the rules go by number.
+        for section in sorted(sections, key=lambda section: section.number):
             self._section(section, inputs)
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
