@@ -114,6 +114,7 @@ def test_watch_once_writes_table_and_figure(
         (["{lut}", "--once", "--table", "x.lut"], 1),
         (["{pd7}", "--once", "--at", "zz=1"], 1),
         (["README.md", "--once"], 1),
+        (["rules.fis", "--once"], 1),
     ],
 )
 def test_watch_refuses_what_makes_no_sense(
@@ -122,6 +123,16 @@ def test_watch_refuses_what_makes_no_sense(
     places = {"pd7": str(RULEBASES / "pd7.frb"), "lut": str(RULEBASES / "thesis-6.1.lut")}
     assert main(["watch", *(word.format(**places) for word in words)]) == status
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_watch_needs_no_extra() -> None:
+    hide = (
+        "import sys; sys.modules.update(dict.fromkeys(('pygls', 'lsprotocol', 'textual')));"
+        "from fuzzyarm.cli import main;"
+        f"sys.exit(main(['watch', {str(RULEBASES / 'pd7.frb')!r}, '--once']))"
+    )
+    done = subprocess.run([sys.executable, "-c", hide], capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.slow

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from fuzzyarm.api import UnknownKindError
+from fuzzyarm.api import RULEBASE_SUFFIXES
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.rulebase import Diagnostic, RuleBaseError, format_text, read_text
 from fuzzyarm.studio.rulebase_scene import RulebaseScene
@@ -13,6 +14,22 @@ from fuzzyarm.studio.scene import Scene
 from fuzzyarm.studio.table_scene import TableScene
 
 SUFFIXES = (".frb", ".lut")
+
+
+class NotShownError(FuzzyarmError, ValueError):
+    """A file of a kind that is not shown while it is written.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    """
+
+    def __init__(self, path: str) -> None:
+        foreign = Path(path).suffix.lower() in RULEBASE_SUFFIXES
+        hint = f"fuzzyarm convert {path} {Path(path).stem}.frb brings it in" if foreign else ""
+        super().__init__(f"{path} is no .frb and no .lut file", hint=hint)
+        self.path = path
 
 
 class StudioDocument:
@@ -34,7 +51,7 @@ class StudioDocument:
 
     Raises
     ------
-    UnknownKindError
+    NotShownError
         If the file is neither.
     OSError, RuleBaseError
         If it cannot be read.
@@ -43,7 +60,7 @@ class StudioDocument:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.fspath(path)
         if Path(self.path).suffix.lower() not in SUFFIXES:
-            raise UnknownKindError(self.path)
+            raise NotShownError(self.path)
         self.scene: Scene | None = None
         self.is_current = False
         self.session = Session(self.path, read_text(self.path))
