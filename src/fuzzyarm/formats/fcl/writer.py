@@ -182,7 +182,10 @@ class _Writer:
             message = f"{self.program} has no {method} for '{output.name}'"
             self.findings.loss("unsupported-defuzzifier", message)
             return "COGS"
-        if kinds & VALUES:
+        if self.dialect == "jfuzzylogic" and kinds == {"singleton"}:
+            message = f"'{output.name}' has singletons for terms but integrates sets"
+            self.findings.warn("value-as-set", message)
+        elif kinds & VALUES:
             message = f"'{output.name}' has values among its terms, which cannot be integrated"
             self.findings.loss("value-as-set", message)
         found = (output.defuzzifier.resolution, output.defuzzifier.sampling)
