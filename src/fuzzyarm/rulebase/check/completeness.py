@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import islice, product
+from itertools import combinations, islice, product
 from math import prod
 
 from fuzzyarm.rulebase.check.subject import Subject
@@ -106,8 +106,6 @@ def _matches(
     wanted: set[frozenset[tuple[str, str]]],
     sizes: set[int],
 ) -> bool:
-    from itertools import combinations
-
     return any(
         frozenset(part) in wanted for size in sizes for part in combinations(combination, size)
     )
