@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
     from fuzzyarm.studio.document import StudioDocument
 
+VIEWS = ("surface", "rules", "terms", "firing", "numbers")
+_USUAL = ("surface", "rules", "numbers")
 _PAUSE = 0.2
 _WIDEST, _SURFACE_HEIGHT = 76, 16
 
@@ -37,6 +40,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--table", metavar="OUT", help="write the compiled table at each save")
     parser.add_argument("--figure", metavar="FIG", help="write a figure at each save")
     parser.add_argument("--at", metavar="NAME=VALUE,...", help="the crisp inputs (the middle)")
+    parser.add_argument(
+        "--view",
+        action="append",
+        choices=VIEWS,
+        help="what to draw, once or several times (surface and rules; of a table its numbers)",
+    )
     parser.add_argument("--once", action="store_true", help="draw once and end, for scripts")
 
 
@@ -116,7 +125,7 @@ def _redraw(console: Console, document: StudioDocument, arguments: argparse.Name
     notes = [] if document.broken else _write_products(document, arguments)
     if console.is_terminal:
         console.clear()
-    console.print(picture(document, min(console.width, _WIDEST)))
+    console.print(picture(document, min(console.width, _WIDEST), arguments.view or _USUAL))
     for note in notes:
         console.print(note)
     sys.stdout.flush()
@@ -156,7 +165,7 @@ def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: s
     save_figure(figures.table_figure(read_table(document.path)), target)
 
 
-def picture(document: StudioDocument, width: int) -> RenderableType:
+def picture(document: StudioDocument, width: int, views: Sequence[str] = _USUAL) -> RenderableType:
     """Return the findings and the drawings of a file.
 
     Parameters
@@ -165,6 +174,8 @@ def picture(document: StudioDocument, width: int) -> RenderableType:
         The file.
     width : int
         Columns to draw in.
+    views : sequence of str
+        Which drawings; those that the file does not have are left out.
     """
     from rich.console import Group
     from rich.text import Text
@@ -182,7 +193,7 @@ def picture(document: StudioDocument, width: int) -> RenderableType:
         return Group(*parts)
     if not document.is_current:
         parts += [Text("the drawing shows the last sound text", "yellow"), Text()]
-    for view in scene.VIEWS[:2]:
+    for view in (name for name in scene.VIEWS if name in views):
         parts += [scene.draw(view, width, _SURFACE_HEIGHT), Text()]
-    parts.append(scene.caption())
+    parts.append(scene.caption(keys=False))
     return Group(*parts)

@@ -104,16 +104,16 @@ class Scene(ABC):
         else:
             self.down = chosen
 
-    def caption(self) -> Text:
-        """Return the crisp inputs with their keys, and what comes out."""
+    def caption(self, *, keys: bool = True) -> Text:
+        """Return the crisp inputs, with `keys` those that move them, and what comes out."""
         from rich.text import Text
 
         text = Text(no_wrap=False)
         for name, value in self.point.items():
-            keys = "←→" if name == self.across else "↑↓" if name == self.down else ""
+            moves = "←→" if name == self.across else "↑↓" if name == self.down else ""
             text.append(f"{name_words(name)} ", "bold")
             text.append(f"{number_words(value, 4)}", "cyan")
-            text.append(f" {keys}  " if keys else "  ", "dim")
+            text.append(f" {moves}  " if moves and keys else "  ", "dim")
         text.append("→ ", "dim")
         text.append(self.result(), "bold")
         return text

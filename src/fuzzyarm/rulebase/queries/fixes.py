@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fuzzyarm.rulebase.diagnostic import Diagnostic, Span
+from fuzzyarm.rulebase.printing.words import name_text
 from fuzzyarm.rulebase.syntax.nodes import GridNode, RowNode
 from fuzzyarm.rulebase.syntax.tokens import split_lines
 
@@ -102,37 +103,26 @@ def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNod
     if place is None or place[1] is None:
         return []
     grid, row = place
-    missing = len(grid.columns) - len(row.cells) if row else 0
-    if row is None:
-        return []
+    missing = len(grid.columns) - len(row.cells)
     if missing > 0:
         last = row.cells[-1].span if row.cells else row.label.span
         end = Span(last.end_line, last.end_column, last.end_line, last.end_column)
         what = "the missing cell" if missing == 1 else f"the {missing} missing cells"
         return [Fix(f"add {what}", (Edit(end, "  ." * missing),))]
     span = diagnostic.span
-    line = lines[span.line - 1]
-    start = len(line[: span.column - 1].rstrip()) + 1
-    return [Fix("remove what is too much", (Edit(Span(span.line, start, *_end(span)), ""),))]
-
-
-def _end(span: Span) -> tuple[int, int]:
-    return span.end_line, span.end_column
+    start = len(lines[span.line - 1][: span.column - 1].rstrip()) + 1
+    surplus = Span(span.line, start, span.end_line, span.end_column)
+    return [Fix("remove what is too much", (Edit(surplus, ""),))]
 
 
 def _missing_rows(diagnostic: Diagnostic, grids: Sequence[GridNode]) -> list[Fix]:
     place = _grid_of(diagnostic.line, grids)
-    marker = " for "
     if place is None or place[1] is not None or "has no row" not in diagnostic.message:
         return []
     grid = place[0]
-    _, _, wanted = diagnostic.message.rpartition(marker)
-    names = wanted.partition(" is ")[2].split(", ")
-    from fuzzyarm.rulebase.printing.words import name_text
-
+    names = diagnostic.message.rpartition(" for ")[2].partition(" is ")[2].split(", ")
     last = grid.rows[-1].label.span.line if grid.rows else grid.header_span.line
-    indent = "  "
-    rows = "".join(f"{indent}{name_text(n)}{'  .' * len(grid.columns)}\n" for n in names)
+    rows = "".join(f"  {name_text(n)}{'  .' * len(grid.columns)}\n" for n in names)
     title = f"add the row {names[0]}" if len(names) == 1 else f"add the {len(names)} missing rows"
     return [Fix(title, (Edit(Span(last + 1, 1, last + 1, 1), rows),))]
 
