@@ -100,9 +100,11 @@ def _grid_of(line: int, grids: Sequence[GridNode]) -> tuple[GridNode, RowNode | 
 
 def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNode]) -> list[Fix]:
     place = _grid_of(diagnostic.line, grids)
-    if place is None or place[1] is None:
+    if place is None:
         return []
     grid, row = place
+    if row is None:
+        return []
     missing = len(grid.columns) - len(row.cells)
     if missing > 0:
         last = row.cells[-1].span if row.cells else row.label.span
