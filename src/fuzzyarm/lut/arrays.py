@@ -1,14 +1,19 @@
-"""Looking up many points at once, in chunks that stay in the cache."""
+"""Looking up many points at once, in chunks that stay in the cache.
+
+Small arrays go through NumPy and bisection, which is the reference; large ones through the
+machine code of :mod:`fuzzyarm.lut.compiled`, which gives the same bits.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.lut.axis import TableError
+from fuzzyarm.lut.compiled import Evaluate, interpolator, picker, worthwhile
 
 if TYPE_CHECKING:
     from fuzzyarm.lut.table import LookupTable
@@ -49,13 +54,9 @@ def look_up_arrays(
         shapes = ", ".join(str(array.shape) for array in inputs)
         raise TableError(f"inputs of shapes {shapes} do not fit each other") from None
     values = np.empty(shape)
-    evaluate: Callable[[_Array, Sequence[_Array], Sequence[_Array]], _Array]
-    if mode == "linear":
-        finders = [np.array(axis.levels) for axis in table.axes]
-        evaluate = _interpolate
-    else:
-        finders = [np.array(axis.thresholds(mode)) for axis in table.axes]
-        evaluate = _pick
+    evaluate = _machine_code(table, mode) if worthwhile(values.size) else None
+    if evaluate is None:
+        evaluate = _plain(table, mode)
     chunks = np.nditer(  # type: ignore[call-overload]
         [*inputs, values],
         flags=["external_loop", "buffered", "zerosize_ok"],
@@ -66,11 +67,33 @@ def look_up_arrays(
     with chunks:
         for chunk in chunks:
             *columns, out = chunk
-            for axis, x in zip(table.axes, columns, strict=True):
-                if np.isnan(x).any():
-                    raise TableError(f"input '{axis.name}' of the table is not a number (NaN)")
-            out[...] = evaluate(table.values, finders, columns)
+            if not evaluate(columns, out):
+                bad = (
+                    a.name for a, x in zip(table.axes, columns, strict=True) if np.isnan(x).any()
+                )
+                raise TableError(f"input '{next(bad)}' of the table is not a number (NaN)")
     return values
+
+
+def _machine_code(table: LookupTable, mode: str) -> Evaluate | None:
+    """Return the twin in machine code; None where an axis is too uneven for it."""
+    if mode == "linear":
+        return interpolator(table.values, [axis.levels for axis in table.axes])
+    return picker(table.values, [axis.thresholds(mode) for axis in table.axes])
+
+
+def _plain(table: LookupTable, mode: str) -> Evaluate:
+    """Return the reference: NumPy and bisection."""
+    points = [np.array(a.levels if mode == "linear" else a.thresholds(mode)) for a in table.axes]
+    values = _interpolate if mode == "linear" else _pick
+
+    def evaluate(columns: Sequence[_Array], out: _Array) -> bool:
+        if any(np.isnan(x).any() for x in columns):
+            return False
+        out[...] = values(table.values, points, columns)
+        return True
+
+    return evaluate
 
 
 def _pick(
