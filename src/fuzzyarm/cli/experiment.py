@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 def add_trajectory(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of trajectory and load."""
+    # A way point with a negative first angle is no option.
+    parser._negative_number_matcher = re.compile(r"-\d[-+\d.,eE]*$|-\.\d[-+\d.,eE]*$")
     path = parser.add_argument_group("trajectory")
     path.add_argument(
         "--trajectory", choices=["reach", "reach-return", "pick-and-place"], default="reach-return"

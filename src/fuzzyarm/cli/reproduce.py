@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
     from fuzzyarm.study import Ensemble, PublishedRow, Reproduced
 
+SUMMARY_TABLE = "7.1.1"
+"""The table with which the controller beyond the study is compared."""
+
 FEW = 5
 """Rows from which on figures are by chapters."""
 
@@ -77,10 +80,16 @@ def run(arguments: argparse.Namespace) -> int:
     elif arguments.markdown:
         print("\n".join(_markdown(results)))
     else:
-        for result in results:
-            print(_as_text(result), end="\n\n")
-        _summary(results)
+        _print(results)
     return 0
+
+
+def _print(results: list[Reproduced]) -> None:
+    for result in results:
+        print(_as_text(result), end="\n\n")
+    _summary(results)
+    if any(result.published.table == SUMMARY_TABLE for result in results):
+        _beyond()
 
 
 def _watched(rows: list[PublishedRow], runs: int) -> Iterator[Reproduced]:
@@ -245,6 +254,18 @@ def _summary(results: list[Reproduced]) -> None:
             print(f"  {name:<20} {_reproduced_by(described, result)}")
 
 
+def _beyond() -> None:
+    """Print the controller that the study does not have."""
+    from fuzzyarm.study.beyond import run_beyond
+
+    beyond = run_beyond()
+    verdict = "better in all four" if beyond.better else "NOT better in all four"
+    print(f"beyond the study: {beyond.name}, against the best of the rows without a model")
+    print("  RMS errors  " + "".join(f"{value:>10.4f}" for value in beyond.rms))
+    print("  to beat     " + "".join(f"{value:>10.4f}" for value in beyond.to_beat))
+    print(f"  {verdict}")
+
+
 def _reproduced_by(described: Reproduced, printed: Reproduced) -> str:
     names = [r.variant for r in (described, printed) if r.judgement.within]
     return " and ".join(names) if names else "neither"
@@ -273,8 +294,10 @@ def _plot(results: Sequence[Reproduced], folder: Path) -> None:
 
 def _overview(results: Sequence[Reproduced], path: Path) -> None:
     """Draw the rows of the summary, or, if there are none among them, all."""
+    from fuzzyarm.study.beyond import run_beyond
     from fuzzyarm.study.chapters import SUMMARY, draw_overview
     from fuzzyarm.study.profiles import save_figure
 
     summary = [result for result in results if result.published.table[0] == SUMMARY]
-    save_figure(draw_overview(summary or results), path)
+    beyond = run_beyond() if summary else None
+    save_figure(draw_overview(summary or results, beyond), path)

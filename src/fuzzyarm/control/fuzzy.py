@@ -126,6 +126,11 @@ def _direct(choice: Choice) -> Controller:
     return CompiledController(direct_law(rules_of(choice)))
 
 
+def _fine(choice: Choice) -> Controller:
+    rules = choice.sources.rulebase or shipped_rulebase("fine7.frb")
+    return _renamed(CompiledController(direct_law(rules)), "fuzzy-fine")
+
+
 def _hfie(choice: Choice) -> Controller:
     # The printed program has 6000; the figures were made with 1500.
     gain = 6000.0 if choice.described else 1500.0
@@ -237,6 +242,13 @@ FUZZY = (
         lambda choice: _ruled(coarse_fine_law(rules_of(choice), alpha_of(choice))),
         STUDY_DIRECT,
         takes=("rulebase", "alpha"),
+    ),
+    Entry(
+        "fuzzy-fine",
+        "fuzzy-direct with narrow sets; not of the study",
+        _fine,
+        STUDY_TABLES,
+        takes=("rulebase",),
     ),
 )
 """Their entries, in the order of the list."""

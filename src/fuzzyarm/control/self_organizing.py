@@ -45,12 +45,14 @@ def self_organizing_torque(
 ) -> Pair:
     """Correct the responsible cell of each joint, then look the control up.
 
-    Constants: wires, learning rate, delay, bound, grid of the tables, grid and values of
-    the performance table. Memory: place in the ring, the last `delay` cells of both joints,
-    the tables of joints 1 and 2, and how often each of their cells was used.
+    Constants: wires, learning rate, delay, bound, whether both grids are alike, grid of the
+    tables, grid and values of the performance table. Memory: place in the ring, the last
+    `delay` cells of both joints, the tables of joints 1 and 2, and how often each of their
+    cells was used.
     """
     delay = int(numbers[at + WIRED + 1])
-    grid = at + WIRED + 3
+    alike = numbers[at + WIRED + 3] != 0.0
+    grid = at + WIRED + 4
     judge = grid + grid_length(numbers, grid)
     judged = judge + grid_length(numbers, judge)
     cells = int(numbers[grid]) * int(numbers[grid + 1])
@@ -61,7 +63,7 @@ def self_organizing_torque(
     e = scaled(reference.position[0], state.position[0], numbers[at], clock.single)
     ce = scaled(reference.velocity[0], state.velocity[0], numbers[at + 2], clock.single)
     now = cell_of(numbers, grid, e, ce)
-    judgement = numbers[judged + cell_of(numbers, judge, e, ce)]
+    judgement = numbers[judged + (now if alike else cell_of(numbers, judge, e, ce))]
     responsible = now if delay == 0 else int(memory[ring + place])
     correct(memory, table, responsible, judgement, numbers, at, clock.single)
     first = memory[table + now]
@@ -72,14 +74,14 @@ def self_organizing_torque(
     e = scaled(reference.position[1], state.position[1], numbers[at + 1], clock.single)
     ce = scaled(reference.velocity[1], state.velocity[1], numbers[at + 3], clock.single)
     now = cell_of(numbers, grid, e, ce)
-    judgement = numbers[judged + cell_of(numbers, judge, e, ce)]
+    judgement = numbers[judged + (now if alike else cell_of(numbers, judge, e, ce))]
     responsible = now if delay == 0 else int(memory[ring + delay + place])
     correct(memory, table + cells, responsible, judgement, numbers, at, clock.single)
     second = memory[table + cells + now]
     memory[table + 3 * cells + now] += 1.0
     if delay > 0:
         memory[ring + delay + place] = now
-        memory[cell] = (place + 1) % delay
+        memory[cell] = place + 1 if place + 1 < delay else 0
     return driven((first, second), state, numbers, at, clock.single)
 
 
@@ -124,7 +126,8 @@ def self_organizing_law(start: LookupTable | None, performance: LookupTable) -> 
     def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
         own = [gains[name].value[0] for name in ("learning_rate", "delay", "bound")]
         _check(own[1])
-        front = [*pack_wires(gains, arithmetic), *own]
+        alike = begin.edges() == judge.edges()
+        front = [*pack_wires(gains, arithmetic), *own, float(alike)]
         values = pack_values(judge, arithmetic)[: judge.cells]
         return [*front, *pack_grid(begin), *pack_grid(judge), *values]
 

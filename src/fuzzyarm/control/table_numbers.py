@@ -152,7 +152,7 @@ def below(numbers: list[float], first: int, count: int, value: float) -> int:
     low = 0
     high = count
     while low < high:
-        middle = (low + high) // 2
+        middle = (low + high) >> 1
         if numbers[first + middle] < value:
             low = middle + 1
         else:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.control.catalogue import CATALOGUE
+from fuzzyarm.study.beyond import Beyond
 from fuzzyarm.study.profiles import COLOURS
 from fuzzyarm.study.published import RMS_PLACES, PublishedRow
 from fuzzyarm.study.reproduce import Reproduced
@@ -23,6 +24,9 @@ FAMILIES = {
     "6": ("fuzzy", "#c8553d"),
 }
 """Chapter: what its controllers are, and their colour."""
+
+OWN_COLOUR = "#6a3d9a"
+"""Of the controller that the study does not have."""
 
 ACROSS = 3
 """Rows side by side in the figure of a chapter."""
@@ -95,13 +99,15 @@ def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
 HEADINGS = ("link 1, {first}", "link 2, {first}", "link 1, {second}", "link 2, {second}")
 
 
-def draw_overview(results: Sequence[Reproduced]) -> Figure:
+def draw_overview(results: Sequence[Reproduced], beyond: Beyond | None = None) -> Figure:
     """Draw the RMS errors of all rows: published rings, reproduced dots, bands of chance.
 
     Parameters
     ----------
     results : sequence of Reproduced
         Rows on the same pair of trajectories, in the order of the table.
+    beyond : Beyond, optional
+        A controller that was not published, below them.
     """
     from matplotlib.figure import Figure
 
@@ -112,6 +118,11 @@ def draw_overview(results: Sequence[Reproduced]) -> Figure:
     for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
         for height, result in enumerate(chosen):
             _mark(panel, -height, result, place)
+        if beyond is not None:
+            line = -len(chosen)
+            panel.axhline(line, color="0.94", linewidth=0.7, zorder=0)
+            panel.plot(beyond.figures[place], line, "D", color=OWN_COLOUR, markersize=5.5)
+            panel.axvline(beyond.figures[place], color=OWN_COLOUR, linewidth=0.6, linestyle=":")
         panel.set_xscale("log")
         panel.xaxis.set_major_formatter("{x:g}")
         panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
@@ -120,12 +131,17 @@ def draw_overview(results: Sequence[Reproduced]) -> Figure:
         panel.set_axisbelow(True)
         panel.spines[["top", "right", "left"]].set_visible(False)
         panel.tick_params(axis="y", length=0)
-    panels[0].set_yticks([-height for height in range(len(chosen))])
-    panels[0].set_yticklabels([result.published.row for result in chosen], fontsize=9)
-    panels[0].set_ylim(-len(chosen) + 0.4, 0.6)
-    for label, result in zip(panels[0].get_yticklabels(), chosen, strict=True):
-        label.set_color(FAMILIES[chapter_of(result.published)][1])
-    _key(figure, chosen)
+    names = [result.published.row for result in chosen]
+    colours = [FAMILIES[chapter_of(result.published)][1] for result in chosen]
+    if beyond is not None:
+        names.append(beyond.name)
+        colours.append(OWN_COLOUR)
+    panels[0].set_yticks([-height for height in range(len(names))])
+    panels[0].set_yticklabels(names, fontsize=9)
+    panels[0].set_ylim(-len(names) + 0.4, 0.6)
+    for label, colour in zip(panels[0].get_yticklabels(), colours, strict=True):
+        label.set_color(colour)
+    _key(figure, chosen, beyond)
     return figure
 
 
@@ -141,7 +157,7 @@ def _mark(panel: Axes, height: float, result: Reproduced, place: int) -> None:
     panel.plot(wanted, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
 
 
-def _key(figure: Figure, chosen: Sequence[Reproduced]) -> None:
+def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Beyond | None) -> None:
     from matplotlib.lines import Line2D
 
     ring: dict[str, Any] = {"marker": "o", "linestyle": "none"}
@@ -156,6 +172,14 @@ def _key(figure: Figure, chosen: Sequence[Reproduced]) -> None:
     for chapter, (name, colour) in FAMILIES.items():
         if chapter in found:
             entries.append(Line2D([], [], color=colour, markersize=4.0, label=name, **ring))
+    if beyond is not None:
+        own: dict[str, Any] = {
+            "marker": "D",
+            "color": OWN_COLOUR,
+            "markersize": 5.5,
+            "linestyle": "none",
+        }
+        entries.append(Line2D([], [], label="beyond the study", **own))
     figure.legend(
         handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
     )
