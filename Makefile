@@ -4,12 +4,13 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
-.PHONY: demo test lint unit bench lock clean help
+.PHONY: demo test lint unit bench editors lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
 	@echo "make test   set up and run linters, types and the whole test suite"
 	@echo "make bench  set up and measure against C and the peers that are installed"
+	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
 	@echo "make lock   renew the lock files (needs uv)"
 
 demo: $(VENV)/.run
@@ -23,7 +24,7 @@ lint: $(VENV)/.dev
 	$(BIN)/mypy
 
 unit: $(VENV)/.dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/run_all.py
@@ -44,6 +45,9 @@ $(VENV)/.dev: requirements/dev.lock pyproject.toml | $(VENV)/bin/python
 	$(PIP) --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m compileall -q src
 	@touch $@ $(VENV)/.run
+
+editors:
+	cd editors/vscode && npm ci && npm test && npm run package
 
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate -p 3.11 pyproject.toml -o requirements/run.lock

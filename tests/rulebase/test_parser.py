@@ -317,6 +317,11 @@ def test_words_that_their_place_tells_apart_are_names(word):
     assert parse(format_text(text)).rulebase == parsed.rulebase
 
 
+def test_a_formula_may_use_constants_but_no_unknown_names():
+    text = HEAD + 'term u F: formula "sin(pi * e) + ce"\nrule if e is N then u is F\n'
+    assert parse(text).diagnostics == ()
+
+
 def test_a_threshold_belongs_to_the_rules_of_a_file_or_a_block():
     text = (
         HEAD + "inference threshold 0.1\nrule if e is N then u is N\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzyarm.rulebase.formula import FormulaError, names, parse
+from fuzzyarm.rulebase.formula import CONSTANTS, FormulaError, names, parse
 from fuzzyarm.rulebase.meaning.scope import Draft, Scope
 from fuzzyarm.rulebase.model import Shape
 from fuzzyarm.rulebase.near import near_hint
@@ -116,7 +116,7 @@ def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
         scope.report("bad-formula", error.message, node.formula_span)
         return None
     for name in sorted(names(tree)):
-        if name not in scope.drafts and name != "x":
+        if name not in scope.drafts and name not in CONSTANTS and name != "x":
             hint, _ = near_hint(name, scope.drafts)
             scope.report(
                 "unknown-variable",
