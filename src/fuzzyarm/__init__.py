@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fuzzyarm.api import check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
-    from fuzzyarm.inference import explain, infer
+    from fuzzyarm.inference import compiled, explain, infer
     from fuzzyarm.lut import (
         LookupTable,
         compile_table,
@@ -40,6 +40,7 @@ __all__ = [
     "check_text",
     "compile_table",
     "compile_with_report",
+    "compiled",
     "explain",
     "infer",
     "load",
@@ -59,6 +60,7 @@ _HOMES = {
     "check_text": "api",
     "compile_table": "lut",
     "compile_with_report": "lut",
+    "compiled": "inference",
     "explain": "inference",
     "infer": "inference",
     "load": "api",

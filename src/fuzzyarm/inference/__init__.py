@@ -22,9 +22,11 @@ from fuzzyarm.inference.infer import infer
 from fuzzyarm.inference.scalar import prepare
 
 if TYPE_CHECKING:
+    from fuzzyarm.inference.machine.evaluator import Compiled, compiled
     from fuzzyarm.inference.trace import Trace, explain
 
 __all__ = [
+    "Compiled",
     "CyclicRulesError",
     "InferenceError",
     "MissingInputError",
@@ -35,6 +37,7 @@ __all__ = [
     "Trace",
     "UnknownNameError",
     "check_expectations",
+    "compiled",
     "explain",
     "infer",
     "prepare",
@@ -42,7 +45,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import traces when they are asked for; a check does not draw them."""
+    """Import what a check does not need when it is asked for."""
+    if name in {"Compiled", "compiled"}:
+        from fuzzyarm.inference.machine import evaluator
+
+        return getattr(evaluator, name)
     if name in {"Trace", "explain"}:
         from fuzzyarm.inference import trace
 

@@ -72,15 +72,7 @@ def infer_arrays(
     if held:
         check_names(held, prepared.outputs, what="output")
     shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
-    if all(array.size in {1, int(np.prod(shape))} for array in arrays.values()):
-        arrays = {name: array.reshape(-1) for name, array in arrays.items()}
-        working: tuple[int, ...] = (int(np.prod(shape)),)
-    else:
-        arrays = {
-            name: array.reshape((1,) * (len(shape) - array.ndim) + array.shape)
-            for name, array in arrays.items()
-        }
-        working = shape
+    working = working_shape(arrays, shape)
     results = {name: np.empty(working) for name in prepared.outputs}
     if results and int(np.prod(working)):
         shared: Degrees = {}
@@ -89,6 +81,22 @@ def infer_arrays(
             for name, value in chunk.outputs().items():
                 results[name][block] = value
     return {name: result.reshape(shape) for name, result in results.items()}
+
+
+def working_shape(arrays: dict[str, NDArray[Any]], shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Bring arrays to the number of axes of what they broadcast to, to one if that is enough.
+
+    Returns
+    -------
+    tuple of int
+        The shape to go through; `arrays` is changed to fit it.
+    """
+    size = int(np.prod(shape))
+    flat = all(array.size in {1, size} for array in arrays.values())
+    for name, array in arrays.items():
+        filled = (1,) * (len(shape) - array.ndim) + array.shape
+        arrays[name] = array.reshape(-1 if flat else filled)
+    return (size,) if flat else shape
 
 
 def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
@@ -163,7 +171,7 @@ class _Chunk:
         self.plan = prepared
         self.shape = tuple(part.stop - part.start for part in block)
         self.held = held
-        self.values = {name: _part(array, working, block) for name, array in arrays.items()}
+        self.values = {name: part_of(array, working, block) for name, array in arrays.items()}
         whole = {name for name, array in arrays.items() if self.values[name].size == array.size}
         self._shared, self._whole = shared, whole
         self._degrees: Degrees = {}
@@ -287,7 +295,7 @@ class _Chunk:
         }
 
 
-def _part(array: Array, working: tuple[int, ...], block: Block) -> Array:
+def part_of(array: NDArray[Any], working: tuple[int, ...], block: Block) -> NDArray[Any]:
     """Return the part of an input that a block needs; axes of length 1 stay."""
     if array.ndim != len(working):
         return array

@@ -55,17 +55,29 @@ def infer(
     {'u': -0.7153}
     >>> infer(rulebase, e=axis[:, None], ce=axis[None, :])     # doctest: +SKIP
     """
-    given = dict(inputs or {})
-    for name, value in named.items():
-        if name in given:
-            raise InferenceError(f"input '{name}' is given twice")
-        given[name] = value
-    if any(not isinstance(value, float | int) and _is_array(value) for value in given.values()):
+    given = merged(inputs, named)
+    if holds_arrays(given):
         from fuzzyarm.inference.engine import infer_arrays
 
         return dict(infer_arrays(rulebase, given, held))
     return dict(prepare(rulebase).evaluate(given, held))
 
 
-def _is_array(value: object) -> bool:
+def merged(inputs: Mapping[str, Any] | None, named: Mapping[str, Any]) -> dict[str, Any]:
+    """Put inputs from both ways of giving them together."""
+    given = dict(inputs or {})
+    for name, value in named.items():
+        if name in given:
+            raise InferenceError(f"input '{name}' is given twice")
+        given[name] = value
+    return given
+
+
+def holds_arrays(given: Mapping[str, Any]) -> bool:
+    """Whether any input is an array."""
+    return any(not isinstance(value, float | int) and is_array(value) for value in given.values())
+
+
+def is_array(value: object) -> bool:
+    """Whether an input is many values."""
     return isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0

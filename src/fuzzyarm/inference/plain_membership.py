@@ -38,7 +38,7 @@ class Partition:
 
     def __init__(self, propositions: Sequence[Proposition]) -> None:
         self._all = tuple((each.number, each.function) for each in propositions)
-        straight = [each for each in propositions if _is_straight(each)]
+        straight = [each for each in propositions if is_straight(each.shape, each.hedges)]
         self._curved = tuple(
             (each.number, each.function) for each in propositions if each not in straight
         )
@@ -48,9 +48,9 @@ class Partition:
             tuple(
                 (each.number, *line)
                 for each in straight
-                if (line := _line(corners[each.number], each, place)) is not None
+                if (line := line_at(corners[each.number], each.hedges, place)) is not None
             )
-            for place in _inside(self._edges)
+            for place in inside(self._edges)
         ]
 
     def at(self, x: float) -> list[Degree]:
@@ -69,13 +69,14 @@ class Partition:
         return found
 
 
-def _is_straight(each: Proposition) -> bool:
-    if each.shape.kind == "singleton" or not SHAPES[each.shape.kind].piecewise_linear:
+def is_straight(shape: Shape, hedges: Sequence[Hedge]) -> bool:
+    """Whether a proposition consists of straight lines, hedges included."""
+    if shape.kind == "singleton" or not SHAPES[shape.kind].piecewise_linear:
         return False
-    return all(hedge.name in LINEAR_HEDGES for hedge in each.hedges)
+    return all(hedge.name in LINEAR_HEDGES for hedge in hedges)
 
 
-def _inside(edges: list[float]) -> list[float]:
+def inside(edges: list[float]) -> list[float]:
     """Return one place inside each cell, the outer two included."""
     if not edges:
         return [0.0]
@@ -83,8 +84,8 @@ def _inside(edges: list[float]) -> list[float]:
     return [edges[0] - 1.0 - abs(edges[0]), *between, edges[-1] + 1.0 + abs(edges[-1])]
 
 
-def _line(
-    corners: list[tuple[float, float]], each: Proposition, place: float
+def line_at(
+    corners: list[tuple[float, float]], hedges: Sequence[Hedge], place: float
 ) -> tuple[float, float, float] | None:
     """Return (x0, y0, slope) of the line around `place`; None where it is zero."""
     if place <= corners[0][0]:
@@ -97,6 +98,6 @@ def _line(
         slope = (y1 - y0) / (x1 - x0)
         if slope < 0.0:  # fall towards the foot from the foot: no residue just before it
             x0, y0 = x1, y1
-    for hedge in reversed(each.hedges):
+    for hedge in reversed(hedges):
         y0, slope = (1.0 - y0, -slope) if hedge.name == "not" else (1.0, 0.0)
     return None if y0 == 0.0 and slope == 0.0 else (x0, y0, slope)

@@ -1,0 +1,1 @@
+"""Inference as machine code: a rule base becomes numbers, one kernel evaluates them all."""
