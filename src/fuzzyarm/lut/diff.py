@@ -64,8 +64,10 @@ def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:
     """Return what differs from `before` to `after`.
 
     Cells are matched by the names of the inputs, never by bare position: a table with its
-    axes in another order is turned round first, and that is said.
+    axes in another order is turned round first, and that is said. A first table that lacks
+    an input of the second is taken as the same all along that input.
     """
+    before = _spread(before, after)
     transposed = before.names != after.names and sorted(before.names) == sorted(after.names)
     if transposed:
         order = [after.names.index(name) for name in before.names]
@@ -83,6 +85,23 @@ def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:
         found = np.argwhere(before.values != after.values)
         changes = tuple(_change(before, after, tuple(map(int, index))) for index in found)
     return TableDiff(before, after, _header(before, after), changes, comparable, transposed)
+
+
+def _spread(before: LookupTable, after: LookupTable) -> LookupTable:
+    """Repeat `before` along the inputs that only `after` has, if it has them all."""
+    if set(before.names) == set(after.names) or not set(before.names) <= set(after.names):
+        return before
+    mine = [name for name in after.names if name in before.names]
+    turned = np.transpose(before.values, [before.names.index(name) for name in mine])
+    shape = [len(a.levels) if a.name in mine else 1 for a in after.axes]
+    if [len(before.axis(name).levels) for name in mine] != [
+        s for s, a in zip(shape, after.axes, strict=True) if a.name in mine
+    ]:
+        return before
+    axes = tuple(before.axis(a.name) if a.name in mine else a for a in after.axes)
+    values = np.broadcast_to(turned.reshape(shape), after.shape).copy()
+    fields = {k: getattr(before, k) for k in ("low", "high", "description", "rounding", "mode")}
+    return LookupTable(axes, before.output, values, provenance=before.provenance, **fields)
 
 
 def _change(before: LookupTable, after: LookupTable, index: tuple[int, ...]) -> CellChange:
