@@ -141,3 +141,11 @@ def test_a_reader_that_goes_away_is_no_fault():
         ["bash", "-c", f"set -o pipefail; {command}"], capture_output=True, text=True, check=False
     )
     assert "Traceback" not in done.stderr
+
+
+def test_options_may_stand_anywhere(capsys):
+    for words in (["--json", GOOD, "e=1", "ce=2"], [GOOD, "--json", "e=1", "ce=2"],
+                  [GOOD, "e=1", "--json", "ce=2"]):  # fmt: skip
+        status, out, _ = run("eval", *words, capsys=capsys)
+        assert status == 0
+        assert list(json.loads(out)) == ["u"]

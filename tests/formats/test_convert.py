@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from fuzzyarm import shipped
 from fuzzyarm.cli.corpus_reference import difference
 from fuzzyarm.cli.main import main
 from fuzzyarm.formats import same_model
@@ -28,16 +29,29 @@ def test_there_and_back(name: str, tmp_path: Path, capsys: pytest.CaptureFixture
     assert read(back).rulebase is not None
 
 
-def test_what_would_change_numbers_is_an_error_unless_lossy(
+def test_slight_differences_are_warnings_and_errors_when_strict(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     target = tmp_path / "a.fll"
-    words = ["convert", str(DATA / "tipper_matlab.fis"), str(target)]
-    assert main(words) == 1
+    words = ["convert", str(shipped("pd7.frb")), str(target)]
+    assert main([*words, "--strict"]) == 1
     assert not target.exists()
-    assert "sampling" in capsys.readouterr().err
-    assert main([*words, "--lossy"]) == 0
+    assert "error[sampling]" in capsys.readouterr().err
+    assert main(words) == 0
+    assert "warning[sampling]" in capsys.readouterr().out
     assert target.read_text().startswith("# Written by fuzzyarm")
+
+
+def test_what_would_change_numbers_is_an_error_unless_lossy(tmp_path: Path) -> None:
+    source, target = tmp_path / "a.frb", tmp_path / "a.fis"
+    source.write_text(
+        "rulebase t\ninput e 0 .. 1\noutput u 0 .. 1\nterms e, u: triangles A B\n"
+        "inference and drastic\nblock one\nrule if e is A then u is A\n"
+        "block two: and product\nrule if e is B then u is B\n"
+    )
+    assert main(["convert", str(source), str(target)]) == 1
+    assert not target.exists()
+    assert main(["convert", str(source), str(target), "--lossy"]) == 0
 
 
 def test_a_fault_is_shown_with_its_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,7 @@ def export_data(exported: Exported, tables: list[dict[str, Any]]) -> dict[str, A
         "files": [str(path) for path, _ in exported.files],
         "functions": [
             {
+                "call": call,
                 "output": routine.output.name,
                 "arguments": [argument.name for argument in routine.arguments],
                 "type": routine.kind,
@@ -23,7 +24,7 @@ def export_data(exported: Exported, tables: list[dict[str, Any]]) -> dict[str, A
                 "operations": dict(routine.cost().operations),
                 "stack": routine.cost().stack,
             }
-            for routine in exported.routines
+            for call, routine in zip(exported.calls, exported.routines, strict=True)
         ],
         "tables": tables,
     }
@@ -36,10 +37,9 @@ def export_words(exported: Exported) -> str:
     lines = []
     for path, text in exported.files:
         lines.append(f"{path}: {len(text.encode()):,} bytes of source")
-    for routine in exported.routines:
+    for call, routine in zip(exported.calls, exported.routines, strict=True):
         accuracy, cost = routine.accuracy(), routine.cost()
-        arguments = ", ".join(argument.name for argument in routine.arguments)
-        lines.append(f"{routine.output.name} from {arguments}, as {routine.kind}")
+        lines.append(call)
         lines.append(
             f"  worst error against {accuracy.against}: {number_words(accuracy.worst, 3)}"
             f" (of {accuracy.points:,} points)"

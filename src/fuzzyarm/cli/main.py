@@ -64,7 +64,8 @@ def _dispatch(words: list[str]) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     module.configure(parser)
-    status = module.run(parser.parse_args(words[1:]))
+    # Options may stand anywhere among the names, as in `eval FILE --json e=1 ce=2`.
+    status = module.run(parser.parse_intermixed_args(words[1:]))
     sys.stdout.flush()
     return int(status)
 
