@@ -27,14 +27,14 @@ class Prototype:
         return f"{self.kind} {self.name}({listed})"
 
 
-def c_header(routines: Sequence[Routine], prefix: str, file: str) -> str:
-    """Return a header that stands on its own: ``static inline`` functions and constants."""
+def c_header(routines: Sequence[Routine], prefix: str, file: str) -> tuple[str, list[Prototype]]:
+    """Return a header on its own, with ``static inline`` functions, and its prototypes."""
     writer = CWriter(prefix, "static inline ")
     prototypes = [_prototype(writer, routine) for routine in routines]
     code = _definitions(writer, routines, prototypes)
     guard = writer.names.new(f"{prefix.upper()}_H")
     test = f"gcc -std=c99 -D{SWITCH} -x c {file} -o self_test && ./self_test"
-    return "\n".join(
+    text = "\n".join(
         [
             *head_lines(routines, prototypes, writer, f'#include "{file}"', test),
             f"#ifndef {guard}",
@@ -47,10 +47,11 @@ def c_header(routines: Sequence[Routine], prefix: str, file: str) -> str:
             "",
         ]
     )
+    return text, prototypes
 
 
-def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, str]:
-    """Return a header with prototypes and the ``.c`` file with everything else."""
+def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, str, list[Prototype]]:
+    """Return a header, the ``.c`` file with everything but prototypes, and the prototypes."""
     writer = CWriter(prefix)
     prototypes = [_prototype(writer, routine) for routine in routines]
     code = _definitions(writer, routines, prototypes)
@@ -83,7 +84,7 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
         code,
         *_self_test(writer, routines, prototypes),
     ]
-    return "\n".join(header), "\n".join(source)
+    return "\n".join(header), "\n".join(source), prototypes
 
 
 def _prototype(writer: CWriter, routine: Routine) -> Prototype:

@@ -39,7 +39,11 @@ class Cost:
 
     def in_words(self) -> str:
         """Return the operations as text."""
-        parts = [f"{count} {kind}" for kind, count in self.operations if count]
+        parts = [
+            f"{count} {kind if count > 1 else kind.replace('s and ', ' or ').replace('ns', 'n')}"
+            for kind, count in self.operations
+            if count
+        ]
         return ", ".join(parts) or "none"
 
 

@@ -25,8 +25,8 @@ _FLOATS: dict[type[np.floating], str] = {np.float32: "REAL", np.float64: "LREAL"
 _WHOLES = {15: "INT", 7: "SINT"}
 
 
-def structured_text(routines: Sequence[Routine], prefix: str) -> str:
-    """Return a file with a function block for every routine.
+def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
+    """Return a file with a function block for every routine, and the names of the blocks.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def structured_text(routines: Sequence[Routine], prefix: str) -> str:
         If a routine is no table.
     """
     names = Names("st")
-    blocks = []
+    blocks, called = [], []
     for routine in routines:
         if not isinstance(routine, TableRoutine):
             raise ExportError(
@@ -49,8 +49,9 @@ def structured_text(routines: Sequence[Routine], prefix: str) -> str:
                 hint="leave out --direct",
             )
         name = names.new(f"{prefix}_{identifier(routine.output.name)}")
+        called.append(name)
         blocks.append(_Block(routine, name).text())
-    return "\n".join(blocks)
+    return "\n".join(blocks), called
 
 
 class _Block:

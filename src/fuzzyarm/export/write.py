@@ -33,10 +33,13 @@ class Exported:
         The functions in them.
     files : tuple of (Path, str)
         Where and what.
+    calls : tuple of str
+        What each routine is called: a C prototype, or the name of a function block.
     """
 
     routines: tuple[Routine, ...]
     files: tuple[tuple[Path, str], ...]
+    calls: tuple[str, ...]
 
 
 def routines_of(
@@ -121,13 +124,16 @@ def export_files(
                 f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
             )
     prefix = identifier(stem) if name is None else name
+    chosen = tuple(routines)
     if suffix == ".st":
-        return Exported(tuple(routines), ((path, structured_text(routines, prefix)),))
+        text, blocks = structured_text(chosen, prefix)
+        return Exported(chosen, ((path, text),), tuple(blocks))
     if suffix == ".h":
-        return Exported(tuple(routines), ((path, c_header(routines, prefix, path.name)),))
-    header_path = path.with_suffix(".h")
-    header, source = c_pair(routines, prefix, path.stem)
-    return Exported(tuple(routines), ((path, source), (header_path, header)))
+        header, prototypes = c_header(chosen, prefix, path.name)
+        return Exported(chosen, ((path, header),), tuple(map(str, prototypes)))
+    header, source, prototypes = c_pair(chosen, prefix, path.stem)
+    files = ((path, source), (path.with_suffix(".h"), header))
+    return Exported(chosen, files, tuple(map(str, prototypes)))
 
 
 def write_export(

@@ -1,0 +1,154 @@
+"""fuzzyarm compile to source text, as it is called; and the page that explains it."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from c_programs import HOST, compile_c, execute, need
+
+from fuzzyarm.cli import main
+from fuzzyarm.export import EXPORTS
+from fuzzyarm.inference import infer
+from fuzzyarm.lut import read_table
+from fuzzyarm.rulebase import load_rulebase
+
+ROOT = Path(__file__).parents[2]
+PD7 = str(ROOT / "rulebases" / "pd7.frb")
+TABLE = str(ROOT / "rulebases" / "thesis-6.1.lut")
+PAGE = (ROOT / "docs" / "export.md").read_text("utf-8")
+
+TWO = """rulebase two
+input a 0 .. 1
+output y 0 .. 1
+output 'z z' -1 .. 1
+terms a, y, 'z z': triangles LO HI
+rule if a is LO then y is HI and 'z z' is LO
+rule if a is HI then y is LO and 'z z' is HI
+"""
+
+
+def run_program(source, folder, words=()):
+    path = folder / "mine.c"
+    path.write_text(source, "utf-8")
+    compile_c([path, *words], folder / "mine")
+    return subprocess.run([folder / "mine"], capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.parametrize("name", ["controller.h", "controller.c"])
+@pytest.mark.parametrize(
+    "options",
+    [[], ["--mode", "linear"], ["--direct"], ["--q", "7"], ["--precision", "float32", "--direct"]],
+    ids=" ".join,
+)
+def test_an_export_passes_its_own_test(tmp_path, monkeypatch, capsys, name, options):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", PD7, "-o", name, *options]) == 0
+    assert "controller_u(" in capsys.readouterr().out
+    source = [*(["-x", "c"] if name.endswith("h") else []), name]
+    compile_c(source, tmp_path / "test", HOST, "-DFUZZYARM_SELF_TEST")
+    assert execute(tmp_path / "test") == 0
+
+
+def test_the_program_of_the_page_compiles_and_agrees(tmp_path, monkeypatch, capsys):
+    (example,) = re.findall(r"```c\n(.*?)```", PAGE, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", PD7, "-o", "controller.h"]) == 0
+    capsys.readouterr()
+    assert main(["compile", PD7, "-o", "pd7.lut"]) == 0
+    expected = read_table("pd7.lut").lookup(1.3, -2.2)
+    assert run_program(example, tmp_path) == f"{expected:.1f}\n"
+
+
+def test_headers_of_several_controllers_live_in_one_program(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", PD7, "-o", "one.h"]) == 0
+    assert main(["compile", PD7, "-o", "two.h", "--direct"]) == 0
+    assert main(["compile", TABLE, "-o", "three.h", "--q", "15", "--name", "third"]) == 0
+    source = (
+        '#include "one.h"\n#include "two.h"\n#include "three.h"\n#include "one.h"\n'
+        "#include <stdio.h>\nint main(void)\n{\n"
+        '    printf("%.9g %.9g %d\\n", (double)one_u(1.0f, 2.0f), (double)two_u(1.0f, 2.0f),\n'
+        "           third_u(5461, 10923));\n    return 0;\n}\n"
+    )
+    one, two, three = run_program(source, tmp_path).split()
+    assert float(one) == pytest.approx(2.0, abs=2.0)
+    direct = infer(load_rulebase(PD7), e=1.0, ce=2.0)["u"]
+    assert np.float32(two) == np.float32(direct)
+    assert int(three) * 6 / 32768 == pytest.approx(read_table(TABLE).lookup(1.0, 2.0), abs=2e-4)
+
+
+def test_a_header_serves_cxx_too(tmp_path, monkeypatch):
+    need("g++")
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", PD7, "-o", "pair.c", "--direct"]) == 0
+    (tmp_path / "use.cpp").write_text(
+        '#include "pair.h"\nint main() { return pair_u(0.0f, 0.0f) == 0.0f ? 0 : 1; }\n'
+    )
+    compile_c(["-c", "pair.c"], tmp_path / "pair.o")
+    words = ["g++", "-Wall", "-Wextra", "-Werror", "-fsanitize=undefined,address"]
+    subprocess.run([*words, "use.cpp", "pair.o", "-o", "use"], check=True)
+    assert execute(tmp_path / "use") == 0
+
+
+def test_every_output_gets_a_function(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("two.frb").write_text(TWO)
+    for options in ([], ["--direct"]):
+        assert main(["compile", "two.frb", "-o", "two.h", "--json", *options]) == 0
+        data = json.loads(capsys.readouterr().out)
+        assert data["files"] == ["two.h"]
+        assert [f["call"] for f in data["functions"]] == [
+            "float two_y(float a)",
+            "float two_z_z(float a)",
+        ]
+        assert [len(f["operations"]) > 0 for f in data["functions"]] == [True, True]
+        assert len(data["tables"]) == (0 if options else 2)
+    assert main(["compile", "two.frb", "-o", "two.h", "--output", "z z"]) == 0
+    assert "two_y" not in Path("two.h").read_text()
+    assert main(["compile", "two.frb", "-o", "two.st"]) == 0
+    assert Path("two.st").read_text().count("FUNCTION_BLOCK two_") == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([PD7, "-o", "x.lut", "--q", "15"], "--q makes no sense here"),
+        ([PD7, "-o", "x.lut", "--direct"], "--direct makes no sense here"),
+        ([PD7, "-o", "x.h", "--direct", "--q", "7"], "--q makes no sense here"),
+        ([PD7, "-o", "x.h", "--direct", "--levels", "7"], "--levels makes no sense here"),
+        ([PD7, "-o", "x.st", "--direct"], "for tables, not for direct inference"),
+        ([PD7, "-o", "x.h", "--name", "int"], "'int' cannot begin the identifiers"),
+        ([PD7, "-o", "x.h", "--name", "a b"], "for instance a_b_x"),
+        ([PD7, "-o", "x.h", "--q", "7", "--precision", "float32"], "--precision makes no sense"),
+        ([PD7, "-o", 'x"y.h'], "cannot stand in an #include"),
+        ([PD7, "-o", "x.h", "--output", "v"], "no output 'v'"),
+        ([PD7, "-o", "x.h", "--output", "v", "--direct"], "no output 'v'"),
+        ([TABLE, "-o", "x.h", "--direct"], "is a table already"),
+        ([PD7, "-o", "nowhere/x.h"], "No such file or directory"),
+    ],
+)
+def test_it_complains_in_one_sentence_and_writes_nothing(
+    tmp_path, monkeypatch, capsys, words, message
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", *words]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert len(err.splitlines()) == 1
+    assert message in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_compiling_twice_gives_the_same_bytes(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for suffix in EXPORTS:
+        files = []
+        for _ in range(2):
+            assert main(["compile", PD7, "-o", f"c{suffix}"]) == 0
+            files.append(Path(f"c{suffix}").read_bytes())
+        assert files[0] == files[1]
