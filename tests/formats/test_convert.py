@@ -12,6 +12,8 @@ from fuzzyarm.cli.corpus_reference import difference
 from fuzzyarm.cli.main import main
 from fuzzyarm.formats import same_model
 from fuzzyarm.formats.registry import read
+from fuzzyarm.inference import infer
+from fuzzyarm.rulebase import load_rulebase
 
 DATA = Path(__file__).parent / "data"
 
@@ -128,3 +130,17 @@ def test_no_value_equals_no_value_alone() -> None:
     assert difference(nan, 1.0) == difference(1.0, nan) == difference(1.0, inf) == inf
     assert difference(inf, inf) == 0.0
     assert difference(2.0, 2.0 + 4e-6) == pytest.approx(2e-6, rel=1e-4)
+
+
+@pytest.mark.parametrize("suffix", ["fll", "fcl", "fis"])
+@pytest.mark.parametrize("name", ["pd7", "fan", "tipper", "thermostat"])
+def test_shipped_files_go_out_and_come_back_with_their_numbers(
+    name: str, suffix: str, tmp_path: Path
+) -> None:
+    out = tmp_path / f"{name}.{suffix}"
+    assert main(["convert", str(shipped(f"{name}.frb")), str(out), "-q"]) == 0
+    before, after = load_rulebase(shipped(f"{name}.frb")), read(out).rulebase
+    assert after is not None
+    point = {v.name: v.low + 0.3 * (v.high - v.low) for v in before.inputs}
+    for output, value in infer(before, point).items():
+        assert infer(after, point)[output] == pytest.approx(value, rel=1e-4)

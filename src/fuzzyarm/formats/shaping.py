@@ -87,11 +87,8 @@ def _checked(
 
 
 def _finite_enough(kind: str, parameters: list[float]) -> bool:
-    if kind in {"triangle", "trapezoid"}:
-        inner = parameters[1:-1]
-        return all(map(math.isfinite, inner)) and (
-            kind == "trapezoid" or all(map(math.isfinite, parameters))
-        )
+    if kind == "trapezoid":  # an infinite corner makes a shoulder that never ends
+        return parameters[1] < math.inf and parameters[2] > -math.inf
     if kind == "binary":
         return math.isfinite(parameters[0])
     if kind in {"rectangle", "linear", "singleton"}:

@@ -66,7 +66,8 @@ def _infinite_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str]
     for i, value in enumerate(parameters):
         if math.isnan(value):
             return i, f"a {kind} cannot have the number nan"
-        if math.isinf(value) and kind != "trapezoid" and (kind, i) != ("binary", 1):
+        shoulder = kind in ("trapezoid", "rectangle") or (kind, i) == ("binary", 1)
+        if math.isinf(value) and not shoulder:
             return i, f"a {kind} cannot have an infinite number here"
     return None
 
