@@ -58,6 +58,8 @@ class Compiled:
         What the kernel does not cover; empty where it does.
     """
 
+    __slots__ = ("_engine", "_names", "_one", "_only", "_outputs", "kernel", "reason", "rulebase")
+
     def __init__(self, rulebase: RuleBase) -> None:
         self.rulebase = rulebase
         self.kernel = "numba" if jit_wanted() else "python"
@@ -65,12 +67,15 @@ class Compiled:
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._outputs = tuple(output.name for output in rulebase.outputs)
         self._engine: _Engine | None = None
+        self._one: Callable[..., tuple[float, ...] | None] = lambda *_: None
+        self._only = self._outputs[0] if len(self._outputs) == 1 else None
         try:
             layout = lay_out(plan(rulebase))
         except NotCovered as error:
             self.kernel, self.reason = "numpy", str(error)
         else:
             self._engine = _Engine(rulebase, layout, compiled=self.kernel == "numba")
+            self._one = self._engine.one
 
     def __repr__(self) -> str:
         why = f": {self.reason}" if self.reason else ""
@@ -89,8 +94,8 @@ class Compiled:
         tuple of float
             The outputs in their order.
         """
-        if self._engine is not None and len(values) == len(self._names):
-            found = self._engine.one(*values)
+        if len(values) == len(self._names):
+            found = self._one(*values)
             if found is not None:
                 return found
         return tuple(infer(self.rulebase, self._by_name(values)).values())  # type: ignore[arg-type]
@@ -117,27 +122,29 @@ class Compiled:
         dict of str to float or ndarray of float64
             What :func:`fuzzyarm.infer` returns, and it raises the same errors.
         """
-        engine = self._engine
-        if engine is not None and not values and len(named) == len(self._names):
-            ordered = named.values()
-            if tuple(named) != self._names:
-                ordered = [named.get(name) for name in self._names]  # type: ignore[assignment]
-            for value in ordered:
+        if not values and tuple(named) == self._names:  # the thin path
+            for value in named.values():
                 if type(value) is not float:
                     break
             else:
-                found = engine.one(*ordered)
+                found = self._one(*named.values())
                 if found is not None:
+                    if self._only is not None:
+                        return {self._only: found[0]}
                     return dict(zip(self._outputs, found, strict=True))
-        given = merged(self._mapping(values), named)
-        if engine is None or set(given) != set(self._names):
+        return self._general(merged(self._mapping(values), named), held)
+
+    def _general(
+        self, given: Mapping[str, Any], held: Mapping[str, float] | None
+    ) -> dict[str, Any]:
+        if self._engine is None or given.keys() != set(self._names):
             return infer(self.rulebase, given, held=held)
         if held:
             check_names(held, self._outputs, what="output")
         if holds_arrays(given):
-            return dict(engine.many(given, held))
+            return dict(self._engine.many(given, held))
         try:
-            found = engine.one(*(float(given[name]) for name in self._names))
+            found = self._one(*(float(given[name]) for name in self._names))
         except (TypeError, ValueError, OverflowError):
             found = None
         if found is None:
@@ -170,9 +177,7 @@ class _Engine:
         wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, wanted, layout.samples)
         self._large: list[Block] = []
-        first = make_block(layout, 1)
-        self._small = [first.numbers]
-        self.one = self._point_function(first)
+        self.one = self._point_function(make_block(layout, 1))
 
     def _point_function(self, first: Block) -> Callable[..., tuple[float, ...] | None]:
         """Return a function of floats that returns the outputs, None where one has no value.
@@ -185,18 +190,20 @@ class _Engine:
         pack = struct.Struct("=" + f"d{gap}" * inputs).pack_into
         unpack = struct.Struct("=" + f"d{gap}" * outputs).unpack_from
         x_at, y_at = first.columns.ctypes.data - start, first.results.ctypes.data - start
-        kernel, small, template = self._kernel, self._small, first.numbers.copy()
-        take, give = small.pop, small.append
+        kernel, template = self._kernel, first.numbers
+        free: list[tuple[NDArray[np.float64], memoryview]] = []
+        take, give = free.pop, free.append
 
         def one(*values: float) -> tuple[float, ...] | None:
             try:
-                block = take()
+                room = take()
             except IndexError:
                 block = template.copy()
-            pack(block, x_at, *values)
-            missing = kernel(block)
-            found = unpack(block, y_at)
-            give(block)
+                room = block, memoryview(block).cast("B")  # type: ignore[arg-type]
+            pack(room[1], x_at, *values)
+            missing = kernel(room[0])
+            found: tuple[float, ...] = unpack(room[1], y_at)
+            give(room)
             return None if missing else found
 
         if not self._curved:

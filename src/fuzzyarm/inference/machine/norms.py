@@ -33,27 +33,35 @@ def combine(code: int, a: float, b: float) -> float:
 @kernel
 def rare(code: int, a: float, b: float) -> float:
     """Return one of the norms that few rule bases use."""
-    product = a * b
-    if code == PROBOR:
-        return a + b - product
+    if code in (BOTH_HAMACHER, HAMACHER, BOTH_EINSTEIN, EINSTEIN, PROBOR):
+        return smooth(code, a, b, a * b)
+    low, high, total = min(a, b), max(a, b), a + b
+    found = total / max(1.0, total)  # normalized
     if code == BOTH_BOUNDED:
-        return max(0.0, a + b - 1.0)
-    if code == BOUNDED:
-        return min(1.0, a + b)
-    if code == BOTH_DRASTIC:
-        return min(a, b) if max(a, b) >= 1.0 else 0.0
-    if code == DRASTIC:
-        return max(a, b) if min(a, b) <= 0.0 else 1.0
+        found = max(0.0, total - 1.0)
+    elif code == BOUNDED:
+        found = min(1.0, total)
+    elif code == BOTH_DRASTIC:
+        found = low if high >= 1.0 else 0.0
+    elif code == DRASTIC:
+        found = high if low <= 0.0 else 1.0
+    elif code == BOTH_NILPOTENT:
+        found = low if total > 1.0 else 0.0
+    elif code == NILPOTENT:
+        found = high if total < 1.0 else 1.0
+    return found
+
+
+@kernel
+def smooth(code: int, a: float, b: float, product: float) -> float:
+    """Return one of the norms that are rational functions."""
+    found = a + b - product  # probor
     if code == BOTH_HAMACHER:
-        return product / (a + b - product) if product > 0.0 else 0.0
-    if code == HAMACHER:
-        return (a + b - 2.0 * product) / (1.0 - product) if product < 1.0 else 1.0
-    if code == BOTH_EINSTEIN:
-        return product / (2.0 - (a + b - product))
-    if code == EINSTEIN:
-        return (a + b) / (1.0 + product)
-    if code == BOTH_NILPOTENT:
-        return min(a, b) if a + b > 1.0 else 0.0
-    if code == NILPOTENT:
-        return max(a, b) if a + b < 1.0 else 1.0
-    return (a + b) / max(1.0, a + b)
+        found = product / found if product > 0.0 else 0.0
+    elif code == HAMACHER:
+        found = (a + b - 2.0 * product) / (1.0 - product) if product < 1.0 else 1.0
+    elif code == BOTH_EINSTEIN:
+        found = product / (2.0 - found)
+    elif code == EINSTEIN:
+        found = (a + b) / (1.0 + product)
+    return found

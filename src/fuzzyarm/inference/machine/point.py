@@ -7,8 +7,9 @@ numbers as `k`, the floats of the rule base as `f` and the rows to work in as `r
 
 Every input finds its cell between the corners of its terms; the cells together name a
 program, which lists the rules that can fire there and what to integrate. So nothing is
-searched, and the cost grows with the rules that fire. Points are sorted by their program; what a program does it does to all of its
-points in a row, which the processor takes several at a time.
+searched, and the cost grows with the rules that fire. Points are sorted by their program;
+what a program does it does to all of its points in a row, which the processor takes
+several at a time.
 
 Where there is no ordinary value (not a number, outside a range that forbids it, no rule
 fires and nothing is stated) the output is NaN; the caller asks another engine then.
@@ -247,7 +248,7 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> int:
     """Write down how far a rule fires: [norm, weight and threshold, operands …]."""
     count = strength.shape[0]
     width = k[WIDTH]
-    operands = k[OPERANDS]
+    operands: int = k[OPERANDS]
     code = k[rule]
     weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
     degrees = room[k[rule + 2] * width :][:count]
