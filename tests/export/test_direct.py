@@ -288,3 +288,47 @@ def test_rules_and_inputs_that_do_not_count_leave_no_trace(tmp_path):
     points = points_for(model, 500)
     (found,) = run_c([routine], [points], tmp_path)
     assert_close(found, routine.model(*points), 10.0)
+
+
+@pytest.mark.slow
+def test_long_rules_and_many_terms_are_no_trouble(tmp_path):
+    places = " ".join(f"({k / 30 - 1:.4f}, {k % 2})" for k in range(61))
+    terms = "".join(f"term u X{k}: singleton {k / 60}\n" for k in range(300))
+    rules = "".join(f"rule if b is Z then u is X{k} with {k / 300}\n" for k in range(300))
+    long = " or ".join(["a is L", "b is P"] * 600)
+    model = made(
+        f"term b Z: points {places}\n{terms}{rules}rule if {long} then u is X7\n",
+        defuzzifier="weighted-average",
+    )
+    (routine,) = routines_of(model)
+    points = points_for(model, 500)
+    (found,) = run_c([routine], [points], tmp_path)
+    np.testing.assert_array_equal(found, routine.evaluate(*points))
+    assert_close(found, routine.model(*points), 10.0)
+    many = " ".join(f"({k / 100 - 1}, {k % 2})" for k in range(150))
+    with pytest.raises(ExportError, match="term 'Z' of 'b' has 150 corners"):
+        routines_of(made(f"term b Z: points {many}\nrule if b is Z then u is D"))
+
+
+@pytest.mark.parametrize("how", [[], ["--direct"]])
+def test_unbounded_variables_and_rules_that_never_fire(tmp_path, monkeypatch, how):
+    from c_programs import compile_c, execute
+
+    from fuzzyarm.cli import main
+
+    monkeypatch.chdir(tmp_path)
+    Path("odd.frb").write_text(
+        "rulebase odd\ninput a -inf .. inf\ninput b 0 .. inf\noutput y -inf .. inf\n"
+        "output z 0 .. 1\n"
+        "term a L: ramp 1 -1\nterm a H: ramp -1 1\nterm b S: trapezoid 0 0 1 2\n"
+        "term b N: triangle -5 -4 -3\n"
+        "term y P: singleton 3\nterm y Q: linear 2*a + 1\nterm z Z: singleton 0.5\n"
+        "inference defuzzifier weighted-average, no-rule 0\n"
+        "inference z: no-rule " + ("nan" if how else "0.25") + "\n"
+        "rule if a is L and b is S then y is P\nrule if a is H then y is Q\n"
+        "rule if b is N then z is Z\n"
+        "lookup\n  levels a: -2 .. 2 step 1\n  levels b: 0 .. 3 step 1\n"
+    )
+    assert main(["compile", "odd.frb", "-o", "odd.h", *how]) == 0
+    compile_c(["-x", "c", "odd.h"], tmp_path / "odd", HOST, "-DFUZZYARM_SELF_TEST")
+    assert execute(tmp_path / "odd") == 0

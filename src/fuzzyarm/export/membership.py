@@ -26,6 +26,9 @@ from fuzzyarm.rulebase.shapes import SHAPES
 
 Corner = tuple[float, float]
 
+MOST_CORNERS = 100
+"""Corners of a term: each is a comparison inside the one before (C compilers take 127)."""
+
 
 def degree_of(term: Term, variable: str, x: Expression) -> Expression:
     """Return the membership of `x` in a straight term.
@@ -49,6 +52,12 @@ def degree_of(term: Term, variable: str, x: Expression) -> Expression:
         raise ExportError(
             f"the direct inference cannot be exported: term '{term.name}' of '{variable}' has a"
             " corner at infinity"
+        )
+    if len(corners) > MOST_CORNERS:
+        raise ExportError(
+            f"the direct inference cannot be exported: term '{term.name}' of '{variable}' has"
+            f" {len(corners)} corners, and {MOST_CORNERS} are the most",
+            hint="leave out --direct to export a table",
         )
     return _through(corners, x)
 

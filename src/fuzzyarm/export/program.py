@@ -31,6 +31,9 @@ from fuzzyarm.rulebase.model import Expression as Antecedent
 FOLDS = ("max", "sum", "probor")
 """Aggregations that are exported."""
 
+_LONGEST = 16
+"""Operands of one expression before it goes into a variable: nesting stays shallow."""
+
 _TABLE_HINT = "leave out --direct to export a table"
 
 
@@ -248,12 +251,12 @@ class _Builder:
         simple = conjunction and planned.conjunction in {"min", "product"}
         simple = simple or (not conjunction and planned.disjunction == "max")
         truth: Expression | None = None
-        for operand in expression.operands:
+        for number, operand in enumerate(expression.operands, start=1):
             degree = self._truth(operand, planned)
             if not simple:  # the norm names its operands more than once
                 degree = self.fresh(degree, "d")
             truth = degree if truth is None else norm(truth, degree)
-            if not simple:
+            if not simple or number % _LONGEST == 0:
                 truth = self.fresh(truth, "d")
         assert truth is not None
         return truth
@@ -341,10 +344,12 @@ class _Builder:
     def _weighted(self, output: OutputPlan) -> tuple[Expression, Expression]:
         total: Expression = ZERO
         weighted: Expression = ZERO
-        for member, name in self.heights[output.output.name].items():
+        for number, (member, name) in enumerate(self.heights[output.output.name].items(), start=1):
             height = Local(name)
             total = add(total, height)
             weighted = add(weighted, times(height, self._value(output, member)))
+            if number % _LONGEST == 0:
+                total, weighted = self.fresh(total, "total"), self.fresh(weighted, "weighted")
         return total, weighted
 
     def _value(self, output: OutputPlan, member: int) -> Expression:

@@ -22,6 +22,9 @@ from fuzzyarm.rulebase.model import RuleBase
 EXPORTS = (".h", ".c", ".st")
 """Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text."""
 
+MOST_CELLS = 1_000_000
+"""Cells of a table in source text, which compilers read slowly."""
+
 
 @dataclass(frozen=True, eq=False)
 class Exported:
@@ -86,6 +89,12 @@ def routines_of(
             raise ExportError(f"'{model.name}' has no outputs")
         return tuple(direct_routine(model, name, precision, source) for name in names)
     tables = [model] if isinstance(model, LookupTable) else list(model)
+    for table in tables:
+        if table.values.size > MOST_CELLS:
+            raise ExportError(
+                f"the table of '{table.output}' has {table.values.size:,} cells; at most"
+                f" {MOST_CELLS:,} are exported"
+            )
     if q is not None:
         return tuple(TableRoutine(fixed_table(table, q, mode)) for table in tables)
     return tuple(TableRoutine(float_table(table, mode, precision)) for table in tables)
