@@ -1,0 +1,80 @@
+"""The rule bases that are measured: seven terms each, and the table of pd7.frb."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+
+from fuzzyarm import shipped
+from fuzzyarm.rulebase import RuleBase, load_rulebase
+from fuzzyarm.rulebase.model import And, Consequent, Input, Is, Rule, RuleBlock, Shape, Term
+
+LOW, HIGH = -6.0, 6.0
+
+UNEVEN = {
+    "e": ((-9, -6, -4.5), (-6, -4, -3.5, -1), (-4, -2.25, 0), (-1.5, 0, 0.5, 1.25),
+          (0, 1, 3.5), (1.5, 3, 3.25, 5.5), (3, 6, 9)),
+    "ce": ((-9, -6, -3), (-5.5, -4, -2), (-4, -2, -1.5, 0.5), (-2, -0.25, 1.75),
+           (-0.5, 2, 2.5, 4.5), (1.75, 4.25, 6.5), (4, 6, 8)),
+    "u": ((-8, -6, -5, -2.5), (-5.5, -3.75, -1.5), (-4, -1.75, 0.5), (-1, 0, 0.25, 2),
+          (-0.5, 1.5, 4), (1.5, 4, 4.5, 6.25), (3.5, 6, 9)),
+}  # fmt: skip
+"""Triangles and trapezoids, uneven and overlapping: up to three hold at a place."""
+
+
+def even() -> RuleBase:
+    """Return the shipped controller: strong partitions of equal triangles."""
+    return load_rulebase(shipped("pd7.frb"))
+
+
+def uneven() -> RuleBase:
+    """Return the same rules over other terms."""
+    base = even()
+
+    def terms(name: str) -> tuple[Term, ...]:
+        kinds = {3: "triangle", 4: "trapezoid"}
+        return tuple(
+            Term(old.name, Shape(kinds[len(p)], tuple(map(float, p))))
+            for old, p in zip(base.variable(name).terms, UNEVEN[name], strict=True)
+        )
+
+    return dataclasses.replace(
+        base,
+        inputs=tuple(dataclasses.replace(each, terms=terms(each.name)) for each in base.inputs),
+        outputs=tuple(dataclasses.replace(each, terms=terms(each.name)) for each in base.outputs),
+        expectations=(),
+    )
+
+
+def three_inputs() -> RuleBase:
+    """Return 343 rules on three inputs: the index of the conclusion is about the mean."""
+    base = even()
+    terms = base.inputs[0].terms
+    names = ("e", "ce", "load")
+    rules = []
+    for indexes in itertools.product(range(7), repeat=3):
+        parts = (Is(n, terms[i].name) for n, i in zip(names, indexes, strict=True))
+        then = terms[round(sum(indexes) / 3)].name
+        rules.append(Rule(And(tuple(parts)), (Consequent("u", then),)))
+    inputs = tuple(Input(name, LOW, HIGH, terms) for name in names)
+    return dataclasses.replace(
+        base, inputs=inputs, blocks=(RuleBlock(tuple(rules)),), lookup=None, expectations=()
+    )
+
+
+def table(base: RuleBase) -> list[int]:
+    """Return the index of the conclusion of each rule, row by row."""
+    index = {term.name: i for i, term in enumerate(base.outputs[0].terms)}
+    return [index[rule.consequents[0].term] for rule in base.blocks[0].rules]
+
+
+def rule_file(rules: int) -> str:
+    """Return a file of about so many rules, written out one by one."""
+    side = max(2, round(rules**0.5))
+    names = [f"T{i}" for i in range(side)]
+    lines = ["rulebase large", ""]
+    lines += [f"input {name} 0 .. {side - 1}" for name in ("a", "b")]
+    lines += [f"output u 0 .. {side - 1}", "", f"terms a, b, u: triangles {' '.join(names)}", ""]
+    for i, j in itertools.islice(itertools.product(range(side), repeat=2), rules):
+        lines.append(f"rule if a is T{i} and b is T{j} then u is T{(i + j) // 2}")
+    return "\n".join(lines) + "\n"
