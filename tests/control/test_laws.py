@@ -13,8 +13,8 @@ from fuzzyarm.arm.dynamics import (
 )
 from fuzzyarm.arm.regressor import parameter_vector, regressor
 from fuzzyarm.control import controller
-from fuzzyarm.control.law import Arithmetic
 from fuzzyarm.control.controller import CompiledController
+from fuzzyarm.control.law import Arithmetic
 from fuzzyarm.control.own import find_controller
 
 MODEL = UNLOADED.with_values(J_1=0.0, J_2=0.0)
