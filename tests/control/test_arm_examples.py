@@ -24,7 +24,20 @@ def test_own_controller_is_short_and_runs_from_the_command_line(capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["compare_controllers", "identify_gains"])
-def test_example_runs(capsys, name):
+@pytest.mark.parametrize(
+    "name",
+    [
+        "best_without_a_model",
+        "close_a_loop",
+        "compare_controllers",
+        "compare_fuzzy",
+        "hybrid_run",
+        "identify_gains",
+        "train_and_deploy",
+    ],
+)
+def test_example_runs(capsys, name, tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.argv", [f"{name}.py", str(tmp_path)] if "hybrid" in name else [name])
     runpy.run_path(str(EXAMPLES / f"{name}.py"), run_name="__main__")
     assert capsys.readouterr().out.count("\n") >= 2
+    assert len(list(tmp_path.iterdir())) == (4 if "hybrid" in name else 0)
