@@ -4,12 +4,18 @@
  *   even()      seven evenly spaced triangles for every variable, each foot under the
  *               neighbour's peak: two terms hold at a place, so four rules fire;
  *   straight()  any piecewise-linear terms: breakpoints of the clipped sets, sorted.
- * Built as a shared library with -O3; compiled.py hands both the same points as fuzzyarm.
+ * Built as a shared library with -O3, once more with -DASKING; compiled.py hands both the same points as fuzzyarm.
  */
 enum { TERMS = 7, CORNERS = 8, MOST = 256 };
 
 static double least(double a, double b) { return a < b ? a : b; }
 static double greatest(double a, double b) { return a > b ? a : b; }
+
+#ifdef ASKING
+#define ASK(height) if ((height) <= 0.0) continue;
+#else
+#define ASK(height)
+#endif
 
 /* ---- strong partitions of equal triangles ------------------------------------------- */
 
@@ -42,30 +48,31 @@ void even(const double *e, const double *ce, double *u, long points, const int *
                 const int then = rules[TERMS * (row + i) + column + j];
                 height[then] = greatest(height[then], least(row_degree[i], column_degree[j]));
             }
-        /* Clipped triangles in units of the spacing, less the overlaps of neighbours. */
-        for (int k = 0; k < TERMS; k++) {
-            const double h = height[k];
-
-            if (h <= 0.0)
-                continue;
-            if (k == 0 || k == TERMS - 1) { /* half a triangle: the rest is out of range */
-                /* A rectangle 1 - h wide, then a triangle as wide as high. */
-                const double a = h - 0.5 * h * h, top = 1.0 - h;
-                const double inward = 0.5 * top * top * h + 0.5 * h * h * (top + h / 3.0);
-
-                area += a;
-                moment += k == 0 ? inward : (TERMS - 1) * a - inward;
-            } else {
-                const double a = h * (2.0 - h);
-                area += a;
-                moment += a * k;
-            }
-            if (k + 1 < TERMS && height[k + 1] > 0.0) {
-                const double m = least(least(h, height[k + 1]), 0.5);
-                const double a = m * (1.0 - m);
-                area -= a;
-                moment -= a * (k + 0.5);
-            }
+        /* Clipped triangles in units of the spacing, less the overlaps of neighbours. To ask
+         * whether a term fired pays where points that are neighbours follow each other; the
+         * processor guesses wrong where they are random. */
+        for (int k = 1; k < TERMS - 1; k++) {
+            ASK(height[k])
+            const double a = height[k] * (2.0 - height[k]);
+            area += a;
+            moment += a * k;
+        }
+        for (int k = 0; k < TERMS - 1; k++) {
+            ASK(height[k])
+            ASK(height[k + 1])
+            const double m = least(least(height[k], height[k + 1]), 0.5);
+            const double a = m * (1.0 - m);
+            area -= a;
+            moment -= a * (k + 0.5);
+        }
+        /* Half a triangle at either end: a rectangle, then a triangle as wide as high. */
+        for (int end = 0; end < 2; end++) {
+            ASK(height[end * (TERMS - 1)])
+            const double h = height[end * (TERMS - 1)], top = 1.0 - h;
+            const double a = h - 0.5 * h * h;
+            const double inward = 0.5 * top * top * h + 0.5 * h * h * (top + h / 3.0);
+            area += a;
+            moment += end ? (TERMS - 1) * a - inward : inward;
         }
         u[p] = low + spacing * moment / area;
     }
@@ -106,7 +113,7 @@ static int insert(double *sorted, int count, double x)
 static double centroid(const Term *terms, const double *height, double low, double high)
 {
     double place[MOST], area = 0.0, moment = 0.0;
-    int fired[TERMS], count = 0, places = 0;
+    int fired[TERMS], piece[TERMS] = {0}, count = 0, places = 0;
 
     for (int k = 0; k < TERMS; k++)
         if (height[k] > 0.0)
@@ -137,8 +144,20 @@ static double centroid(const Term *terms, const double *height, double low, doub
         if (!(b > a))
             continue;
         for (int n = 0; n < count; n++) {
-            ya[n] = least(height[fired[n]], membership(&terms[fired[n]], a));
-            yb[n] = least(height[fired[n]], membership(&terms[fired[n]], b));
+            const Term *term = &terms[fired[n]];
+            int i = piece[n];
+
+            while (i < term->corners && term->x[i] <= a)
+                i++;
+            piece[n] = i;
+            if (i == 0 || i == term->corners) {
+                ya[n] = yb[n] = least(height[fired[n]], term->y[i == 0 ? 0 : i - 1]);
+            } else {
+                const double slope
+                    = (term->y[i] - term->y[i - 1]) / (term->x[i] - term->x[i - 1]);
+                ya[n] = least(height[fired[n]], term->y[i - 1] + slope * (a - term->x[i - 1]));
+                yb[n] = least(height[fired[n]], term->y[i - 1] + slope * (b - term->x[i - 1]));
+            }
         }
         for (int n = 0; n < count; n++)
             for (int m = n + 1; m < count; m++) {

@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+import dataclasses
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer
+from fuzzyarm.inference.machine.evaluator import machine
 from fuzzyarm.rulebase.model import (
     CONJUNCTIONS,
     DISJUNCTIONS,
+    And,
+    Consequent,
     Defuzzifier,
+    Hedge,
+    Input,
+    Is,
+    Or,
+    Output,
+    Rule,
     RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
 )
 from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases
 
@@ -76,3 +91,172 @@ def test_mamdani_rule_bases_are_covered(data: st.DataObject) -> None:
         )
     )
     assert assert_equal_engines(rulebase, data.draw(input_points(rulebase, 8))) == "numba"
+
+
+def norms_base(conjunction: str, disjunction: str, aggregation: str) -> RuleBase:
+    """Rules with *and* and *or*, a weight and a threshold; two outputs of two kinds."""
+    lines = (Term("low", Shape("ramp", (1.0, 0.0))), Term("high", Shape("ramp", (0.0, 1.0))))
+    inputs = tuple(Input(name, 0.0, 1.0, lines) for name in ("a", "b", "c"))
+    sets = (
+        Term("small", Shape("triangle", (-1.0, 0.0, 2.0))),
+        Term("big", Shape("gaussian", (4.0, 1.0))),
+    )
+    u = Output(
+        "u", 0.0, 5.0, sets, aggregation=aggregation, no_rule=1.5,
+        defuzzifier=Defuzzifier("centroid", 21, "midpoints"),
+    )  # fmt: skip
+    values = (
+        Term("flat", Shape("singleton", (2.0,))),
+        Term("slope", Shape("linear", (1.0, -2.0, 0.5, 3.0))),
+    )
+    v = Output(
+        "v", -9.0, 9.0, values, aggregation=aggregation, no_rule=0.5,
+        defuzzifier=Defuzzifier("weighted-average"),
+    )  # fmt: skip
+    rules = (
+        Rule(And((Is("a", "high"), Is("b", "low"), Is("c", "high"))), (Consequent("u", "small"),)),
+        Rule(
+            Or((Is("a", "low"), Is("c", "low"))),
+            (Consequent("u", "big"), Consequent("v", "flat")),
+            weight=0.7,
+        ),
+        Rule(And((Is("a", "high"), Is("b", "high"))), (Consequent("v", "slope"),)),
+        Rule(Is("b", "high", (Hedge("very"),)), (Consequent("v", "slope"),)),
+        Rule(Is("c", "high", (Hedge("not"),)), (Consequent("u", "big"),)),
+    )
+    block = RuleBlock(
+        rules, conjunction=conjunction, disjunction=disjunction, implication=conjunction,
+        threshold=0.1,
+    )  # fmt: skip
+    return RuleBase("norms", inputs, (u, v), (block,))
+
+
+@pytest.mark.parametrize(
+    ("conjunction", "disjunction"), list(zip(CONJUNCTIONS, DISJUNCTIONS[:7], strict=True))
+)
+def test_every_norm(conjunction: str, disjunction: str) -> None:
+    axis = np.linspace(-0.1, 1.1, 13)
+    for aggregation in DISJUNCTIONS:
+        rulebase = norms_base(conjunction, disjunction, aggregation)
+        fast = compiled(rulebase)
+        assert fast.kernel == "numba"
+        grid = {"a": axis[:, None, None], "b": axis[:, None], "c": axis}
+        found, expected = fast(grid), infer(rulebase, grid)
+        for name in ("u", "v"):
+            assert found[name].shape == (13, 13, 13)
+            np.testing.assert_allclose(found[name], expected[name], rtol=1e-12, atol=1e-12)
+
+
+def test_interpreted_kernel_has_the_same_bits(
+    pd7: RuleBase, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = np.random.default_rng(5).uniform(-7.0, 7.0, (2, 60))
+    cases = [pd7, norms_base("product", "probor", "sum")]
+    machine = [compiled(each) for each in cases]
+    monkeypatch.setenv("FUZZYARM_JIT", "0")
+    plain = [compiled(each) for each in cases]
+    assert [each.kernel for each in plain] == ["python", "python"]
+    for one, other in zip(machine, plain, strict=True):
+        names = [each.name for each in one.rulebase.inputs]
+        given_ = dict(zip(names, (points[0], points[1], points[0][::-1]), strict=False))
+        first, second = one(given_), other(given_)
+        for name, values in first.items():
+            np.testing.assert_array_equal(values, second[name])
+
+
+@pytest.mark.parametrize("shape", [(), (1,), (7,), (3, 5), (2, 3, 4), (0,), (3, 0)])
+def test_arrays_of_any_shape_and_precision(pd7: RuleBase, shape: tuple[int, ...]) -> None:
+    fast = compiled(pd7)
+    e = np.random.default_rng(0).uniform(-7, 7, shape)
+    for values in (e, e.astype(np.float32), np.array(e, order="F")):
+        found, expected = fast(e=values, ce=0.5)["u"], infer(pd7, e=values, ce=0.5)["u"]
+        assert np.shape(found) == shape
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+
+
+def test_more_points_than_a_chunk_and_views_with_steps(pd7: RuleBase) -> None:
+    points = np.random.default_rng(7).uniform(-6, 6, (50_000, 2))
+    found = compiled(pd7)(e=points[::2, 0], ce=points[::2, 1])["u"]
+    expected = infer(pd7, e=points[::2, 0], ce=points[::2, 1])["u"]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+
+
+def test_ways_of_calling(pd7: RuleBase) -> None:
+    fast = compiled(pd7)
+    wanted = infer(pd7, e=1.3, ce=-2.2)
+    assert fast(e=1.3, ce=-2.2) == wanted
+    assert fast(ce=-2.2, e=1.3) == wanted
+    assert fast({"e": 1.3}, ce=-2.2) == wanted
+    assert fast(1.3, -2.2) == wanted
+    assert fast(e=np.float32(1.0), ce=-2) == infer(pd7, e=1.0, ce=-2.0)
+    assert fast.at(1.3, -2.2) == (wanted["u"],)
+    assert repr(fast) == "<compiled 'pd7', kernel numba>"
+
+
+@pytest.mark.parametrize(
+    "inputs",
+    [
+        {"e": 1.0},
+        {"e": 1.0, "ce": 2.0, "what": 3.0},
+        {"e": 1.0, "ce": "two"},
+        {"e": float("nan"), "ce": 0.0},
+        {"e": np.array([1.0, np.nan]), "ce": 0.0},
+        {"e": np.zeros(3), "ce": np.zeros(4)},
+        {"e": np.array(["a"]), "ce": 0.0},
+    ],
+    ids=str,
+)
+def test_bad_inputs_are_the_errors_of_infer(pd7: RuleBase, inputs: dict[str, object]) -> None:
+    with pytest.raises(InferenceError) as expected:
+        infer(pd7, inputs)
+    with pytest.raises(type(expected.value)) as found:
+        compiled(pd7)(inputs)
+    assert str(found.value) == str(expected.value)
+
+
+def test_points_where_nothing_fires(pd7: RuleBase) -> None:
+    block = dataclasses.replace(pd7.blocks[0], rules=pd7.blocks[0].rules[:1])
+    sparse = dataclasses.replace(pd7, blocks=(block,))
+    e = np.array([-6.0, 3.0, -5.0])
+    with pytest.raises(NoRuleFiredError, match="e = 3"):
+        compiled(sparse)(e=e, ce=-6.0)
+    with pytest.raises(NoRuleFiredError, match="e = 3"):
+        compiled(sparse)(e=3.0, ce=-6.0)
+    output = dataclasses.replace(pd7.outputs[0], no_rule="hold")
+    holding = compiled(dataclasses.replace(sparse, outputs=(output,)))
+    assert holding(e=e, ce=-6.0, held={"u": 0.25})["u"][1] == 0.25
+    assert holding(e=3.0, ce=-6.0, held={"u": 0.25}) == {"u": 0.25}
+
+
+def test_what_is_not_covered_goes_through_numpy(pd7: RuleBase) -> None:
+    output = dataclasses.replace(pd7.outputs[0], defuzzifier=Defuzzifier("bisector"))
+    rulebase = dataclasses.replace(pd7, outputs=(output,))
+    slow = compiled(rulebase)
+    assert slow.kernel == "numpy"
+    assert repr(slow) == "<compiled 'pd7', kernel numpy: the bisector of 'u'>"
+    assert slow(e=1.3, ce=0.2) == infer(rulebase, e=1.3, ce=0.2)
+
+
+def test_rules_too_many_to_index_by_all_inputs(
+    pd7: RuleBase, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    e, ce = np.random.default_rng(9).uniform(-6, 6, (2, 300))
+    wanted = infer(pd7, e=e, ce=ce)["u"]
+    for programs in (1, 6):
+        monkeypatch.setattr("fuzzyarm.inference.machine.layout.MOST_PROGRAMS", programs)
+        assert compiled(pd7)(e=e[0], ce=ce[0])["u"] == pytest.approx(wanted[0], abs=1e-12)
+        np.testing.assert_allclose(compiled(pd7)(e=e, ce=ce)["u"], wanted, rtol=0, atol=1e-12)
+
+
+def test_threads_do_not_disturb_each_other(pd7: RuleBase) -> None:
+    fast = compiled(pd7)
+    values = np.random.default_rng(3).uniform(-6, 6, (400, 2)).tolist()
+    wanted = [fast.at(*pair) for pair in values]
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(lambda pair: fast.at(*pair), values)) == wanted
+
+
+def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
+    compiled(pd7)(e=1.0, ce=1.0)
+    compiled(norms_base("min", "max", "max"))(a=0.5, b=0.5, c=0.5)
+    assert len(machine(compiled=True).signatures) == 1  # type: ignore[attr-defined]

@@ -41,7 +41,8 @@ LONGEST_CHUNK = 1 << 17
 @functools.cache
 def machine(*, compiled: bool) -> Callable[..., int]:
     """Return the kernel as machine code (or as it stands), made once in a process."""
-    return build(sweep, compiled=compiled)
+    kernel = build(sweep, compiled=compiled)
+    return kernel if compiled else np.errstate(divide="ignore", invalid="ignore")(kernel)
 
 
 class Compiled:

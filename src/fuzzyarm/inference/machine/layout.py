@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.machine import point as at
-from fuzzyarm.inference.machine.cells import ZERO_LINE, Cells, cut_into_cells, identity_cell
+from fuzzyarm.inference.machine.cells import Cells, cut_into_cells, identity_cell
 from fuzzyarm.inference.machine.norms import CODES
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plain_membership import is_straight
@@ -52,8 +52,6 @@ class Layout(NamedTuple):
         How many rows the kernel needs to work in, and how long they have to be at least.
     curved : tuple of Curved
         Inputs behind those of the rule base.
-    indexed : tuple of bool
-        For each input, whether the rules are looked up by its cells.
     """
 
     whole: list[int]
@@ -62,7 +60,6 @@ class Layout(NamedTuple):
     rows: int
     samples: int
     curved: tuple[Curved, ...]
-    indexed: tuple[bool, ...]
 
 
 class _Rule(NamedTuple):
@@ -154,7 +151,7 @@ class _Writer:
             if name in {key[0] for key in self.numbers}:
                 raise NotCovered(f"'{name}' is used by later rules")
             _check_output(output)
-        self.cells, self.curved = self._cut()
+        self._cut_inputs()
         self.whole: list[int] = []
         self.floats: list[float] = []
 
@@ -179,7 +176,24 @@ class _Writer:
 
     # ── inputs ───────────────────────────────────────────────────────────────────────
 
-    def _cut(self) -> tuple[list[Cells], tuple[Curved, ...]]:
+    def _cut_inputs(self) -> None:
+        """Cut the inputs into cells; not all of them where that would make too many programs."""
+        given: set[str] = set()
+        while True:
+            self.cells, self.curved = self._cut(given)
+            self.known = [{n for lines in cells.lines for n in lines} for cells in self.cells]
+            programs = math.prod(len(cells.lines) for cells in self.cells)
+            if programs <= MOST_PROGRAMS and self._entries() <= MOST_ENTRIES:
+                return
+            inputs = self.plan.rulebase.inputs
+            sizes = {v.name: len(cells.lines) for v, cells in zip(inputs, self.cells, strict=False)}
+            largest = max(sizes, key=lambda name: sizes[name])
+            if sizes[largest] == 1:
+                return
+            given.add(largest)
+
+    def _cut(self, given: set[str]) -> tuple[list[Cells], tuple[Curved, ...]]:
+        """Cut the inputs; all degrees of those in `given` are found elsewhere."""
         cells: list[Cells] = []
         curved: list[Curved] = []
         bent: list[int] = []
@@ -189,7 +203,7 @@ class _Writer:
                 if name != variable.name:
                     continue
                 shape = variable.term(term).shape
-                if is_straight(shape, hedges):
+                if name not in given and is_straight(shape, hedges):
                     straight.append((number, shape, hedges))
                 else:
                     curved.append(Curved(name, shape, hedges))
@@ -199,47 +213,25 @@ class _Writer:
             cells.append(cut_into_cells(straight, low, high))
         return cells + [identity_cell(number) for number in bent], tuple(curved)
 
-    def _choose_index(self) -> list[bool]:
-        """Index by as many inputs as the size of all programs allows."""
-        indexed = [len(cells.lines) > 1 for cells in self.cells]
-        while True:
-            programs = math.prod(
-                len(cells.lines) for cells, use in zip(self.cells, indexed, strict=True) if use
-            )
-            if programs <= MOST_PROGRAMS and self._entries(indexed) <= MOST_ENTRIES:
-                return indexed
-            largest = max((len(cells.lines), i) for i, cells in enumerate(self.cells) if indexed[i])
-            indexed[largest[1]] = False
+    def _entries(self) -> int:
+        return sum(math.prod(len(each) for each in self._alive(rule)) for rule in self.rules)
 
-    def _entries(self, indexed: Sequence[bool]) -> int:
-        return sum(
-            math.prod(len(each) for each in self._alive(rule, indexed)) for rule in self.rules
-        )
-
-    def _alive(self, rule: _Rule, indexed: Sequence[bool]) -> list[list[int]]:
-        """Return for each indexed input the cells in which a rule can fire."""
+    def _alive(self, rule: _Rule) -> list[list[int]]:
+        """Return for each input the cells in which a rule can fire."""
         found = []
-        for cells, use in zip(self.cells, indexed, strict=True):
-            if not use:
+        for cells, known in zip(self.cells, self.known, strict=True):
+            own = [part for part in rule.parts if part in known] if rule.conjunction else []
+            if not own:
+                found.append(list(range(len(cells.lines))))
                 continue
-            own = [part for part in rule.parts if part in self._known(cells)]
             found.append(
-                [
-                    i
-                    for i, lines in enumerate(cells.lines)
-                    if not rule.conjunction or all(part in lines for part in own)
-                ]
+                [i for i, lines in enumerate(cells.lines) if all(part in lines for part in own)]
             )
         return found
-
-    @staticmethod
-    def _known(cells: Cells) -> set[int]:
-        return {number for lines in cells.lines for number in lines}
 
     # ── writing ──────────────────────────────────────────────────────────────────────
 
     def layout(self) -> Layout:
-        indexed = self._choose_index()
         inputs, outputs = len(self.cells), list(self.plan.outputs.values())
         self.whole = [0] * (at.HEAD + at.INPUT_HEAD * inputs)
         self.floats = [0.0] * (4 * inputs)
@@ -247,11 +239,11 @@ class _Writer:
         self.slots: list[tuple[int, list[dict[int, int]]]] = []
         self.lines: list[list[tuple[int, int]]] = []
         strides = []
-        for i, (cells, use) in enumerate(zip(self.cells, indexed, strict=True)):
-            self._input(i, cells, slot, stride if use else 0, use)
-            strides.append(stride if use else 0)
+        for i, cells in enumerate(self.cells):
+            self._input(i, cells, slot, stride)
+            strides.append(stride)
             slot += max(len(places) for places in self.slots[i][1])
-            stride *= len(cells.lines) if use else 1
+            stride *= len(cells.lines)
         self.operands = max([len(rule.parts) for rule in self.rules], default=1)
         self.one, self.zero = at.ONES, at.ONES + 1
         heads = len(self.whole)
@@ -266,10 +258,10 @@ class _Writer:
         ]
         programs = len(self.whole)
         self.whole += [0] * stride
-        for number, active in enumerate(self._active(indexed, strides, stride)):
+        for number, active in enumerate(self._active(strides, stride)):
             self.whole[programs + number] = len(self.whole)
             cells_here = [
-                (number // step) % len(cells.lines) if step else 0
+                (number // step) % len(cells.lines)
                 for cells, step in zip(self.cells, strides, strict=True)
             ]
             for c, lines in zip(cells_here, self.lines, strict=True):
@@ -282,9 +274,9 @@ class _Writer:
         ]  # fmt: skip
         samples = max([writer.samples for writer in writers], default=0)
         rows = work + at.WORK_ROWS + (1 if samples else 0)
-        return Layout(self.whole, self.floats, stride, rows, samples, self.curved, tuple(indexed))
+        return Layout(self.whole, self.floats, stride, rows, samples, self.curved)
 
-    def _input(self, i: int, cells: Cells, slot: int, stride: int, use: bool) -> None:
+    def _input(self, i: int, cells: Cells, slot: int, stride: int) -> None:
         variables = self.plan.rulebase.inputs
         low, high, clamped = -sys.float_info.max, sys.float_info.max, False
         if i < len(variables) and variables[i].outside != "extend":
@@ -295,13 +287,12 @@ class _Writer:
         self.whole += cells.starts
         edges = len(self.floats)
         self.floats += cells.edges
-        every = sorted(self._known(cells))
-        listed = [sorted(lines) if use else every for lines in cells.lines]
+        listed = [sorted(lines) for lines in cells.lines]
         here: list[tuple[int, int]] = []
         for found, lines in zip(listed, cells.lines, strict=True):
             here.append((len(self.floats), len(found)))
             for part in found:
-                self.floats += lines.get(part, ZERO_LINE)
+                self.floats += lines[part]
         self.slots.append(
             (slot, [{part: slot + j for j, part in enumerate(found)} for found in listed])
         )
@@ -311,14 +302,11 @@ class _Writer:
             int(clamped), len(cells.starts), starts, edges, stride, slot, len(listed),
         ]  # fmt: skip
 
-    def _active(
-        self, indexed: Sequence[bool], strides: Sequence[int], programs: int
-    ) -> list[list[_Rule]]:
+    def _active(self, strides: Sequence[int], programs: int) -> list[list[_Rule]]:
         active: list[list[_Rule]] = [[] for _ in range(programs)]
-        steps = [step for step, use in zip(strides, indexed, strict=True) if use]
         for rule in self.rules:
-            for combination in product(*self._alive(rule, indexed)):
-                number = sum(c * step for c, step in zip(combination, steps, strict=True))
+            for combination in product(*self._alive(rule)):
+                number = sum(c * step for c, step in zip(combination, strides, strict=True))
                 active[number].append(rule)
         return active
 
