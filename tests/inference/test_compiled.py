@@ -241,7 +241,7 @@ def test_rules_too_many_to_index_by_all_inputs(
     pd7: RuleBase, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     e, ce = np.random.default_rng(9).uniform(-6, 6, (2, 300))
-    wanted = infer(pd7, e=e, ce=ce)["u"]
+    wanted = np.asarray(infer(pd7, e=e, ce=ce)["u"])
     for programs in (1, 6):
         monkeypatch.setattr("fuzzyarm.inference.machine.layout.MOST_PROGRAMS", programs)
         assert compiled(pd7)(e=e[0], ce=ce[0])["u"] == pytest.approx(wanted[0], abs=1e-12)
