@@ -108,7 +108,7 @@ def small_tables(draw):
 
 @pytest.mark.slow
 @settings(
-    max_examples=5, suppress_health_check=list(HealthCheck), phases=(Phase.explicit, Phase.generate)
+    max_examples=3, suppress_health_check=list(HealthCheck), phases=(Phase.explicit, Phase.generate)
 )  # no shrinking: every step would call the compiler
 @given(st.lists(small_tables(), min_size=8, max_size=16), st.data())
 def test_any_tables_in_one_file_agree_in_every_arithmetic(tmp_path, tables, data):

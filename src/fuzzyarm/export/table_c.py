@@ -68,7 +68,7 @@ def _pick(core: Core, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         search = writer.helper("cell", c_writer.COUNT_BELOW, INDEX=index, TYPE=outer_type(core))
         edges = _points(core, writer, axis, "bins" if core.mode == "bins" else "middles")
         call = f"{search}({edges}, {size - 1}{suffix}, {parameter})"
-        scaled = f"({terms}) * {size}{suffix}" if " " in terms else f"{terms} * {size}{suffix}"
+        scaled = f"({terms}) * {size}{suffix}" if "+" in terms else f"{terms} * {size}{suffix}"
         terms = f"{scaled}\n        + {call}" if terms else call
     return [*lines, f"return {_values(core, writer)}[{terms or '0u'}];"]
 
