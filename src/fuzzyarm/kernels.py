@@ -122,7 +122,7 @@ def _called(
 
 
 def _digest(function: Callable[..., Any], bindings: Mapping[str, Callable[..., Any]]) -> str:
-    """Hash the source files of all kernels that `function` reaches, and this one."""
+    """Hash what is bound, the source files of all kernels reached, and this one."""
     reached: set[Callable[..., Any]] = set()
     waiting = [function]
     while waiting:
@@ -132,6 +132,8 @@ def _digest(function: Callable[..., Any], bindings: Mapping[str, Callable[..., A
             waiting += _called(cast(FunctionType, current), bindings).values()
     files = sorted({__file__, *(cast(FunctionType, each).__code__.co_filename for each in reached)})
     whole = hashlib.sha256()
+    for name, bound in sorted(bindings.items()):
+        whole.update(f"{name}={bound.__module__}.{bound.__qualname__};".encode())
     for file in files:
         whole.update(Path(file).read_bytes())
     return whole.hexdigest()[:16]

@@ -77,13 +77,21 @@ def test_interpreted_run_does_not_load_numba():
     assert in_new_process(code, FUZZYARM_JIT="0") == [False, False]
 
 
+def test_digest_tells_bindings_apart_that_live_in_one_file():
+    from fuzzyarm.arm.loop import run_loop
+    from fuzzyarm.arm.signals import kept, rounded
+
+    digests = {kernels._digest(run_loop, {"stored": each}) for each in (kept, rounded)}
+    assert len(digests) == 2
+
+
 @pytest.mark.slow
 def test_second_process_loads_machine_code_from_disk(tmp_path):
     code = (
         "import json;from fuzzyarm.arm import reach;from fuzzyarm.control import *;"
         "from fuzzyarm.control import program as module;"
         "simulate(controller('cdid'), reach(segment=0.1));"
-        "stats = module.compiled_loop(True).stats;"
+        "stats = module.loop_of_laws(True, False).stats;"
         "print(json.dumps([sum(stats.cache_hits.values()), sum(stats.cache_misses.values())]))"
     )
     # A folder of its own stands for a package folder that cannot be written.

@@ -68,6 +68,19 @@ def stored(value: float, single: bool) -> float:
 
 
 @kernel
+def rounded(value: float, single: bool) -> float:
+    """Return `value` in single precision; bound to ``stored`` where all runs are single."""
+    # Machine code would go on in single precision without the way back.
+    return float(np.float64(np.float32(value)))
+
+
+@kernel
+def kept(value: float, single: bool) -> float:
+    """Return `value`; bound to ``stored`` where all runs are double."""
+    return value
+
+
+@kernel
 def pose_of(position: Pair) -> Pose:
     """Evaluate the four trigonometric values of a position."""
     return Pose(

@@ -14,7 +14,7 @@ from fuzzyarm.arm.conventions import ITERATIONS, SET_POINT_PERIOD, Conventions
 from fuzzyarm.arm.loop import Setting, run_loop
 from fuzzyarm.arm.parameters import constants
 from fuzzyarm.arm.payload import Schedule
-from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State
+from fuzzyarm.arm.signals import Clock, Pair, Pose, Reference, State, kept, rounded
 from fuzzyarm.arm.trajectory import Trajectory, sample
 from fuzzyarm.control.controller import CompiledController, Controller
 from fuzzyarm.control.dispatch import summed_torque
@@ -32,9 +32,13 @@ SPEED_BOUND = 1e5
 
 
 @cache
-def compiled_loop(compiled: bool) -> Callable[..., Any]:
-    """Return the loop around the compiled laws, as machine code or as plain Python."""
-    return build(run_loop, {"control": summed_torque}, compiled=compiled)
+def loop_of_laws(compiled: bool, single: bool) -> Callable[..., Any]:
+    """Return the loop around the compiled laws, as machine code or as plain Python.
+
+    Each precision has its own: what is stored need not be asked whether to be rounded.
+    """
+    storing = rounded if single else kept
+    return build(run_loop, {"control": summed_torque, "stored": storing}, compiled=compiled)
 
 
 def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
@@ -56,6 +60,7 @@ class Program:
 
     def __init__(self, controller: Controller, arithmetic: Arithmetic) -> None:
         self.controller = controller
+        self.arithmetic = arithmetic
         self.program: list[int] = []
         self.numbers: list[float] = []
         self.memory: list[float] = []
@@ -72,7 +77,7 @@ class Program:
     def loop(self, compiled: bool) -> Callable[..., Any]:
         """Return the loop that runs it; `compiled` only where that is possible."""
         if self.compilable:
-            return compiled_loop(compiled)
+            return loop_of_laws(compiled, self.arithmetic.single)
         torque = self.controller.torque
 
         def control(
