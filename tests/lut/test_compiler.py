@@ -212,3 +212,13 @@ def test_even_levels_have_a_short_form_that_reads_back(low, width, count):
         f"grid\n e {labels}\n u {cells}\n"
     )
     assert parse_lut(source).table.axes[0].levels == levels
+
+
+@pytest.mark.slow
+def test_a_large_table_has_the_values_of_a_small_one(pd7):
+    from fuzzyarm.inference import infer
+
+    table = compile_table(pd7, levels=1001, rounding=0.0)
+    axis = np.array(table.axes[0].levels)
+    there = infer(pd7, e=axis[::7, None], ce=axis[None, ::7])["u"]
+    assert np.abs(table.values[::7, ::7] - there).max() < 1e-12

@@ -190,9 +190,7 @@ def test_compile_rewrites_a_table_in_another_format(capsys, tmp_path):
     assert read_table(out) == read_table(TABLE)
     assert main(["compile", TABLE, "-o", out, "--mode", "linear", "--json"]) == 0
     assert json.loads(said(capsys))["mode"] == read_table(out).default_mode == "linear"
-    assert "is a table already" in complaint(
-        capsys, "compile", TABLE, "-o", out, "--levels", "5"
-    )
+    assert "is a table already" in complaint(capsys, "compile", TABLE, "-o", out, "--levels", "5")
     assert "has no output 'x'" in complaint(capsys, "compile", TABLE, "-o", out, "--output", "x")
 
 

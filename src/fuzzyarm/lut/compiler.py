@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +26,12 @@ DEFAULT_LEVELS = 13
 
 MAX_CELLS = 32_000_000
 """Most cells of a table: 256 MB."""
+
+_LARGE = 1_000_000
+"""Cells from which loading machine code takes less time than it saves."""
+
+Engine = Callable[[Any], Mapping[str, Any]]
+"""From a mapping of inputs to a mapping of outputs."""
 
 _SLAB = 262_144
 """Cells that are evaluated at a time."""
@@ -181,11 +189,19 @@ def sample(
     levels = [np.array(axis.levels) for axis in axes]
     values = np.empty([array.size for array in levels])
     rows = max(1, _SLAB // max(1, values[0].size))
+    engine = _engine(rulebase, values.size)
     for start in range(0, levels[0].size, rows):
         part = [levels[0][start : start + rows], *levels[1:]]
-        slab = evaluate(rulebase, output, [a.name for a in axes], part)
+        slab = evaluate(rulebase, output, [a.name for a in axes], part, engine)
         values[start : start + rows] = slab if rounding is None else round_to(slab, rounding)
     return values
+
+
+def _engine(rulebase: RuleBase, cells: int) -> Engine:
+    """Return the compiled engine for a table so large that its start pays, else the plain one."""
+    from fuzzyarm.inference import compiled, infer
+
+    return compiled(rulebase) if cells >= _LARGE else partial(infer, rulebase)
 
 
 def evaluate(
@@ -193,19 +209,32 @@ def evaluate(
     output: str,
     names: Sequence[str],
     points: Sequence[NDArray[np.float64]],
+    engine: Engine | None = None,
 ) -> NDArray[np.float64]:
     """Return the inference on the open mesh of `points`, one 1-D array for each input.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to evaluate.
+    output : str
+        The output to return.
+    names : sequence of str
+        The input of each array in `points`.
+    points : sequence of ndarray
+        The levels of each input.
+    engine : callable, optional
+        Evaluates the rule base in place of :func:`fuzzyarm.inference.infer`.
 
     Raises
     ------
     TableError
         If the file states that the output has no value (NaN) where no rule fires.
     """
-    from fuzzyarm.inference import infer
-
+    evaluator = engine or _engine(rulebase, 0)
     mesh = np.ix_(*points)
     inputs: dict[str, NDArray[np.float64]] = dict(zip(names, mesh, strict=True))
-    result = np.asarray(infer(rulebase, inputs)[output], dtype=np.float64)
+    result = np.asarray(evaluator(inputs)[output], dtype=np.float64)
     values = np.broadcast_to(result, [array.size for array in points])
     if not np.isfinite(values).all():
         where = np.argwhere(~np.isfinite(values))[0]
