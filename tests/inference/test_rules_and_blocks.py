@@ -17,6 +17,7 @@ from fuzzyarm.inference import (
     NothingHeldError,
     OutsideRangeError,
     UnknownNameError,
+    compiled,
     infer,
 )
 from fuzzyarm.rulebase.formula import FormulaError
@@ -287,3 +288,17 @@ def test_a_variable_twice_and_an_empty_range() -> None:
         infer(twice, a=0.5)
     with pytest.raises(InferenceError, match="range of 'u' is empty"):
         infer(base([rule("a high", "u hill")], HILL, low=1.0, high=1.0), a=0.5, b=0.5)
+
+
+@pytest.mark.parametrize("method", ["weighted-average", "weighted-sum"])
+def test_blocks_that_differ_in_the_implication_share_the_strength_of_a_number(method: str) -> None:
+    outputs = terms(left=Shape("singleton", (1.0,)), right=Shape("triangle", (4.0, 5.0, 6.0)))
+    first = RuleBlock((rule("a high", "u left", "u right"),), "first", implication="min")
+    second = RuleBlock((rule("b high", "u left"),), "second", implication="product")
+    rulebase = dataclasses.replace(base([], outputs, method), blocks=(first, second))
+    a, b = 0.25, 0.75
+    weighted = max(a, b) * 1.0 + a * 5.0
+    expected = weighted if method == "weighted-sum" else weighted / (max(a, b) + a)
+    assert infer(rulebase, a=a, b=b)["u"] == pytest.approx(expected, abs=1e-15)
+    assert infer(rulebase, a=np.array([a]), b=b)["u"][0] == pytest.approx(expected, abs=1e-15)
+    assert compiled(rulebase)(a=np.array([a]), b=b)["u"][0] == pytest.approx(expected, abs=1e-15)

@@ -282,22 +282,28 @@ def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
 
 def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
     keys: dict[tuple[str, tuple[Hedge, ...], str], int] = {}
+    implications: list[str] = []
+    # A number is weighed, not cut: blocks that differ in the implication share its strength.
+    weighs = output.defuzzifier.method in WEIGHTED
     contributions = []
     rule_index = 0
     for block in rulebase.blocks:
         for rule in block.rules:
             for consequent in rule.consequents:
                 if consequent.variable == output.name:
-                    key = (consequent.term, consequent.hedges, block.implication)
+                    cut = "" if weighs else block.implication
+                    key = (consequent.term, consequent.hedges, cut)
+                    if key not in keys:
+                        implications.append(block.implication)
                     contributions.append((keys.setdefault(key, len(keys)), rule_index))
             rule_index += 1
     terms = {output.term(name) for name, _, _ in keys}
     discrete = _is_discrete(output, terms)
     members = tuple(
         _member(rulebase, output, output.term(name), hedges, implication, discrete=discrete)
-        for name, hedges, implication in keys
+        for (name, hedges, _), implication in zip(keys, implications, strict=True)
     )
-    if discrete and output.defuzzifier.method not in WEIGHTED:
+    if discrete and not weighs:
         first = _first_of_each_value(members)
         contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete else _closed(output, members)
