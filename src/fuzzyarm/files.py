@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 from pathlib import Path
@@ -13,21 +14,28 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
     Parameters
     ----------
     path : str or Path
-        Where to write; the folder must exist.
+        Where to write; the folder must exist. A symbolic link stays: the file that it leads
+        to is written.
     content : str or bytes
         Text is written as UTF-8 with ``\n`` line ends.
 
     Raises
     ------
     OSError
-        If the folder cannot be written; the old file is then untouched.
+        If the folder or the file cannot be written, or `path` is a folder; what is there is
+        then untouched.
     """
-    target = Path(path)
+    # Replacing needs no leave from the old file, so a file that may not be written is asked.
+    if os.path.isdir(path):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    target = Path(os.path.realpath(path))
     data = content.encode() if isinstance(content, str) else content
     try:
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=".fuzzyarm-", suffix=".part")
     except OSError as error:
-        raise type(error)(error.errno, error.strerror, str(target)) from None
+        raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)

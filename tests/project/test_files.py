@@ -42,3 +42,32 @@ def test_the_error_names_the_file_that_was_asked_for(tmp_path):
     with pytest.raises(FileNotFoundError) as caught:
         write_atomically(path, "x")
     assert caught.value.filename == str(path)
+
+
+def test_a_folder_is_no_file_and_is_named(tmp_path):
+    path = tmp_path / "x.lut"
+    path.mkdir()
+    with pytest.raises(IsADirectoryError) as caught:
+        write_atomically(path, "x")
+    assert caught.value.filename == str(path)
+    assert [p.name for p in tmp_path.iterdir()] == ["x.lut"]
+
+
+def test_a_file_that_may_not_be_written_stays(tmp_path, monkeypatch):
+    path = tmp_path / "x.lut"
+    path.write_text("old")
+    # The superuser may write everything, so the answer of the system is put in its mouth.
+    monkeypatch.setattr(os, "access", lambda asked, mode: not (asked == path and mode == os.W_OK))
+    with pytest.raises(PermissionError) as caught:
+        write_atomically(path, "new")
+    assert caught.value.filename == str(path)
+    assert path.read_text() == "old"
+
+
+def test_a_link_goes_on_leading_to_the_file(tmp_path):
+    path, link = tmp_path / "x.lut", tmp_path / "link.lut"
+    path.write_text("old")
+    link.symlink_to(path)
+    write_atomically(link, "new")
+    assert link.is_symlink()
+    assert path.read_text() == "new"
