@@ -103,6 +103,8 @@ def found(text: str) -> list[tuple[str, int, int]]:
         ("levels  e: -1 0 2", "levels  e: 0 .. 9 by 3", ("unexpected-token", 9, 19)),
         ("levels  e: -1 0 2", "levels  ee: -1 0 2", ("unknown-variable", 9, 9)),
         ("bins    e: 0.5 mirrored", "bins    e: 0.5", ("wrong-bin-count", 11, 12)),
+        ("bins    e: 0.5 mirrored", "bins    e: 2 1 mirrored", ("not-increasing", 11, 12)),
+        ("bins    e: 0.5 mirrored", "bins    e: -0.5 mirrored", ("not-increasing", 11, 12)),
         ("input   ce   0 .. 40", "input   cx   0 .. 40", ("unknown-variable", 5, 9)),
         ('"my.frb"', "my.frb", ("unexpected-token", 14, 17)),
         ('"my.frb"', '"my.frb', ("unterminated-string", 14, 17)),
