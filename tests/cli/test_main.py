@@ -149,3 +149,12 @@ def test_options_may_stand_anywhere(capsys):
         status, out, _ = run("eval", *words, capsys=capsys)
         assert status == 0
         assert list(json.loads(out)) == ["u"]
+
+
+@pytest.mark.parametrize("levels", ["1e2", "49.0", "-6", "e = 1.5"])
+def test_a_lone_level_is_no_number_of_levels(levels, tmp_path, capsys):
+    out = tmp_path / "x.lut"
+    status, _, err = run("compile", GOOD, "-o", str(out), f"--levels={levels}", capsys=capsys)
+    assert status == 1
+    assert "is no whole number of levels" in err
+    assert not out.exists()

@@ -57,4 +57,6 @@ def _one(text: str) -> Levels:
         cursor.finish()
     except Fault as fault:
         raise WordError(f"--levels '{text.strip()}': {fault.diagnostic.message}") from None
+    if len(values) == 1:
+        raise WordError(f"--levels '{text.strip()}' is no whole number of levels")
     return values
