@@ -191,12 +191,12 @@ def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
     values = [first.value]
     while cursor.at_figure:
         values.append(cursor.figure("a number").value)
-    last = cursor.tokens[cursor.position - 1].span
+    end = cursor.tokens[cursor.position - 1].span
     if not cursor.accept("mirrored"):
         return tuple(values)
     if values[0] < 0.0 or not all(a < b for a, b in itertools.pairwise(values)):
         message = f"the {word} before 'mirrored' must increase and not be negative"
-        raise Fault(Diagnostic("not-increasing", message, start.to(last)))
+        raise Fault(Diagnostic("not-increasing", message, XX
     return mirror(values)
 
 
