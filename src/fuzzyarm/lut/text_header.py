@@ -196,7 +196,7 @@ def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
         return tuple(values)
     if values[0] < 0.0 or not all(a < b for a, b in itertools.pairwise(values)):
         message = f"the {word} before 'mirrored' must increase and not be negative"
-        raise Fault(Diagnostic("not-increasing", message, XX
+        raise Fault(Diagnostic("not-increasing", message, start.to(end)))
     return mirror(values)
 
 
