@@ -83,6 +83,7 @@ def test_a_learned_table_is_put_to_work_compared_and_read_back_into_rules(capsys
     status, out, _ = run(capsys, "convert", str(file), str(rules))
     assert status == 0
     assert "338 rules cannot express" in out
+    assert "nothing lost" not in out
     assert run(capsys, "check", str(rules))[0] == 0
     status, out, _ = run(
         capsys, "simulate", "fuzzy-direct", "--rulebase", str(rules), *FAST, "--json"
@@ -181,3 +182,20 @@ def test_way_points_may_begin_with_a_minus(capsys):
     )
     assert status == 0
     assert json.loads(out)["trajectory"] == "way-points"
+
+
+@pytest.mark.parametrize("conventions", ["plain", "study"])
+def test_only_cells_that_were_used_change_and_no_rounding_shows(capsys, tmp_path, conventions):
+    file = tmp_path / "learned.lut"
+    words = ["--start", "table", "--conventions", conventions, "-o", str(file), "--json"]
+    status, out, _ = run(capsys, "learn", *FAST, "--payload", *words)
+    report = json.loads(out)
+    assert status == 0
+    start = read_table(RULEBASES / "thesis-6.1.lut").values
+    tables, visits = np.array(report["tables"]), np.array(report["visits"])
+    changed = tables != start
+    assert changed.any()
+    assert not (changed & (visits == 0)).any()
+    # Whole steps from tenths are tenths, in either precision.
+    np.testing.assert_array_equal(tables, np.round(tables, 1))
+    np.testing.assert_array_equal(read_table(file).values, tables)

@@ -141,7 +141,9 @@ def _report(
     if not written:
         print(f"fuzzyarm: {arguments.target}: not written", file=sys.stderr)
     elif not arguments.quiet:
-        print(f"{arguments.target}: written, {_summary(found)}")
+        # Of a table the residual tells what was lost.
+        summary = "" if imported.producer == "table" and not found else f", {_summary(found)}"
+        print(f"{arguments.target}: written{summary}")
 
 
 def _shown(diagnostic: Diagnostic, text: str, *, colour: bool) -> str:

@@ -179,6 +179,17 @@ class Learned:
     values: NDArray[np.float64]
     visits: NDArray[np.int64]
 
+    def readable(self, *, single: bool) -> Learned:
+        """Return the tables without the last digits that only rounding made.
+
+        Parameters
+        ----------
+        single : bool
+            Whether they were kept in single precision; 6 decimals are kept then, otherwise 12.
+        """
+        decimals = 6 if single else 12
+        return Learned(np.round(self.values, decimals) + 0.0, self.visits)  # + 0.0: no -0
+
 
 def learned(memory: list[float], delay: int, shape: tuple[int, int]) -> Learned:
     """Read the memory of the law.
