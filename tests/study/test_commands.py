@@ -226,3 +226,16 @@ def test_identify_prints_fitted_beside_shipped(capsys, monkeypatch):
     assert "K_I" in out
     _, out, _ = run(capsys, "identify", "mrac+ie", "--json")
     assert json.loads(out)[0]["labels"] == ["K_I"]
+
+
+def test_a_run_that_diverges_before_its_first_sample_prints_no_figures(capsys):
+    words = ["simulate", "pd", "--set", "K_P=1e9", *FAST]
+    status, out, _ = run(capsys, *words)
+    assert status == 0
+    assert "0 samples" in out
+    assert "before the first sample" in out
+    assert "nan" not in out
+    _, out, _ = run(capsys, *words, "--json")
+    result = json.loads(out)
+    assert result["rms"] == result["max"] == result["final"] == [None, None]
+    assert 0.0 < result["diverged"] < 0.003

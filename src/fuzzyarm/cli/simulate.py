@@ -201,14 +201,16 @@ def _as_text(result: Run) -> str:
     lines = [
         f"{result.controller} on {result.trajectory}, {result.samples} samples, "
         f"{result.conventions.name} conventions, {result.conventions.precision}",
-        f"{'error, degrees':<16}{'link 1':>12}{'link 2':>12}",
     ]
-    for name, pair in (("rms", result.rms), ("max", result.maximum), ("final", result.final)):
-        lines.append(f"{name:<16}{pair[0]:>12.4f}{pair[1]:>12.4f}")
+    if result.samples:
+        lines.append(f"{'error, degrees':<16}{'link 1':>12}{'link 2':>12}")
+        for name, pair in (("rms", result.rms), ("max", result.maximum), ("final", result.final)):
+            lines.append(f"{name:<16}{pair[0]:>12.4f}{pair[1]:>12.4f}")
     if result.diverged is not None:
+        until = "the figures are those until then" if result.samples else "before the first sample"
         lines.append(
             f"diverged: stopped at {result.diverged:.4f} s with an error over ten turns or a joint "
-            "over 100000 rad/s; the figures are those until then"
+            f"over 100000 rad/s; {until}"
         )
     return "\n".join(lines)
 
