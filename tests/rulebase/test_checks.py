@@ -191,3 +191,18 @@ def test_every_diagnostic_of_the_language_is_in_the_docs():
     used = set(re.findall(r'(?:Diagnostic|report)\(\s*"([a-z-]+)"', source))
     assert len(used) > 50
     assert sorted(name for name in used if f"`{name}`" not in page) == []
+
+
+def test_a_nearly_empty_grid_is_not_symmetric_by_its_zeros():
+    terms = "NB NM NS ZE PS PM PB"
+    rows = "".join(
+        f"  {label}  "
+        + " ".join("PS" if (i, j) in ((1, 5), (2, 3)) else "ZE" for j in range(7))
+        + "\n"
+        for i, label in enumerate(terms.split())
+    )
+    text = (
+        "rulebase t\ninput e -6 .. 6\ninput ce -6 .. 6\noutput u -6 .. 6\n"
+        f"terms e, ce, u: triangles {terms}\nrules u\n  e \\ ce {terms}\n{rows}"
+    )
+    assert not {"broken-symmetry", "broken-antisymmetry"} & set(names(text))

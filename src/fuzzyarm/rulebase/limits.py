@@ -23,5 +23,11 @@ MAX_NESTING = 50
 MAX_LEVELS = 100_000
 """Most levels of one lookup axis."""
 
+MAX_MAGNITUDE = 1e100
+"""Largest number of a range or a shape, infinity apart: areas and moments are its powers."""
+
+MIN_WIDTH = 1e-100
+"""Smallest width of a range, and smallest spread of a shape."""
+
 MAX_DIAGNOSTICS = 1_000
 """Most findings that one run reports; behind them reading stops."""

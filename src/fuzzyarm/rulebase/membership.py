@@ -74,7 +74,11 @@ def singleton(x: float, value: float) -> float:
 
 def gaussian(x: float, mean: float, deviation: float) -> float:
     """exp(-(x - mean)² / (2 deviation²))."""
-    return math.exp(-((x - mean) ** 2) / (2.0 * deviation**2))
+    distance, spread = x - mean, 2.0 * deviation * deviation
+    if spread == 0.0:  # too narrow for a float
+        return 1.0 if distance == 0.0 else 0.0
+    # A product of huge numbers is infinite, where a power would raise an error.
+    return math.exp(-(distance * distance) / spread)
 
 
 def two_sided_gaussian(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 from fuzzyarm.rulebase.check.subject import Subject
@@ -19,7 +20,7 @@ def find(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each pair that does not fit."""
     for grid in subject.grids:
         order = _ranks_of_used(grid, subject)
-        pairs = _mirror_pairs(grid, subject)
+        pairs = _telling(_mirror_pairs(grid, subject), grid)
         if order is None or len(pairs) < 4:
             continue
         top = len(order) - 1
@@ -43,6 +44,15 @@ def _ranks_of_used(grid: GridNode, subject: Subject) -> dict[str, int] | None:
         return None
     used = {cell.term.text for row in grid.rows for cell in row.cells if cell.term}
     return {term: i for i, term in enumerate(sorted(used, key=lambda term: order[term]))}
+
+
+def _telling(pairs: list[_Pair], grid: GridNode) -> list[_Pair]:
+    """Leave out pairs of the term that most cells have: they mirror whatever the grid is like."""
+    terms = [cell.term.text for row in grid.rows for cell in row.cells if cell.term]
+    common, count = Counter(terms).most_common(1)[0] if terms else ("", 0)
+    if 2 * count <= len(terms):
+        return pairs
+    return [p for p in pairs if not all(c.term and c.term.text == common for c in p)]
 
 
 def _mirror_pairs(grid: GridNode, subject: Subject) -> list[_Pair]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from fuzzyarm.rulebase.formula import CONSTANTS, FormulaError, names, parse
+from fuzzyarm.rulebase.limits import MAX_MAGNITUDE, MIN_WIDTH
 from fuzzyarm.rulebase.meaning.scope import Draft, Scope
 from fuzzyarm.rulebase.model import Shape
 from fuzzyarm.rulebase.near import near_hint
@@ -69,6 +70,8 @@ def _infinite_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str]
         shoulder = kind in ("trapezoid", "rectangle") or (kind, i) == ("binary", 1)
         if math.isinf(value) and not shoulder:
             return i, f"a {kind} cannot have an infinite number here"
+        if MAX_MAGNITUDE < abs(value) < math.inf:
+            return i, f"a {kind} cannot have numbers beyond {MAX_MAGNITUDE:g}"
     return None
 
 
@@ -93,8 +96,12 @@ def _size_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | N
     for i, parameter in enumerate(info.parameters):
         if parameter in info.positive and not parameters[i] > 0.0:
             return i, f"the {parameter.replace('_', ' ')} of a {kind} must be above 0"
+        if parameter in info.positive and parameters[i] < MIN_WIDTH:
+            return i, f"the {parameter.replace('_', ' ')} of a {kind} is below {MIN_WIDTH:g}"
     if kind in ("bell", "spike") and parameters[1] == 0.0:
         return 1, f"the width of a {kind} must not be 0"
+    if kind in ("bell", "spike") and abs(parameters[1]) < MIN_WIDTH:
+        return 1, f"the width of a {kind} is below {MIN_WIDTH:g}"
     return None
 
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 import math
 
 from fuzzyarm.rulebase.diagnostic import Related
-from fuzzyarm.rulebase.limits import MAX_INPUTS, MAX_OUTPUTS, MAX_TERMS
+from fuzzyarm.rulebase.limits import (
+    MAX_INPUTS,
+    MAX_MAGNITUDE,
+    MAX_OUTPUTS,
+    MAX_TERMS,
+    MIN_WIDTH,
+)
 from fuzzyarm.rulebase.meaning.scope import Draft, Scope
 from fuzzyarm.rulebase.meaning.shapes import elaborate_shape
 from fuzzyarm.rulebase.model import Shape, Term
@@ -42,7 +48,21 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
             f"the range of '{node.name.text}' must go from a lower to a higher number",
             node.low.span.to(node.high.span),
         )
+    elif node.low is not None and node.high is not None:
+        fault = range_fault(node.low.value, node.high.value)
+        if fault is not None:
+            span = node.low.span.to(node.high.span)
+            scope.report("bad-range", f"the range of '{node.name.text}' {fault}", span)
     scope.drafts[node.name.text] = Draft(node)
+
+
+def range_fault(low: float, high: float) -> str | None:
+    """Return what makes the range from `low` to `high` absurd, or None."""
+    if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (low, high)):
+        return f"goes beyond {MAX_MAGNITUDE:g}"
+    if high - low < MIN_WIDTH:
+        return f"is narrower than {MIN_WIDTH:g}"
+    return None
 
 
 def range_of(node: VariableNode) -> tuple[float, float]:
