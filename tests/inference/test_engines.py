@@ -13,8 +13,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.inference import InferenceError, NoRuleFiredError, infer, prepare
+from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer, prepare
 from fuzzyarm.inference.chunks import blocks
+from fuzzyarm.rulebase import parse
 from fuzzyarm.rulebase.model import And, Defuzzifier, Expression, Hedged, Is, Or, Output, RuleBase
 from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases
 
@@ -273,3 +274,25 @@ def test_hedges_on_a_whole_expression(pd7: RuleBase) -> None:
     rule = Rule(Hedged((Hedge("not"), Hedge("very")), inside), (Consequent("u", "PB"),))
     rulebase = dataclasses.replace(pd7, blocks=(dataclasses.replace(pd7.blocks[0], rules=(rule,)),))
     assert prepare(rulebase).run({"e": 5.0, "ce": 0.0}).fired["u"] == [(0, 0.75)]
+
+
+@pytest.mark.parametrize("x", [1e155, 1e200, -1e308])
+def test_values_far_beyond_an_extended_range_end_in_the_flanks(x: float) -> None:
+    text = """rulebase far
+input a -1 .. 1
+output u 0 .. 1
+term a G: gaussian 0 0.5
+term a T: two-sided-gaussian -0.1 0.2 0.1 0.3
+term a B: bell 0 1 2
+term a S: sigmoid 0 -4
+terms u: triangles L H
+inference a: outside extend
+inference no-rule 0.25
+rule if a is G or a is T or a is B then u is H
+rule if a is not S and a is G then u is L
+"""
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    assert infer(rulebase, a=x)["u"] == 0.25
+    assert infer(rulebase, a=np.array([x]))["u"][0] == 0.25
+    assert compiled(rulebase)(a=np.array([x]))["u"][0] == 0.25

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.formats.imported import MAX_TERMS, Findings, Word
+from fuzzyarm.rulebase.limits import MAX_MAGNITUDE
 from fuzzyarm.rulebase.model import Consequent, Defuzzifier, Input, Output, Shape, Term
 
 
@@ -87,6 +88,9 @@ class Draft:
             message = f"the range of '{self.name}' has no width; half a unit is added either side"
             findings.warn("empty-range", message, self.word)
             self.low, self.high = self.low - 0.5, self.high + 0.5
+        if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (self.low, self.high)):
+            message = f"the range of '{self.name}' goes beyond {MAX_MAGNITUDE:g}"
+            findings.error("bad-range", message, self.word)
         if self.low == self.high:  # beyond 2**53 half a unit is nothing
             self.high = math.nextafter(self.low, math.inf)
 
