@@ -16,10 +16,12 @@ from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
 from fuzzyarm.inference import InferenceError, infer
 from fuzzyarm.rulebase.model import (
     And,
+    Consequent,
     Defuzzifier,
     Expression,
     Hedge,
     Hedged,
+    Input,
     Is,
     Or,
     Output,
@@ -252,6 +254,22 @@ def test_any_model_is_written_or_refused_and_what_is_written_is_read(
             "chained-output",
             "weighted-sum-of-tsukamoto",
         }
+
+
+@pytest.mark.parametrize("suffix", [".fll", ".fcl"])
+@pytest.mark.parametrize("name", ["¼", "x²", "½ full"])
+def test_numbers_that_are_no_digits_do_not_spoil_a_name(name: str, suffix: str) -> None:
+    triangle = Shape("triangle", (0.0, 0.5, 1.0))
+    text = write(_one_term(name, triangle), suffix, lossy=True).text
+    assert text is not None
+    assert not parse(text, suffix).errors
+
+
+def _one_term(name: str, shape: Shape) -> RuleBase:
+    rule = Rule(Is("x", name), (Consequent("y", name),))
+    terms = (Term(name, shape),)
+    outputs = (Output("y", 0.0, 1.0, terms),)
+    return RuleBase("r", (Input("x", 0.0, 1.0, terms),), outputs, (RuleBlock((rule,)),))
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)

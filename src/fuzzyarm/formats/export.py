@@ -123,8 +123,10 @@ def _fitted(
     *,
     ignore_case: bool,
 ) -> str:
-    fitted = re.sub(r"\W+", "_", name).strip("_") or "_"
-    if _IDENTIFIER.match(name):
+    # A fraction or a raised digit is a word character, but no reader takes it for a letter.
+    plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
+    fitted = re.sub(r"\W+", "_", plain).strip("_") or "_"
+    if _IDENTIFIER.match(name) and name.isidentifier():
         fitted = name
     elif fitted[0].isnumeric():
         fitted = f"_{fitted}"
