@@ -170,7 +170,8 @@ def test_every_mistake_is_reported_in_one_run_and_in_order():
         ("expect e = 1 -> u = 0", "incomplete-expectation", ""),
         ("expect e = 1, ce = 0 -> e = 0", "not-an-output", ""),
         ("input e 0 .. 1", "duplicate-variable", ""),
-        ("term e N: triangle 0 1 2", "duplicate-term", ""),
+        ("term e N: triangle 0 1 2\nterm e N: triangle 0 1 3", "duplicate-term", ""),
+        ("terms e: triangles N Z P", "duplicate-term", ""),
         ("input x 1 .. 0", "bad-range", ""),
         ("input x -1e308 .. 1e308", "bad-range", ""),
         ("input x 0 .. 1e-320", "bad-range", ""),
@@ -335,4 +336,20 @@ def test_a_threshold_belongs_to_the_rules_of_a_file_or_a_block():
     )
     rulebase = parse(text).rulebase
     assert [block.threshold for block in rulebase.blocks] == [0.1, 0.25, 0.0]
+    assert parse(write(rulebase)).rulebase == rulebase
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_term_of_its_own_replaces_one_of_a_family(first):
+    family, own = "terms e: triangles A B C\n", "term e B: triangle 0 1 2\n"
+    text = (
+        "rulebase t\ninput e -6 .. 6\noutput u -6 .. 6\n"
+        + (own + family if first else family + own)
+        + "term u X: singleton 1\nrule if e is B then u is X\n"
+    )
+    rulebase = parse(text).rulebase
+    assert rulebase.inputs[0].term("B").shape.parameters == (0, 1, 2)
+    assert rulebase.inputs[0].term("C").shape.parameters == (0, 6, 12)
+    assert {term.name for term in rulebase.inputs[0].terms} == set("ABC")
+    assert parse(format_text(text)).rulebase == rulebase
     assert parse(write(rulebase)).rulebase == rulebase

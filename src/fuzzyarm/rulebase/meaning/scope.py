@@ -22,6 +22,7 @@ class Draft:
 
     node: VariableNode
     terms: dict[str, Term] = field(default_factory=dict)
+    spread: set[str] = field(default_factory=set)
     outside: str = "clamp"
     aggregation: str = "max"
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)

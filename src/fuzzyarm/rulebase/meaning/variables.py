@@ -105,7 +105,7 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
                 node.family.span,
             )
         for name, shape in zip(node.names, _even_shapes(node, low, high), strict=True):
-            _add(draft, name, shape, scope)
+            _add(draft, name, shape, scope, spread=True)
 
 
 def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]:
@@ -132,8 +132,14 @@ def _even_shapes(node: EvenTermsNode, low: float, high: float) -> list[Shape]:
     return even_shapes(node.family.text, len(node.names), low, high)
 
 
-def _add(draft: Draft, name: Word, shape: Shape, scope: Scope) -> None:
+def _add(draft: Draft, name: Word, shape: Shape, scope: Scope, *, spread: bool = False) -> None:
     known = draft.terms.get(name.text)
+    if known is not None and (name.text in draft.spread) != spread:
+        # A `term` line replaces the shape that `terms` spread, whichever comes first.
+        if not spread:
+            draft.terms[name.text] = Term(name.text, shape, name.span)
+            draft.spread.discard(name.text)
+        return
     if known is not None:
         scope.report(
             "duplicate-term",
@@ -147,3 +153,5 @@ def _add(draft: Draft, name: Word, shape: Shape, scope: Scope) -> None:
     if len(draft.terms) == MAX_TERMS:
         scope.report("too-many-terms", f"'{draft.name}' has more than {MAX_TERMS} terms", name.span)
     draft.terms[name.text] = Term(name.text, shape, name.span)
+    if spread:
+        draft.spread.add(name.text)
