@@ -231,3 +231,9 @@ def test_own_controller_that_fails_while_running_names_its_line(tmp_path):
 def test_controller_without_torque_says_so():
     with pytest.raises(TypeError, match="torque"):
         Controller().torque(REFERENCE, STATE, CLOCK)
+
+
+def test_fuzzy_in_a_sum_is_the_table_controller():
+    from fuzzyarm.control import controller
+
+    assert controller("cdid+ie+fuzzy").name == controller("cdid+ie+fuzzy-lut").name

@@ -88,6 +88,7 @@ def entries_of(name: str) -> list[Entry]:
     joined = "+".join(names)
     if joined in CATALOGUE:
         return [CATALOGUE[joined]]
+    names = [ADDENDS.get(part, part) for part in names]
     for part in names:
         if part not in CATALOGUE:
             raise UnknownControllerError(part or name, near_names(part or name))
@@ -108,6 +109,9 @@ def study_conventions(name: str) -> Conventions:
             return CATALOGUE[part.strip()].conventions
     return STUDY_CONVENTIONAL
 
+
+ADDENDS = {"fuzzy": "fuzzy-lut"}
+"""Short names in a sum, as the hybrids of the study have them (``cdid+fuzzy``)."""
 
 CATALOGUE: dict[str, Entry] = {entry.name: entry for entry in (*CONVENTIONAL, *FUZZY)}
 """Every controller by its name."""

@@ -39,7 +39,7 @@ def infer(
     -------
     dict of str to float or ndarray of float64
         Every output by name: floats where all inputs are scalars, else arrays of the
-        broadcast shape. Never NaN.
+        broadcast shape. NaN only where the file states it (``no-rule nan``).
 
     Raises
     ------
