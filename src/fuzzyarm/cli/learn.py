@@ -6,11 +6,12 @@ cell that was responsible. Printed are, for each joint, the learned table with t
 that changed since the start in brackets, and how often each cell was used.
 
 -o FILE writes one table with an input 'joint' over those of both joints; with --joint N
-that of one joint alone. fuzzy-lut-x10, whose error gain is that of SOC, runs either.
+that of one joint alone. fuzzy-lut-x10, whose error gain is that of SOC, runs either. A table
+that is to be frozen is learned at a small rate: at rate 1 it keeps jumping to the end.
 
 Examples
 --------
-  fuzzyarm learn --start zero --trajectory pick-and-place --payload --passes 3 -o learned.lut
+  fuzzyarm learn --start zero --trajectory pick-and-place --payload --rate 0.01 --passes 5 -o learned.lut
   fuzzyarm diff before.lut learned.lut
   fuzzyarm simulate fuzzy-lut-x10 --table learned.lut --trajectory pick-and-place --payload
   fuzzyarm learn --start learned.lut --freeze --payload
