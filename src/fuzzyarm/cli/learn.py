@@ -11,7 +11,7 @@ that is to be frozen is learned at a small rate: at rate 1 it keeps jumping to t
 
 Examples
 --------
-  fuzzyarm learn --start zero --trajectory pick-and-place --payload --rate 0.01 --passes 5 -o learned.lut
+  fuzzyarm learn --trajectory pick-and-place --payload --rate 0.01 --passes 5 -o learned.lut
   fuzzyarm diff before.lut learned.lut
   fuzzyarm simulate fuzzy-lut-x10 --table learned.lut --trajectory pick-and-place --payload
   fuzzyarm learn --start learned.lut --freeze --payload
