@@ -296,3 +296,44 @@ rule if a is not S and a is G then u is L
     assert infer(rulebase, a=x)["u"] == 0.25
     assert infer(rulebase, a=np.array([x]))["u"][0] == 0.25
     assert compiled(rulebase)(a=np.array([x]))["u"][0] == 0.25
+
+
+@pytest.mark.slow
+@settings(slow_draws, max_examples=60)
+@given(st.data())
+def test_an_open_mesh_equals_its_full_grid(data: st.DataObject) -> None:
+    """Rules on some of the inputs have strengths of smaller shapes than the mesh."""
+    rulebase = data.draw(rulebases())
+    axes = [np.linspace(v.low, v.high, 2 + i) for i, v in enumerate(rulebase.inputs)]
+    names = [v.name for v in rulebase.inputs]
+    held = held_middles(rulebase)
+    mesh = dict(zip(names, np.ix_(*axes), strict=True))
+    full = dict(zip(names, np.meshgrid(*axes, indexing="ij"), strict=True))
+    try:
+        expected = infer(rulebase, full, held=held)
+    except (InferenceError, NoRuleFiredError) as error:
+        with pytest.raises(type(error)):
+            infer(rulebase, mesh, held=held)
+        return
+    found = infer(rulebase, mesh, held=held)
+    for output in rulebase.outputs:
+        there = np.broadcast_to(found[output.name], [axis.size for axis in axes])
+        wanted = expected[output.name]
+        assert np.abs(there - wanted).max() <= tolerance(output) * max(1.0, np.abs(wanted).max())
+
+
+def test_a_rule_on_more_inputs_may_join_those_on_fewer_on_an_open_mesh() -> None:
+    text = """rulebase t
+input a 0 .. 1
+input b 0 .. 1
+output y 0 .. 1
+terms a, b, y: triangles LO HI
+rule if a is LO then y is HI
+rule if a is HI then y is HI
+rule if a is HI and b is HI then y is HI
+"""
+    a, b = np.array([[0.1], [0.7]]), np.array([[0.1, 0.5, 0.9]])
+    whole = infer(parse(text).rulebase, a=a, b=b)["y"]
+    for i, j in np.ndindex(whole.shape):
+        one = infer(parse(text).rulebase, a=float(a[i, 0]), b=float(b[0, j]))["y"]
+        assert whole[i, j] == pytest.approx(one, rel=1e-12)

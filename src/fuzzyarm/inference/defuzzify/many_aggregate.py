@@ -45,11 +45,14 @@ class Strengths:
         if not self._folded or place is None:
             self._place[member] = len(self._entries)
             self._entries.append((member, strength))
-        elif member in self._owned:
-            mine = self._entries[place][1]
+            return
+        mine = self._entries[place][1]
+        # On an open mesh a rule on more inputs has strengths of a larger shape.
+        fits = np.broadcast_shapes(mine.shape, strength.shape) == mine.shape
+        if member in self._owned and fits:
             np.maximum(mine, strength, out=mine)
         else:
-            self._entries[place] = (member, np.maximum(self._entries[place][1], strength))
+            self._entries[place] = (member, np.maximum(mine, strength))
             self._owned.add(member)
 
     def flat(self) -> list[tuple[int, Array]]:
