@@ -6,7 +6,6 @@ import math
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.export import note_threshold
@@ -23,7 +22,6 @@ FOREIGN = (".fll", ".fcl", ".fis")
 SUFFIXES = (".frb", *FOREIGN)
 """Every suffix that :func:`parse` and :func:`write` know."""
 
-Producer = Literal["fuzzylite", "jfuzzylogic", "matlab", "octave"]
 
 PRODUCERS = {
     ".fll": ("fuzzylite",),
@@ -84,9 +82,7 @@ def parse(
     FormatError
         If `suffix` or `producer` is not known.
     """
-    if producer is not None and producer not in PRODUCERS.get(suffix, ()):
-        known = ", ".join(PRODUCERS.get(suffix, ())) or "none"
-        raise FormatError(f"no program '{producer}' writes {suffix} files (known: {known})")
+    _demand_program(producer, suffix, "writes")
     match suffix:
         case ".fll":
             return parse_fll(text, path, lossy=lossy)
@@ -176,9 +172,7 @@ def write(
     FormatError
         If `suffix` or `producer` is not known.
     """
-    if producer is not None and producer not in PRODUCERS.get(suffix, ()):
-        known = ", ".join(PRODUCERS.get(suffix, ())) or "none"
-        raise FormatError(f"no program '{producer}' reads {suffix} files (known: {known})")
+    _demand_program(producer, suffix, "reads")
     match suffix:
         case ".fll":
             return write_fll(rulebase, lossy=lossy)
@@ -222,3 +216,10 @@ def _without_nan(rulebase: RuleBase) -> RuleBase:
         for o in rulebase.outputs
     )
     return replace(rulebase, outputs=outputs)
+
+
+def _demand_program(producer: str | None, suffix: str, does: str) -> None:
+    programs = PRODUCERS.get(suffix, ())
+    if producer is not None and producer not in programs:
+        known = ", ".join(programs) or "none"
+        raise FormatError(f"no program '{producer}' {does} {suffix} files (known: {known})")

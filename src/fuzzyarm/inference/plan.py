@@ -17,7 +17,7 @@ from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownN
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
 from fuzzyarm.inference.profile import Piece, middle_of_core, profile
 from fuzzyarm.rulebase.formula import CONSTANTS, Node, names, parse
-from fuzzyarm.rulebase.membership import FUNCTIONS, apply_hedge, membership
+from fuzzyarm.rulebase.membership import FUNCTIONS, apply_hedges, membership
 from fuzzyarm.rulebase.model import (
     Consequent,
     Hedge,
@@ -451,13 +451,7 @@ def set_function(
     if not hedges:
         return base
 
-    def hedged(x: float) -> float:
-        degree = base(x)
-        for hedge in reversed(hedges):
-            degree = apply_hedge(hedge, degree)
-        return degree
-
-    return hedged
+    return lambda x: apply_hedges(hedges, base(x))
 
 
 def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> Callable[[float], float]:

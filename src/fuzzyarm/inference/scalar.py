@@ -23,7 +23,7 @@ from fuzzyarm.inference.errors import (
 )
 from fuzzyarm.inference.plain_membership import Partition, Proposition
 from fuzzyarm.inference.plan import Plan, PlannedRule, plan, term_function
-from fuzzyarm.rulebase.membership import apply_hedge
+from fuzzyarm.rulebase.membership import apply_hedges
 from fuzzyarm.rulebase.model import (
     And,
     Expression,
@@ -206,7 +206,7 @@ class Prepared:
             return lambda point: point.degrees[number]
         if isinstance(expression, Hedged):
             inner, hedges = self._compile_expression(expression.operand, planned), expression.hedges
-            return lambda point: _hedge(hedges, inner(point))
+            return lambda point: apply_hedges(hedges, inner(point))
         norm = (
             TNORMS[planned.conjunction]
             if isinstance(expression, And)
@@ -233,7 +233,7 @@ class Prepared:
             for member, strength in point.fired[part.variable]:
                 if member in members:
                     total = norm(total, strength)
-            return _hedge(part.hedges, total)
+            return apply_hedges(part.hedges, total)
 
         return degree
 
@@ -376,12 +376,6 @@ class Prepared:
 
 def _held_name(name: str) -> str:
     return f"\0held {name}"
-
-
-def _hedge(hedges: tuple[Hedge, ...], degree: float) -> float:
-    for hedge in reversed(hedges):
-        degree = apply_hedge(hedge, degree)
-    return degree
 
 
 def _is_conjunction(planned: PlannedRule) -> bool:

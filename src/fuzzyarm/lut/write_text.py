@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from math import prod
 
 from fuzzyarm.lut.header import PlainTable, TableHeader
 from fuzzyarm.lut.numbers import column_of_numbers, number, short_bins, short_levels
@@ -75,11 +74,6 @@ def page_conditions(table: TableHeader) -> Iterator[str]:
     for levels in product(*(axis.levels for axis in pages)):
         parts = [f"{spelled(a.name)} = {number(x)}" for a, x in zip(pages, levels, strict=True)]
         yield f" when {', '.join(parts)}" if parts else ""
-
-
-def page_count(table: TableHeader) -> int:
-    """Return the number of grids that the file of `table` has."""
-    return prod(table.shape[:-2])
 
 
 def spelled(name: str) -> str:

@@ -8,7 +8,7 @@ array library would take longer than the answer. The array twin is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from fuzzyarm.rulebase.model import Hedge, Shape
 
@@ -228,6 +228,13 @@ def apply_hedge(hedge: Hedge, degree: float) -> float:
     then 1 - √((1 - d)/2).
     """
     return _HEDGES[hedge.name](degree, hedge.exponent if hedge.exponent is not None else 1.0)
+
+
+def apply_hedges(hedges: Sequence[Hedge], degree: float) -> float:
+    """Return `degree` as modified by `hedges`, the last of which acts first."""
+    for hedge in reversed(hedges):
+        degree = apply_hedge(hedge, degree)
+    return degree
 
 
 _HEDGES: dict[str, Callable[[float, float], float]] = {

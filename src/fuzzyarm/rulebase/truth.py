@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from fuzzyarm.rulebase.membership import apply_hedge
-from fuzzyarm.rulebase.model import Expression, Hedge, Hedged, Is, Or, RuleBlock
+from fuzzyarm.rulebase.membership import apply_hedges
+from fuzzyarm.rulebase.model import Expression, Hedged, Is, Or, RuleBlock
 from fuzzyarm.rulebase.norms import SNORMS, TNORMS
 
 Degree = Callable[[str, str], float]
@@ -25,17 +25,11 @@ def truth(expression: Expression, degree: Degree, block: RuleBlock) -> float:
         Names the conjunction and the disjunction.
     """
     if isinstance(expression, Is):
-        return _hedged(expression.hedges, degree(expression.variable, expression.term))
+        return apply_hedges(expression.hedges, degree(expression.variable, expression.term))
     if isinstance(expression, Hedged):
-        return _hedged(expression.hedges, truth(expression.operand, degree, block))
+        return apply_hedges(expression.hedges, truth(expression.operand, degree, block))
     norm = SNORMS[block.disjunction] if isinstance(expression, Or) else TNORMS[block.conjunction]
     result, *rest = (truth(operand, degree, block) for operand in expression.operands)
     for value in rest:
         result = norm(result, value)
     return result
-
-
-def _hedged(hedges: tuple[Hedge, ...], value: float) -> float:
-    for hedge in reversed(hedges):
-        value = apply_hedge(hedge, value)
-    return value

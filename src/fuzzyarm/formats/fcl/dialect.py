@@ -10,8 +10,6 @@ from fuzzyarm.formats.imported import Findings, Word
 from fuzzyarm.formats.rule_text import Dialect
 from fuzzyarm.rulebase.model import Defuzzifier
 
-DIALECTS = ("jfuzzylogic", "fuzzylite")
-
 RULES = {
     "jfuzzylogic": Dialect(equal_precedence=True, ignore_case=True, separators=(",", "and")),
     "fuzzylite": Dialect(ignore_case=True, separators=("and", ",")),

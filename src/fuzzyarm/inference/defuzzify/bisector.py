@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate, aggregate_sampled
 from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves, noise_of, rule
 from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.sampling import places, weights
 
 if TYPE_CHECKING:
     import numpy as np
@@ -144,18 +143,13 @@ def halve(samples: list[float], heights: list[float]) -> float | None:
 
 def many_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the bisectors of the samples and the sums (0 where nothing fired)."""
-    import numpy as np
-
     from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled as sampled_many
+    from fuzzyarm.inference.defuzzify.many_aggregate import sample_weights
 
-    output, count = plan.output, plan.output.defuzzifier.resolution
-    assert count is not None
-    sampling = output.defuzzifier.sampling
-    samples = np.array(places(output.low, output.high, count, sampling))
-    size = int(np.prod(strengths.shape))
-    heights = sampled_many(plan, strengths.flat(), samples, size)
-    heights *= np.array(weights(count, sampling))
-    function = nearest_half_many if sampling == "midpoints" else halve_many
+    samples, heights = sampled_many(plan, strengths)
+    heights *= sample_weights(plan)
+    midpoints = plan.output.defuzzifier.sampling == "midpoints"
+    function = nearest_half_many if midpoints else halve_many
     value, total = function(samples, heights)
     return value.reshape(strengths.shape), total.reshape(strengths.shape)
 

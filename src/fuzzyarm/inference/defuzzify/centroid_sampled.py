@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.defuzzify.one_aggregate import Fired, aggregate_sampled
 from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.sampling import places, weights
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,17 +37,13 @@ def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     import numpy as np
 
     from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled as sampled_many
+    from fuzzyarm.inference.defuzzify.many_aggregate import sample_weights
 
-    output, count = plan.output, plan.output.defuzzifier.resolution
-    assert count is not None
-    sampling = output.defuzzifier.sampling
-    samples = np.array(places(output.low, output.high, count, sampling))
-    size = int(np.prod(strengths.shape))
-    heights = sampled_many(plan, strengths.flat(), samples, size)
+    samples, heights = sampled_many(plan, strengths)
     # Sums along rows rather than a matrix product: the same digits for every chunking.
-    heights *= np.array(weights(count, sampling))
+    heights *= sample_weights(plan)
     area = heights.sum(axis=1)
     heights *= samples
     moment = heights.sum(axis=1)
-    value = np.divide(moment, area, out=np.zeros(size), where=area > 0.0)
+    value = np.divide(moment, area, out=np.zeros_like(area), where=area > 0.0)
     return value.reshape(strengths.shape), area.reshape(strengths.shape)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.inference.membership import membership
 from fuzzyarm.inference.plan import PLACE, Member, OutputPlan
+from fuzzyarm.inference.sampling import places, weights
 from fuzzyarm.inference.snorms import SNORMS
 from fuzzyarm.inference.tnorms import TNORMS
 
@@ -125,24 +126,33 @@ def _support(member: Member) -> tuple[float, float]:
     return inside[0].x0, inside[-1].x1
 
 
-def aggregate_sampled(
-    plan: OutputPlan, entries: list[tuple[int, Array]], places: Array, count: int
-) -> Array:
-    """Return the aggregate of `count` points at the same N places, shape (count, N).
+def aggregate_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+    """Return the N sample places of the output and the aggregate there.
 
-    Only the stretch where a set is not zero is touched: 0 changes no aggregate.
+    The aggregate has the shape (points of the chunk, N). Only the stretch where a set is not
+    zero is touched: 0 changes no aggregate.
     """
-    norm = SNORMS[plan.output.aggregation]
-    total = np.zeros((count, places.size))
-    for member, strength in entries:
-        degree = member_at(plan.members[member], places)
+    output, count = plan.output, plan.output.defuzzifier.resolution
+    assert count is not None
+    samples = np.array(places(output.low, output.high, count, output.defuzzifier.sampling))
+    norm = SNORMS[output.aggregation]
+    total = np.zeros((int(np.prod(strengths.shape)), samples.size))
+    for member, strength in strengths.flat():
+        degree = member_at(plan.members[member], samples)
         where = np.flatnonzero(degree > 0.0)
         if not where.size:
             continue
         part = slice(where[0], where[-1] + 1)
         cut = TNORMS[plan.members[member].implication](strength[:, None], degree[None, part])
         total[:, part] = norm(total[:, part], cut)
-    return total
+    return samples, total
+
+
+def sample_weights(plan: OutputPlan) -> Array:
+    """Return what each sample counts in a sum, by the sampling of the output."""
+    count = plan.output.defuzzifier.resolution
+    assert count is not None
+    return np.array(weights(count, plan.output.defuzzifier.sampling))
 
 
 def sum_by_point(point: NDArray[np.intp], amounts: Array, count: int) -> Array:

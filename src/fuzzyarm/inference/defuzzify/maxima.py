@@ -159,16 +159,10 @@ def greatest_of(method: str, samples: list[float], heights: list[float]) -> floa
 
 def many_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the places among the samples and the greatest heights (0: nothing fired)."""
-    import numpy as np
-
     from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled as sampled_many
 
-    output, count = plan.output, plan.output.defuzzifier.resolution
-    assert count is not None
-    samples = np.array(places(output.low, output.high, count, output.defuzzifier.sampling))
-    size = int(np.prod(strengths.shape))
-    heights = sampled_many(plan, strengths.flat(), samples, size)
-    value, top = greatest_of_many(output.defuzzifier.method, samples, heights)
+    samples, heights = sampled_many(plan, strengths)
+    value, top = greatest_of_many(plan.output.defuzzifier.method, samples, heights)
     return value.reshape(strengths.shape), top.reshape(strengths.shape)
 
 

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7A6A00", "#333333")
 DASHES = ("-", "--", "-.")
-MARK = "#111111"
 
 
 def new_figure(width: float, height: float) -> Figure:
