@@ -17,6 +17,7 @@ from fuzzyarm.rulebase import (
     read_text,
 )
 from fuzzyarm.rulebase.check import check as check_rulebase
+from fuzzyarm.rulebase.parsing import text_to_show
 
 if TYPE_CHECKING:
     from fuzzyarm.lut import LookupTable
@@ -162,8 +163,7 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     from fuzzyarm.formats import read
 
     imported = read(path)
-    with open(path, encoding="utf-8", errors="replace", newline="") as file:
-        text = file.read()
+    text = text_to_show(path)
     if imported.rulebase is None:
         return Review(text, tuple(imported.diagnostics))
     more = failed_expectations(imported.rulebase)

@@ -22,14 +22,13 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+from fuzzyarm.api import TABLE_SUFFIXES
 from fuzzyarm.files import write_atomically
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
 from fuzzyarm.rulebase import Diagnostic, RuleBase
 from fuzzyarm.rulebase.diagnostic import NOWHERE
+from fuzzyarm.rulebase.parsing import text_to_show
 from fuzzyarm.rulebase.rendering import render
-
-TABLE_SUFFIXES = (".lut", ".csv", ".npz", ".json")
-"""Of tables, which become rules."""
 
 _SLIGHT = frozenset({"sampling", "outside-range"})
 """Losses that change numbers a little, or only outside the range of a variable."""
@@ -135,7 +134,7 @@ def _report(
     if shown:
         stream = sys.stderr if not written else sys.stdout
         colour = stream.isatty() and "NO_COLOR" not in os.environ
-        text = _text(arguments.source)
+        text = text_to_show(arguments.source)
         for diagnostic in shown:
             print(_shown(diagnostic, text, colour=colour), file=stream)
     if not written:
@@ -157,10 +156,6 @@ def _shown(diagnostic: Diagnostic, text: str, *, colour: bool) -> str:
 def _summary(found: list[Diagnostic]) -> str:
     warnings = sum(d.severity == "warning" for d in found)
     return "nothing lost" if not warnings else f"{warnings} warning(s)"
-
-
-def _text(path: str) -> str:
-    return Path(path).read_bytes().decode("utf-8", "replace").removeprefix("\ufeff")
 
 
 def _as_json(

@@ -71,12 +71,12 @@ def _dispatch(words: list[str]) -> int:
 
 
 def _all_mistakes(error: RuleBaseError) -> str:
+    from fuzzyarm.rulebase.parsing import text_to_show
     from fuzzyarm.rulebase.rendering import render_all
 
     errors = [diagnostic for diagnostic in error.diagnostics if diagnostic.is_error]
     try:
-        with open(errors[0].path, encoding="utf-8", errors="replace", newline="") as file:
-            text = file.read()
+        text = text_to_show(errors[0].path)
     except (OSError, ValueError, IndexError):
         text = ""
     return render_all(errors, text)

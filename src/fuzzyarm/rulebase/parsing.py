@@ -114,6 +114,18 @@ def read_text(path: str | os.PathLike[str]) -> str:
         ) from None
 
 
+def text_to_show(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file for showing places in it, whatever its bytes.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    """
+    with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
+        return file.read()
+
+
 def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
     """Return the rule base in the ``.frb`` file at `path`.
 
