@@ -1,0 +1,12 @@
+"""Everything mathematical that the language can name, each written once.
+
+A shape, norm, hedge or formula is one expression. Numbers, arrays, machine code, C,
+Structured Text, derivatives and bounds are readings of it.
+
+The way through: :mod:`.nodes` (expressions as graphs), :mod:`.operations` (the table of what
+an operation is to each reader), :mod:`.op` (the functions that definitions are written
+with), :mod:`.evaluation` (numbers, arrays, derivative, bounds), :mod:`.printing` and
+:mod:`.functions` (source text, compiled functions), :mod:`.kinds` (the records and their
+registration), :mod:`.shapes` and :mod:`.norms` (the built-in records), :mod:`.formulas`
+(what users write).
+"""

@@ -1,0 +1,250 @@
+"""Readings of an expression that give values: numbers, arrays, bounds; and its derivative.
+
+Each is one walk over the graph, arguments first, that looks every operation up in
+:data:`~fuzzyarm.expression.operations.OPERATIONS`. What runs often is not walked but printed
+as source text and compiled, see :mod:`fuzzyarm.expression.printing`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import cache
+from typing import Any
+
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Number,
+    apply,
+    as_node,
+    constant,
+    postorder,
+    replace,
+    symbol,
+)
+from fuzzyarm.expression.operations import EVERYTHING, OPERATIONS, Interval
+
+__all__ = [
+    "array_function", "bounds", "derivative", "evaluate", "evaluate_arrays", "gradient",
+    "specialise",
+]  # fmt: skip
+
+
+def evaluate(root: Node, values: Mapping[str, float]) -> float:
+    """Return the value of an expression at one point.
+
+    Parameters
+    ----------
+    root : Node
+        The expression.
+    values : mapping of str to float
+        A value for every symbol.
+
+    Returns
+    -------
+    float
+        NaN or infinite where arithmetic is (1 / 0, the root of -1); it never raises for that.
+
+    Raises
+    ------
+    KeyError
+        With the name of a symbol that has no value.
+    """
+    found: dict[Node, Any] = {}
+    for node in postorder(root):
+        if isinstance(node, Apply):
+            arguments = (found[argument] for argument in node.arguments)
+            found[node] = OPERATIONS[node.operation].scalar(*arguments)
+        elif isinstance(node, Constant):
+            found[node] = node.value
+        else:
+            found[node] = values[node.name]  # type: ignore[attr-defined]
+    return float(found[root])
+
+
+def specialise(root: Node, values: Mapping[str, float]) -> Node:
+    """Return an expression with numbers in place of some symbols, and what follows from them.
+
+    A part without symbols becomes its value, with the bits that :func:`evaluate` gives, and
+    a choice by such a condition becomes its branch. Nothing else is simplified: x + 0 stays.
+    """
+    made: dict[Node, Node] = {}
+    for node in postorder(replace(root, values)):
+        made[node] = _folded(node, made) if isinstance(node, Apply) else node
+    return made[node]
+
+
+def _folded(node: Apply, made: Mapping[Node, Node]) -> Node:
+    arguments = [made[argument] for argument in node.arguments]
+    if node.operation == "where" and isinstance(arguments[0], Constant):
+        return arguments[1] if arguments[0].value else arguments[2]
+    known = [argument.value for argument in arguments if isinstance(argument, Constant)]
+    if len(known) == len(arguments):
+        return constant(float(OPERATIONS[node.operation].scalar(*known)))
+    if node.operation in {"both", "either"} and known:
+        decides = bool(known[0]) == (node.operation == "either")
+        rest = next(argument for argument in arguments if not isinstance(argument, Constant))
+        return constant(known[0]) if decides else rest
+    return apply(node.operation, *arguments)
+
+
+@cache
+def array_function(name: str) -> Callable[..., Any]:
+    """Return what an operation is over arrays; the first of equal arguments, as over floats."""
+    import numpy as np
+
+    if name == "minimum":
+        return lambda a, b: np.where(np.less(b, a), b, a)
+    if name == "maximum":
+        return lambda a, b: np.where(np.greater(b, a), b, a)
+    if name == "where":
+        return _where
+    function: Callable[..., Any] = getattr(np, OPERATIONS[name].array)
+    return function
+
+
+def _where(condition: Any, then: Any, otherwise: Any) -> Any:
+    import numpy as np
+
+    if np.ndim(condition) == 0:  # on parameters only: one branch need not exist
+        return then if condition else otherwise
+    return np.where(condition, then, otherwise)
+
+
+def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -> Any:
+    """Return the value of an expression over arrays that broadcast.
+
+    Parameters
+    ----------
+    root : Node
+        The expression.
+    values : mapping of str to array_like
+        A value for every symbol.
+    real : type
+        Of the constants: ``float``, or ``numpy.float32`` for arithmetic in single precision.
+
+    Returns
+    -------
+    ndarray
+        Equal to :func:`evaluate` at each point bit for bit where an operation is exact or
+        correctly rounded (+ − × ÷, roots, min, max), to about 1e-16 of the value elsewhere.
+        Both branches of a choice are evaluated; NumPy does not warn of the one not taken.
+    """
+    import numpy as np
+
+    found: dict[Node, Any] = {}
+    with np.errstate(all="ignore"):
+        for node in postorder(root):
+            if isinstance(node, Apply):
+                arguments = (found[argument] for argument in node.arguments)
+                found[node] = array_function(node.operation)(*arguments)
+            elif isinstance(node, Constant):
+                found[node] = np.dtype(real).type(node.value)
+            else:
+                found[node] = values[node.name]  # type: ignore[attr-defined]
+    return found[root]
+
+
+# ── derivative ───────────────────────────────────────────────────────────────────────
+
+_ZERO, _ONE = constant(0.0), constant(1.0)
+
+
+def derivative(root: Node, name: str) -> Node:
+    """Return the derivative of an expression by one of its symbols, as an expression.
+
+    Where the expression has a corner it is the derivative of one side; where it jumps, that
+    of the branch that holds there.
+    """
+    return gradient(root, (name,))[0]
+
+
+def gradient(root: Node, names: tuple[str, ...]) -> tuple[Node, ...]:
+    """Return the derivatives of an expression by several of its symbols.
+
+    Reverse accumulation: every node is visited once, whatever the number of names.
+    """
+    order = list(postorder(root))
+    adjoint: dict[Node, Node] = {root: _ONE}
+    for node in reversed(order):
+        if node not in adjoint or not isinstance(node, Apply):
+            continue
+        partials = OPERATIONS[node.operation].partials
+        if partials is None:  # a condition, or a step: flat wherever it has a derivative
+            continue
+        for argument, partial in zip(node.arguments, partials(*node.arguments), strict=True):
+            share = _product(adjoint[node], partial)
+            if share is not _ZERO:
+                known = adjoint.get(argument)
+                adjoint[argument] = share if known is None else known + share
+    return tuple(adjoint.get(symbol(name), _ZERO) for name in names)
+
+
+def _product(a: Number, b: Number) -> Node:
+    """Return a b without the factors 0 and 1, of which a derivative is full.
+
+    A choice between a value and 0 stays a choice: 0 times the other branch may be NaN.
+    """
+    for choice, factor in ((a, b), (b, a)):
+        if isinstance(choice, Apply) and choice.operation == "where":
+            condition, then, otherwise = choice.arguments
+            return apply("where", condition, _product(then, factor), _product(otherwise, factor))
+    if a is _ZERO or b is _ZERO:
+        return _ZERO
+    if a is _ONE:
+        return as_node(b)
+    return as_node(a) if b is _ONE else as_node(a) * b
+
+
+# ── bounds ───────────────────────────────────────────────────────────────────────────
+
+
+def bounds(root: Node, ranges: Mapping[str, tuple[float, float]]) -> Interval:
+    """Return an interval that holds every value of an expression over a box.
+
+    Safe, not tight: parts that depend on the same symbol are taken as independent, except
+    that a choice takes only the branches that can hold.
+
+    Parameters
+    ----------
+    root : Node
+        The expression.
+    ranges : mapping of str to (float, float)
+        The lowest and the highest value of each symbol.
+
+    Returns
+    -------
+    Interval
+        Rounded outwards: it holds the values of floats and of real numbers. Where an
+        operation has no value (the root of -1) there is none to hold.
+
+    References
+    ----------
+    R. E. Moore, *Interval Analysis*, 1966: the value over a box lies in the intervals of
+    the operations, one after the other.
+    """
+    found: dict[Node, Interval] = {}
+    for node in postorder(root):
+        if isinstance(node, Constant):
+            found[node] = Interval(node.value, node.value)
+        elif isinstance(node, Apply):
+            operation = OPERATIONS[node.operation]
+            arguments = [found[argument] for argument in node.arguments]
+            found[node] = _rounded(operation.bounds(*arguments), exact=operation.exact)
+        else:
+            found[node] = Interval(*ranges[node.name])  # type: ignore[attr-defined]
+    return found[root]
+
+
+def _rounded(interval: Interval, *, exact: bool) -> Interval:
+    low, high = interval
+    if math.isnan(low) or math.isnan(high):
+        return EVERYTHING
+    if exact:
+        return interval
+    # Two units in the last place: what the functions of a C library may be off.
+    for _ in range(2):
+        low, high = math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
+    return Interval(low, high)

@@ -1,0 +1,124 @@
+"""Expressions as Python functions: over floats, and over rows for a compiler to take.
+
+The text comes from :mod:`fuzzyarm.expression.printing`. A function over floats computes with
+the plain operators of Python, which raise where arithmetic has no value; it then answers
+with the slow reading that gives NaN or an infinity there. So the common case is as fast as
+a function written by hand.
+"""
+
+from __future__ import annotations
+
+import builtins
+import linecache
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from fuzzyarm.expression.evaluation import evaluate
+from fuzzyarm.expression.nodes import Apply, Node, symbol
+from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.expression.printing import PYTHON, printed
+
+__all__ = ["python_function", "python_source", "row_source"]
+
+_STEPS = {"floor": "floor", "ceil": "ceil", "rint": "round", "trunc": "truncate"}
+"""Names in the printed text that are not functions of :mod:`math`: their operations."""
+
+
+_OWN: dict[str, Callable[..., float]] = {"minimum": min, "maximum": max}
+"""Operations that are functions of Python itself, for the fastest case of all."""
+
+
+def _namespace() -> dict[str, Any]:
+    found: dict[str, Any] = {
+        name: function for name, function in vars(math).items() if not name.startswith("_")
+    }
+    found |= {word: OPERATIONS[name].scalar for word, name in _STEPS.items()}
+    found |= {name: getattr(builtins, name) for name in ("abs", "min", "max", "float")}
+    return found
+
+
+def python_source(root: Node, parameters: Sequence[str], name: str = "value") -> str:
+    """Return the text of a Python function of some parameters that computes an expression."""
+    lines, result = printed(root, PYTHON, taken=parameters)
+    body = "\n".join(f"    {line}" for line in [*lines, f"return {result}"])
+    return f"def {name}({', '.join(parameters)}):\n{body}\n"
+
+
+def python_function(root: Node, parameters: Sequence[str]) -> Callable[..., float]:
+    """Return a Python function of floats that computes an expression.
+
+    Parameters
+    ----------
+    root : Node
+        The expression; its symbols are among `parameters`.
+    parameters : sequence of str
+        Names of the arguments, in order; Python identifiers.
+
+    Returns
+    -------
+    callable
+        Of as many floats; returns a float, NaN or infinite where arithmetic is.
+    """
+    names = tuple(parameters)
+    if isinstance(root, Apply) and root.arguments == tuple(symbol(name) for name in names):
+        return _OWN.get(root.operation, OPERATIONS[root.operation].scalar)
+    lines, result = printed(root, PYTHON, taken=names)
+    body = "\n".join(f"        {line}" for line in [*lines, f"return {result}"])
+    arguments = ", ".join(names)
+    source = (
+        f"def _value({arguments}):\n    try:\n{body}\n"
+        f"    except (ArithmeticError, ValueError):\n        return _quiet({arguments})\n"
+    )
+
+    def quiet(*values: float) -> float:
+        return evaluate(root, dict(zip(names, values, strict=True)))
+
+    space = _namespace() | {"_quiet": quiet}
+    exec(source, space)
+    function: Callable[..., float] = space["_value"]
+    return function
+
+
+def row_source(root: Node, rows: Sequence[str], numbers: Sequence[str], name: str) -> str:
+    """Return the text of a function over rows, plain enough for a compiler.
+
+    Parameters
+    ----------
+    root : Node
+        The expression.
+    rows : sequence of str
+        Symbols that are taken from rows, element by element.
+    numbers : sequence of str
+        Symbols that are the same for all elements; one array ``numbers`` holds them.
+    name : str
+        Of the function.
+
+    Returns
+    -------
+    str
+        ``def name(rows …, numbers, into)``; it fills `into`.
+    """
+    lines, result = printed(root, PYTHON, taken=(*rows, *numbers))
+    head = [f"{number} = numbers[{i}]" for i, number in enumerate(numbers)]
+    each = [*(f"{row} = {row}_row[i]" for row in rows), *lines, f"into[i] = {result}"]
+    arguments = ", ".join([*(f"{row}_row" for row in rows), "numbers", "into"])
+    text = [f"def {name}({arguments}):", *(f"    {line}" for line in head)]
+    text += ["    for i in range(into.shape[0]):", *(f"        {line}" for line in each)]
+    return "\n".join(text) + "\n"
+
+
+def row_function(source: str, name: str) -> Callable[..., None]:
+    """Return the function of some text from :func:`row_source`, for numba or the interpreter.
+
+    Its names are bound to what numba compiles: the roundings of NumPy return floats.
+    """
+    import numpy as np
+
+    space = _namespace() | {word: getattr(np, word) for word in _STEPS}
+    file = f"<row {name}>"
+    linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
+    exec(compile(source, file, "exec"), space)
+    function: Callable[..., None] = space[name]
+    function.__source__ = source  # type: ignore[attr-defined]
+    return function
