@@ -22,12 +22,13 @@ from pathlib import Path
 
 import numpy as np
 
-from fuzzyarm.arm import reach_return
-from fuzzyarm.control import Options, controller, simulate, simulate_batch
-from fuzzyarm.control.sources import shipped_rulebase, shipped_table
-from fuzzyarm.inference.sampling import places
-from fuzzyarm.rulebase.membership import membership
-from fuzzyarm.rulebase.model import RuleBase, propositions
+from fuzzyarm.controller import controller
+from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
+from fuzzyarm.inference.defuzzify.aggregate import places
+from fuzzyarm.loop import Options, simulate, simulate_batch
+from fuzzyarm.model.membership import membership
+from fuzzyarm.model.rulebase import RuleBase, propositions
+from fuzzyarm.plant import reach_return
 
 ROUNDS = 7
 REPEATS = 15

@@ -35,10 +35,10 @@ from compiled_pictures import draw
 from ratios import Ratio, in_turns, number, quarters, ratio
 
 from fuzzyarm import compiled, infer
-from fuzzyarm.files import write_atomically
-from fuzzyarm.inference.machine.evaluator import machine
+from fuzzyarm.inference.kernel.compiled import machine
 from fuzzyarm.inference.profile import polyline
-from fuzzyarm.rulebase import RuleBase
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.files import write_atomically
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/performance.md"

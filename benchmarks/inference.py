@@ -26,7 +26,7 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm.inference import infer
-from fuzzyarm.rulebase import load_rulebase
+from fuzzyarm.language import load_rulebase
 
 ROOT = Path(__file__).resolve().parent.parent
 PD7 = ROOT / "rulebases/pd7.frb"

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm import shipped
-from fuzzyarm.lut import LookupTable, read_table
+from fuzzyarm.table import LookupTable, read_table
 
 POINTS = 1_000_000
 ROUNDS = 7
@@ -27,8 +27,8 @@ MODES = ("bins", "nearest", "linear")
 MEMORY = """
 import re
 from fuzzyarm import shipped
-from fuzzyarm.lut import compile_table
-from fuzzyarm.rulebase import load_rulebase
+from fuzzyarm.table import compile_table
+from fuzzyarm.language import load_rulebase
 
 def peak():  # of this program alone; getrusage would begin with that of its parent
     with open("/proc/self/status") as status:

@@ -6,8 +6,18 @@ import dataclasses
 import itertools
 
 from fuzzyarm import shipped
-from fuzzyarm.rulebase import RuleBase, load_rulebase
-from fuzzyarm.rulebase.model import And, Consequent, Input, Is, Rule, RuleBlock, Shape, Term
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Input,
+    Is,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+)
 
 LOW, HIGH = -6.0, 6.0
 

@@ -21,7 +21,7 @@ from rich.panel import Panel
 from rich.text import Text
 
 from fuzzyarm.api import check_text
-from fuzzyarm.rulebase.queries import coloured, complete, fixes, hover, read
+from fuzzyarm.language.queries import coloured, complete, fixes, hover, read
 from fuzzyarm.studio.app import Studio
 from fuzzyarm.studio.document import StudioDocument
 

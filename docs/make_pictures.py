@@ -14,9 +14,9 @@ from rich.console import Console
 
 from fuzzyarm import shipped
 from fuzzyarm.cli import main
-from fuzzyarm.lut import compile_table
-from fuzzyarm.rulebase import load_rulebase
+from fuzzyarm.language import load_rulebase
 from fuzzyarm.show.table import table_view
+from fuzzyarm.table import compile_table
 
 PICTURES = Path(__file__).parent / "pictures"
 

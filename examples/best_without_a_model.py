@@ -7,9 +7,10 @@ were chosen on the study's two trajectories and on the second and third below; o
 nothing was chosen.
 """
 
-from fuzzyarm.arm import pick_and_place, reach_return, through
-from fuzzyarm.control import controller, simulate
-from fuzzyarm.study.beyond import run_beyond
+from fuzzyarm.controller import controller
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import pick_and_place, reach_return, through
+from fuzzyarm.study.reproduce import run_beyond
 
 beyond = run_beyond()
 print("RMS errors under the conditions of the study's summary table, degrees")

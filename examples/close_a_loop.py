@@ -4,8 +4,8 @@ The plant is four lines at the bottom; nothing here knows of the robot arm.
 """
 
 from fuzzyarm.inference import prepare
-from fuzzyarm.lut import compile_table
-from fuzzyarm.rulebase import parse
+from fuzzyarm.language import parse
+from fuzzyarm.table import compile_table
 
 RULES = """
 rulebase heater "power from temperature error and its rate"

@@ -1,7 +1,8 @@
 """Run some controllers along the same trajectory and compare their errors."""
 
-from fuzzyarm.arm import pick_and_place
-from fuzzyarm.control import controller, simulate
+from fuzzyarm.controller import controller
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import pick_and_place
 
 path = pick_and_place(angles=(60.0, -30.0), segment=1.5)
 

@@ -1,7 +1,8 @@
 """STFC, CFAF and HFIE beside the direct fuzzy controller that they improve upon."""
 
-from fuzzyarm.arm import pick_and_place, reach_return
-from fuzzyarm.control import controller, simulate
+from fuzzyarm.controller import controller
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import pick_and_place, reach_return
 
 CONTROLLERS = {
     "fuzzy-direct": "the rules alone",

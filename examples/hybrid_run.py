@@ -6,9 +6,10 @@ usage: python examples/hybrid_run.py [FOLDER]   (figures go there; without it no
 import sys
 from pathlib import Path
 
-from fuzzyarm.arm import pick_and_place
-from fuzzyarm.control import controller, simulate
-from fuzzyarm.study.profiles import draw_profiles, save_figure
+from fuzzyarm.controller import controller
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import pick_and_place
+from fuzzyarm.study.figures import draw_profiles, save_figure
 
 path = pick_and_place()
 runs = {}

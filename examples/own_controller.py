@@ -8,8 +8,8 @@ Run it beside any other:
 
 import math
 
-from fuzzyarm.arm import UNLOADED
-from fuzzyarm.control import Controller
+from fuzzyarm.controller import Controller
+from fuzzyarm.plant import UNLOADED
 
 STIFFNESS = (300.0, 200.0)  # N m/rad
 DAMPING = (50.0, 40.0)  # N m s/rad

@@ -7,12 +7,12 @@ and badly once it is frozen. A hundredth of that settles, and what is left is a 
 import tempfile
 from pathlib import Path
 
-from fuzzyarm.arm import pick_and_place, reach_return
-from fuzzyarm.control import Sources, controller, simulate
-from fuzzyarm.control.learning import train
-from fuzzyarm.control.sources import shipped_table
-from fuzzyarm.control.table_numbers import JointTables, joint_tables, over_joints
-from fuzzyarm.lut import read_table, write_table
+from fuzzyarm.controller import Sources, controller
+from fuzzyarm.controller.sources import JointTables, joint_tables, over_joints, shipped_table
+from fuzzyarm.learning.self_organizing import train
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import pick_and_place, reach_return
+from fuzzyarm.table import read_table, write_table
 
 judge = shipped_table("performance-yamazaki.lut")
 grid = joint_tables(judge)  # its levels and bins; the control table gets the same

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from fuzzyarm.rulebase.model import RuleBase
+from fuzzyarm.model.rulebase import RuleBase
 
 settings.register_profile("fuzzyarm", deadline=None, derandomize=True, print_blob=True)
 settings.load_profile("fuzzyarm")
@@ -37,6 +37,6 @@ def update_golden(request: pytest.FixtureRequest) -> bool:
 @pytest.fixture(scope="session")
 def pd7() -> RuleBase:
     """The PD-type rule base with exact centroid, as shipped."""
-    from fuzzyarm.rulebase import load_rulebase
+    from fuzzyarm.language import load_rulebase
 
     return load_rulebase(ROOT / "rulebases" / "pd7.frb")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzyarm.rulebase.model import (
+from fuzzyarm.model.rulebase import (
     And,
     Consequent,
     Input,

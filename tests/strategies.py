@@ -15,7 +15,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from fuzzyarm.rulebase.model import (
+from fuzzyarm.model.rulebase import (
     CONJUNCTIONS,
     DISJUNCTIONS,
     SAMPLINGS,

@@ -2,13 +2,15 @@
 
 The packages stand on each other in one direction::
 
-    rulebase, formats  →  inference  →  lut  →  arm  →  control  →  study, show  →  cli, lsp
+    text  →  model  →  language, formats  →  inference  →  table  →  export
+    plant  →  controller  →  loop  →  learning, study
+    show  →  lsp, studio  →  cli
 
-:mod:`fuzzyarm.rulebase` reads, checks and prints rule files; :mod:`fuzzyarm.inference`
-evaluates them; :mod:`fuzzyarm.lut` compiles them to lookup tables; :mod:`fuzzyarm.arm` is
-the plant; :mod:`fuzzyarm.control` has the controllers; :mod:`fuzzyarm.study` has the
-published experiments; :mod:`fuzzyarm.show` draws. Importing this page is instant: what a
-name needs is loaded when the name is used.
+:mod:`fuzzyarm.language` reads, checks and prints rule files; :mod:`fuzzyarm.inference`
+evaluates them; :mod:`fuzzyarm.table` compiles them to lookup tables; :mod:`fuzzyarm.plant` is
+the arm, :mod:`fuzzyarm.controller` has the controllers and :mod:`fuzzyarm.loop` closes the
+loop; :mod:`fuzzyarm.study` has the published experiments; :mod:`fuzzyarm.show` draws.
+Importing this page is instant: what a name needs is loaded when the name is used.
 """
 
 from __future__ import annotations
@@ -19,15 +21,18 @@ if TYPE_CHECKING:
     from fuzzyarm.api import check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.inference import compiled, explain, infer
-    from fuzzyarm.lut import (
+    from fuzzyarm.language import parse, write
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.shipped_files import shipped
+    from fuzzyarm.table import (
         LookupTable,
         compile_table,
         compile_with_report,
         read_table,
         write_table,
     )
-    from fuzzyarm.rulebase import RuleBase, RuleBaseError, parse, write
-    from fuzzyarm.shipped_files import shipped
+    from fuzzyarm.text.diagnostic import RuleBaseError
+
 
 __version__ = "0.1.0"
 
@@ -53,22 +58,22 @@ __all__ = [
 
 _HOMES = {
     "FuzzyarmError": "errors",
-    "LookupTable": "lut",
-    "RuleBase": "rulebase",
-    "RuleBaseError": "rulebase",
+    "LookupTable": "table",
+    "RuleBase": "language",
+    "RuleBaseError": "language",
     "check_file": "api",
     "check_text": "api",
-    "compile_table": "lut",
-    "compile_with_report": "lut",
+    "compile_table": "table",
+    "compile_with_report": "table",
     "compiled": "inference",
     "explain": "inference",
     "infer": "inference",
     "load": "api",
-    "parse": "rulebase",
-    "read_table": "lut",
+    "parse": "language",
+    "read_table": "table",
     "shipped": "shipped_files",
-    "write": "rulebase",
-    "write_table": "lut",
+    "write": "language",
+    "write_table": "table",
 }
 
 

@@ -7,20 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.rulebase import (
-    Diagnostic,
-    Parsed,
-    RuleBase,
-    RuleBaseError,
-    load_rulebase,
-    parse,
-    read_text,
-)
-from fuzzyarm.rulebase.check import check as check_rulebase
-from fuzzyarm.rulebase.parsing import text_to_show
+from fuzzyarm.language import Parsed, load_rulebase, parse, read_text
+from fuzzyarm.language.check import check
+from fuzzyarm.language.reading import text_to_show
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
 
 if TYPE_CHECKING:
-    from fuzzyarm.lut import LookupTable
+    from fuzzyarm.table import LookupTable
+
 
 RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis")
 TABLE_SUFFIXES = (".lut", ".csv", ".npz", ".json")
@@ -64,7 +59,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     if suffix == ".frb":
         return load_rulebase(path)
     if suffix in TABLE_SUFFIXES:
-        from fuzzyarm.lut import read_table
+        from fuzzyarm.table import read_table
 
         return read_table(name)
     if suffix in RULEBASE_SUFFIXES:
@@ -126,7 +121,7 @@ def check_parsed(
     if parsed.rulebase is None:
         return Review(text, parsed.diagnostics)
     more = failed_expectations(parsed.rulebase) if failed is None else failed
-    findings = check_rulebase(parsed.rulebase, parsed.document, path=path, more=more)
+    findings = check(parsed.rulebase, parsed.document, path=path, more=more)
     merged = sorted((*parsed.diagnostics, *findings), key=lambda d: (d.span, d.name))
     return Review(text, tuple(merged), parsed.rulebase)
 
@@ -147,7 +142,7 @@ def check_file(path: str | os.PathLike[str]) -> Review:
         if suffix == ".frb":
             return check_text(read_text(path), name)
         if suffix == ".lut":
-            from fuzzyarm.lut import parse_lut
+            from fuzzyarm.table import parse_lut
 
             text = read_text(path)
             return Review(text, tuple(parse_lut(text, name).diagnostics))
@@ -167,7 +162,7 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     if imported.rulebase is None:
         return Review(text, tuple(imported.diagnostics))
     more = failed_expectations(imported.rulebase)
-    findings = check_rulebase(imported.rulebase, path=name, more=more)
+    findings = check(imported.rulebase, path=name, more=more)
     return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.rulebase.near import near_hint
+from fuzzyarm.text.names import near_hint
 
 
 class NotShippedError(FuzzyarmError, FileNotFoundError):

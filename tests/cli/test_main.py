@@ -8,7 +8,7 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm.cli import main
-from fuzzyarm.cli.commands import COMMANDS
+from fuzzyarm.cli.main import COMMANDS
 from fuzzyarm.shipped_files import shipped
 
 GOOD = str(shipped("pd7.frb"))

@@ -14,8 +14,8 @@ from c_programs import HOST, compile_c, execute, need
 from fuzzyarm.cli import main
 from fuzzyarm.export import EXPORTS
 from fuzzyarm.inference import infer
-from fuzzyarm.lut import read_table
-from fuzzyarm.rulebase import load_rulebase
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.table import read_table
 
 ROOT = Path(__file__).parents[2]
 PD7 = str(ROOT / "rulebases" / "pd7.frb")

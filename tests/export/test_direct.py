@@ -22,8 +22,9 @@ from strategies import (
 )
 
 from fuzzyarm.export import ExportError, routines_of
-from fuzzyarm.export.direct import corners_of
-from fuzzyarm.rulebase import Defuzzifier, Output, RuleBase, load_rulebase, parse
+from fuzzyarm.export.rulebase import corners_of
+from fuzzyarm.language import load_rulebase, parse
+from fuzzyarm.model.rulebase import Defuzzifier, Output, RuleBase
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 TARGETS = [HOST, pytest.param(ARM, marks=pytest.mark.slow)]

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm.export import routines_of
-from fuzzyarm.export.fixed_point import Scale, fixed_table, part, scale_over
-from fuzzyarm.lut import Axis, LookupTable, read_table
+from fuzzyarm.export.table_numbers import Scale, fixed_table, part, scale_over
+from fuzzyarm.table import Axis, LookupTable, read_table
 
 PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")
 TARGETS = [HOST, pytest.param(ARM, marks=pytest.mark.slow)]

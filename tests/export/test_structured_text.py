@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm.export import ExportError, export_files, routines_of
-from fuzzyarm.lut import Axis, LookupTable, read_table
+from fuzzyarm.table import Axis, LookupTable, read_table
 
 PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")
 UNEVEN = LookupTable(

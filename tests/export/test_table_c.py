@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.export import ExportError, export_files, routines_of
-from fuzzyarm.lut import Axis, LookupTable, read_table
+from fuzzyarm.table import Axis, LookupTable, read_table
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 TARGETS = [HOST, pytest.param(ARM, marks=pytest.mark.slow)]

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm import shipped
-from fuzzyarm.cli.corpus_reference import difference
+from fuzzyarm.cli.corpus import difference
 from fuzzyarm.cli.main import main
 from fuzzyarm.formats import same_model
 from fuzzyarm.formats.registry import read
 from fuzzyarm.inference import infer
-from fuzzyarm.rulebase import load_rulebase
+from fuzzyarm.language import load_rulebase
 
 DATA = Path(__file__).parent / "data"
 

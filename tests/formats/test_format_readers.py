@@ -9,7 +9,7 @@ import pytest
 
 from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read
 from fuzzyarm.inference import infer
-from fuzzyarm.rulebase.model import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
+from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
 
 DATA = Path(__file__).parent / "data"
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.cli.corpus_reference import read_references, worst_difference
+from fuzzyarm.cli.corpus import read_references, worst_difference
 from fuzzyarm.formats import parse, read, write
 
 HERE = Path(__file__).parent

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from strategies import input_points, plain_mamdani, rulebases
 
 from fuzzyarm.formats import Exported, parse, read, same_model, write
-from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
+from fuzzyarm.formats.shapes import fuzzylite_shape
 from fuzzyarm.inference import InferenceError, infer
-from fuzzyarm.rulebase.model import (
+from fuzzyarm.model.rulebase import (
     And,
     Consequent,
     Defuzzifier,

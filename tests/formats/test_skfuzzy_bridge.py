@@ -13,8 +13,8 @@ from skfuzzy import control
 
 from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy
 from fuzzyarm.inference import NoRuleFiredError, infer
-from fuzzyarm.rulebase import parse
-from fuzzyarm.rulebase.model import And, Defuzzifier, Hedge, Is, Or, RuleBase
+from fuzzyarm.language import parse
+from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Is, Or, RuleBase
 
 # scikit-fuzzy calls np.maximum in a way that newer NumPy frowns upon.
 pytestmark = pytest.mark.filterwarnings("ignore:Passing more than 2 positional")

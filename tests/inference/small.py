@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from fuzzyarm.rulebase.model import (
+from fuzzyarm.model.rulebase import (
     Consequent,
     Defuzzifier,
     Expression,

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm.inference import InferenceError, infer
-from fuzzyarm.rulebase.model import RuleBase, Shape
+from fuzzyarm.model.rulebase import RuleBase, Shape
 from tests.inference.small import base, rule, terms
 
 BOXES = terms(left=Shape("rectangle", (1.0, 3.0)), right=Shape("rectangle", (6.0, 8.0)))
@@ -231,7 +231,7 @@ def test_tsukamoto_needs_a_slope() -> None:
 
 @given(st.floats(0.05, 1.0), st.floats(0.05, 1.0))
 def test_hedges_of_a_consequent_change_the_set(a: float, b: float) -> None:
-    from fuzzyarm.rulebase.model import Consequent, Hedge, Is, Rule
+    from fuzzyarm.model.rulebase import Consequent, Hedge, Is, Rule
 
     rules = [Rule(Is("a", "high"), (Consequent("u", "left", (Hedge("not"),)),)), RULES[1]]
     rulebase = base(rules, BOXES)

@@ -14,9 +14,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer, prepare
-from fuzzyarm.inference.chunks import blocks
-from fuzzyarm.rulebase import parse
-from fuzzyarm.rulebase.model import And, Defuzzifier, Expression, Hedged, Is, Or, Output, RuleBase
+from fuzzyarm.inference.arrays import blocks
+from fuzzyarm.language import parse
+from fuzzyarm.model.rulebase import And, Defuzzifier, Expression, Hedged, Is, Or, Output, RuleBase
 from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases
 
 slow_draws = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
@@ -205,7 +205,7 @@ def test_chunks_change_nothing(pd7: RuleBase, monkeypatch: pytest.MonkeyPatch) -
     e, ce = np.linspace(-6, 6, 23)[:, None], np.linspace(-6, 6, 29)[None, :]
     whole = infer(pd7, e=e, ce=ce)["u"]
     for size in (1, 7, 30, 100):
-        monkeypatch.setattr("fuzzyarm.inference.engine.CHUNK", size)
+        monkeypatch.setattr("fuzzyarm.inference.arrays.CHUNK", size)
         np.testing.assert_array_equal(infer(pd7, e=e, ce=ce)["u"], whole)
 
 
@@ -239,7 +239,7 @@ def test_single_precision_inputs_are_taken_as_they_are(pd7: RuleBase) -> None:
 
 def test_importing_and_a_single_point_need_no_array_library() -> None:
     code = (
-        "import sys; import fuzzyarm.inference as i; from fuzzyarm.rulebase.model import *\n"
+        "import sys; import fuzzyarm.inference as i; from fuzzyarm.model.rulebase import *\n"
         "t = (Term('A', Shape('triangle', (0.0, 1.0, 2.0))),)\n"
         "r = RuleBase('r', (Input('e', 0.0, 2.0, t),), (Output('u', 0.0, 2.0, t),),"
         " (RuleBlock((Rule(Is('e', 'A'), (Consequent('u', 'A'),)),)),))\n"
@@ -253,7 +253,7 @@ def test_importing_and_a_single_point_need_no_array_library() -> None:
 
 @pytest.mark.slow
 def test_every_combination_of_norms_agrees_in_both_engines(pd7: RuleBase) -> None:
-    from fuzzyarm.rulebase.model import CONJUNCTIONS, DISJUNCTIONS
+    from fuzzyarm.model.rulebase import CONJUNCTIONS, DISJUNCTIONS
 
     e, ce = np.array([1.3, -6.0, 0.0, 3.0]), np.array([-2.2, 6.0, 0.0, 5.5])
     for implication, aggregation in itertools.product(CONJUNCTIONS, DISJUNCTIONS):
@@ -268,7 +268,7 @@ def test_every_combination_of_norms_agrees_in_both_engines(pd7: RuleBase) -> Non
 
 
 def test_hedges_on_a_whole_expression(pd7: RuleBase) -> None:
-    from fuzzyarm.rulebase.model import Consequent, Hedge, Rule
+    from fuzzyarm.model.rulebase import Consequent, Hedge, Rule
 
     inside = Or((Is("e", "NB"), Is("e", "PB")))
     rule = Rule(Hedged((Hedge("not"), Hedge("very")), inside), (Consequent("u", "PB"),))

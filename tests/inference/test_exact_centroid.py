@@ -13,15 +13,14 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from fuzzyarm.inference import infer
-from fuzzyarm.inference.defuzzify import centroid_closed, centroid_integrated
+from fuzzyarm.inference.defuzzify import centroid
+from fuzzyarm.inference.membership import SNORMS as ARRAY_SNORMS
+from fuzzyarm.inference.membership import TNORMS as ARRAY_TNORMS
 from fuzzyarm.inference.membership import membership as array_membership
 from fuzzyarm.inference.overlap import closed_form
 from fuzzyarm.inference.plan import OutputPlan, plan
-from fuzzyarm.inference.snorms import SNORMS as ARRAY_SNORMS
-from fuzzyarm.inference.tnorms import TNORMS as ARRAY_TNORMS
-from fuzzyarm.rulebase.membership import membership
-from fuzzyarm.rulebase.model import Defuzzifier, RuleBase, Shape
-from fuzzyarm.rulebase.norms import SNORMS, TNORMS
+from fuzzyarm.model.membership import SNORMS, TNORMS, membership
+from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
 from tests.strategies import SMOOTH, STRAIGHT, plain_mamdani
 
 
@@ -81,7 +80,9 @@ def test_closed_form_equals_brute_force(rulebase: RuleBase, seed: int) -> None:
     expected = brute_force(output, fired, 200)
     if expected is not None:
         width = output.output.high - output.output.low
-        assert centroid_closed.one(output, fired) == pytest.approx(expected, abs=2e-5 * width)
+        assert centroid.closed_centroid_at_point(output, fired) == pytest.approx(
+            expected, abs=2e-5 * width
+        )
 
 
 @given(
@@ -93,8 +94,8 @@ def test_closed_form_equals_adaptive_quadrature(rulebase: RuleBase, seed: int) -
     output = plan(rulebase).outputs["u"]
     fired = fired_somehow(output, seed)
     width = output.output.high - output.output.low
-    closed = centroid_closed.one(output, fired)
-    integrated = centroid_integrated.one(output, fired)
+    closed = centroid.closed_centroid_at_point(output, fired)
+    integrated = centroid.integrated_centroid_at_point(output, fired)
     assert (closed is None) == (integrated is None)
     if closed is not None:
         assert closed == pytest.approx(integrated, abs=1e-11 * width)
@@ -143,7 +144,9 @@ def test_quadrature_equals_very_many_samples(
     expected = fine_sum(output, fired, 200_000)
     if expected is not None:
         width = output.output.high - output.output.low
-        assert centroid_integrated.one(output, fired) == pytest.approx(expected, abs=share * width)
+        assert centroid.integrated_centroid_at_point(output, fired) == pytest.approx(
+            expected, abs=share * width
+        )
 
 
 def test_two_clipped_triangles_by_hand() -> None:
@@ -158,22 +161,24 @@ def test_two_clipped_triangles_by_hand() -> None:
     area = sum(quad(union, a, b)[0] for a, b in itertools.pairwise(corners))
     moment = sum(quad(lambda y: y * union(y), a, b)[0] for a, b in itertools.pairwise(corners))
     output = _bare_output([first, second], -1.0, 2.0)
-    assert centroid_closed.one(output, [(0, 0.5), (1, 0.25)]) == pytest.approx(moment / area)
-    alone = centroid_closed.one(output, [(1, 0.25)])
+    assert centroid.closed_centroid_at_point(output, [(0, 0.5), (1, 0.25)]) == pytest.approx(
+        moment / area
+    )
+    alone = centroid.closed_centroid_at_point(output, [(1, 0.25)])
     assert alone == pytest.approx(1.0)
 
 
 def test_vertical_edges_and_the_range_cut_a_set() -> None:
     # min(0.4, rectangle 1 .. 9) inside 0 .. 5: a box from 1 to 5.
     output = _bare_output([Shape("rectangle", (1.0, 9.0))], 0.0, 5.0)
-    assert centroid_closed.one(output, [(0, 0.4)]) == pytest.approx(3.0)
+    assert centroid.closed_centroid_at_point(output, [(0, 0.4)]) == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("height", [1e-300, 1e-100, 1e-12, 1e-6])
 def test_a_faint_rule_keeps_its_digits(height: float) -> None:
     output = _bare_output([Shape("triangle", (0.0, 1.0, 4.0))], 0.0, 4.0)
     # A sliver of a set is a box over its support.
-    assert centroid_closed.one(output, [(0, height)]) == pytest.approx(2.0, abs=1e-5)
+    assert centroid.closed_centroid_at_point(output, [(0, height)]) == pytest.approx(2.0, abs=1e-5)
 
 
 def test_many_overlapping_sets_fall_back_to_quadrature() -> None:
@@ -182,7 +187,7 @@ def test_many_overlapping_sets_fall_back_to_quadrature() -> None:
     assert closed_form([m.pieces for m in output.members], 0.0, 1.0) is None
     assert output.closed is None
     fired = [(i, 0.1 * (i % 7) + 0.1) for i in range(12)]
-    assert centroid_integrated.one(output, fired) == pytest.approx(
+    assert centroid.integrated_centroid_at_point(output, fired) == pytest.approx(
         brute_force(output, fired, 2000), abs=1e-7
     )
 
@@ -199,7 +204,7 @@ def test_fine_samples_approach_the_exact_value(pd7: RuleBase) -> None:
 
 
 def _bare_output(shapes: list[Shape], low: float, high: float) -> OutputPlan:
-    from fuzzyarm.rulebase.model import Consequent, Input, Is, Output, Rule, RuleBlock, Term
+    from fuzzyarm.model.rulebase import Consequent, Input, Is, Output, Rule, RuleBlock, Term
 
     terms = tuple(Term(f"T{i}", shape) for i, shape in enumerate(shapes))
     rules = tuple(Rule(Is("e", "A"), (Consequent("u", term.name),)) for term in terms)

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.inference.membership import FUNCTIONS, apply_hedges, membership
-from fuzzyarm.rulebase.membership import FUNCTIONS as PLAIN_FUNCTIONS
-from fuzzyarm.rulebase.membership import apply_hedge
-from fuzzyarm.rulebase.membership import membership as plain_membership
-from fuzzyarm.rulebase.model import HEDGES, Hedge, Shape
+from fuzzyarm.inference.membership import MEMBERSHIPS, apply_hedges, membership
+from fuzzyarm.model.membership import FUNCTIONS as PLAIN_FUNCTIONS
+from fuzzyarm.model.membership import apply_hedge
+from fuzzyarm.model.membership import membership as plain_membership
+from fuzzyarm.model.rulebase import HEDGES, Hedge, Shape
 from tests.strategies import SMOOTH, STRAIGHT, shapes
 
 any_shape = st.sampled_from(STRAIGHT + SMOOTH).flatmap(lambda kind: shapes(kind, -6.0, 6.0))
@@ -49,7 +49,7 @@ def compare(shape: Shape, xs: np.ndarray) -> None:
 
 
 def test_both_forms_know_the_same_shapes() -> None:
-    assert FUNCTIONS.keys() == PLAIN_FUNCTIONS.keys()
+    assert MEMBERSHIPS.keys() == PLAIN_FUNCTIONS.keys()
 
 
 @given(any_shape)

@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.inference.snorms import SNORMS
-from fuzzyarm.inference.tnorms import TNORMS
-from fuzzyarm.rulebase.model import CONJUNCTIONS, DISJUNCTIONS
-from fuzzyarm.rulebase.norms import SNORMS as PLAIN_SNORMS
-from fuzzyarm.rulebase.norms import TNORMS as PLAIN_TNORMS
+from fuzzyarm.inference.membership import SNORMS, TNORMS
+from fuzzyarm.model.membership import SNORMS as PLAIN_SNORMS
+from fuzzyarm.model.membership import TNORMS as PLAIN_TNORMS
+from fuzzyarm.model.rulebase import CONJUNCTIONS, DISJUNCTIONS
 
 DEGREES = [0.0, 1e-300, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0]
 PAIRS = np.array(list(itertools.product(DEGREES, DEGREES))).T

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm.inference import infer
-from fuzzyarm.rulebase.model import RuleBase
+from fuzzyarm.model.rulebase import RuleBase
 from tests.pd7 import make_pd7
 
 

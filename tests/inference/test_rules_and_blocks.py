@@ -20,8 +20,8 @@ from fuzzyarm.inference import (
     compiled,
     infer,
 )
-from fuzzyarm.rulebase.formula import FormulaError
-from fuzzyarm.rulebase.model import (
+from fuzzyarm.model.formula import FormulaError
+from fuzzyarm.model.rulebase import (
     And,
     Defuzzifier,
     Hedge,

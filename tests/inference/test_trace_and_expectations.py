@@ -7,15 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.inference import (
-    InferenceError,
-    NoRuleFiredError,
-    check_expectations,
-    explain,
-    infer,
-)
-from fuzzyarm.rulebase.diagnostic import Severity, Span
-from fuzzyarm.rulebase.model import Expectation, Outcome, RuleBase, Shape
+from fuzzyarm.inference import InferenceError, NoRuleFiredError, check_expectations, explain, infer
+from fuzzyarm.model.rulebase import Expectation, Outcome, RuleBase, Shape
+from fuzzyarm.text.diagnostic import Severity, Span
 from tests.inference.small import base, rule, terms
 from tests.strategies import input_points, rulebases
 

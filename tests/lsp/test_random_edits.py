@@ -8,8 +8,8 @@ import pytest
 from random_edits import SMALL, changed, random_edit
 
 from fuzzyarm.api import check_text
+from fuzzyarm.language.queries import coloured, complete, hover
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.rulebase.queries import coloured, complete, hover
 
 STEPS = 10_000
 
@@ -39,7 +39,7 @@ def test_ten_thousand_edits_of_the_document_model(part: int) -> None:
 
 def test_tables_survive_edits_too() -> None:
     from fuzzyarm.lsp.tables import TableText
-    from fuzzyarm.lut import parse_lut
+    from fuzzyarm.table import parse_lut
 
     text = (
         "fuzzyarm-table 1\ninput 𝜃 -1 .. 1\ninput x -1 .. 1\noutput u -1 .. 1\n"

@@ -12,7 +12,7 @@ from pytest_lsp import LanguageClient
 from server_client import CHANGE, CONFIG, File, partial, start
 
 from fuzzyarm.api import check_text
-from fuzzyarm.rulebase import format_text
+from fuzzyarm.language import format_text
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 ROOT = Path(__file__).parents[2]

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.lut.words import KEYWORDS
-from fuzzyarm.rulebase.model import DEFUZZIFIERS
-from fuzzyarm.rulebase.shapes import EVEN_SHAPES, SHAPES
-from fuzzyarm.rulebase.syntax.words import HEDGE_WORDS, LOOKUP_ITEMS, STATEMENTS
+from fuzzyarm.language.tokens import HEDGE_WORDS, LOOKUP_ITEMS, STATEMENTS
+from fuzzyarm.model.rulebase import DEFUZZIFIERS
+from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES
+from fuzzyarm.table.grid import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 GRAMMAR = (FOLDER / "syntaxes" / "fuzzyarm.tmLanguage.json").read_text("utf-8")

@@ -60,8 +60,8 @@ def in_new_process(code, **environment):
 
 def test_importing_does_not_load_numba_or_scipy_or_matplotlib():
     code = (
-        "import sys, json, fuzzyarm.arm, fuzzyarm.control, fuzzyarm.study, "
-        "fuzzyarm.study.identify, fuzzyarm.study.profiles;"
+        "import sys, json, fuzzyarm.plant, fuzzyarm.controller, fuzzyarm.loop, fuzzyarm.study, "
+        "fuzzyarm.study.identify, fuzzyarm.study.figures;"
         "heavy = ('numba', 'scipy', 'matplotlib', 'rich');"
         "print(json.dumps([m for m in heavy if m in sys.modules]))"
     )
@@ -70,7 +70,8 @@ def test_importing_does_not_load_numba_or_scipy_or_matplotlib():
 
 def test_interpreted_run_does_not_load_numba():
     code = (
-        "import sys, json;from fuzzyarm.arm import reach;from fuzzyarm.control import *;"
+        "import sys, json;from fuzzyarm.plant import reach;"
+        "from fuzzyarm.controller import *;from fuzzyarm.loop import *;"
         "run = simulate(controller('pd'), reach(segment=0.1));"
         "print(json.dumps([run.compiled, 'numba' in sys.modules]))"
     )
@@ -78,8 +79,8 @@ def test_interpreted_run_does_not_load_numba():
 
 
 def test_digest_tells_bindings_apart_that_live_in_one_file():
-    from fuzzyarm.arm.loop import run_loop
-    from fuzzyarm.arm.signals import kept, rounded
+    from fuzzyarm.loop.loop import run_loop
+    from fuzzyarm.plant.setting import kept, rounded
 
     digests = {kernels._digest(run_loop, {"stored": each}) for each in (kept, rounded)}
     assert len(digests) == 2
@@ -88,8 +89,8 @@ def test_digest_tells_bindings_apart_that_live_in_one_file():
 @pytest.mark.slow
 def test_second_process_loads_machine_code_from_disk(tmp_path):
     code = (
-        "import json;from fuzzyarm.arm import reach;from fuzzyarm.control import *;"
-        "from fuzzyarm.control import program as module;"
+        "import json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
+        "from fuzzyarm.loop import run as module, simulate;"
         "simulate(controller('cdid'), reach(segment=0.1));"
         "stats = module.loop_of_laws(True, False).stats;"
         "print(json.dumps([sum(stats.cache_hits.values()), sum(stats.cache_misses.values())]))"
@@ -101,8 +102,8 @@ def test_second_process_loads_machine_code_from_disk(tmp_path):
 
 
 def test_digest_covers_every_kernel_file(monkeypatch, tmp_path):
-    from fuzzyarm.arm.loop import run_loop
-    from fuzzyarm.control.dispatch import summed_torque
+    from fuzzyarm.controller.dispatch import summed_torque
+    from fuzzyarm.loop.loop import run_loop
 
     read = []
     real = kernels.Path.read_bytes
@@ -113,8 +114,9 @@ def test_digest_covers_every_kernel_file(monkeypatch, tmp_path):
 
     monkeypatch.setattr(kernels.Path, "read_bytes", watched)
     kernels._digest(run_loop, {"control": summed_torque})
-    wanted = {"loop.py", "dynamics.py", "integrators.py", "signals.py", "dispatch.py", "pd.py"}
-    assert wanted | {"model_reference.py", "kernels.py", "fuzzy_kernel.py"} <= set(read)
+    wanted = {"loop.py", "arm.py", "setting.py", "dispatch.py", "conventional.py", "adaptive.py"}
+    laws = {"fuzzy.py", "self_organizing.py", "sources.py", "fuzzy_kernel.py"}
+    assert wanted | laws | {"kernels.py"} <= set(read)
 
 
 @pytest.mark.slow

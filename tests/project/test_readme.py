@@ -85,7 +85,7 @@ def test_every_link_and_picture_exists(page):
 
 
 def test_the_rule_base_of_the_readme_means_what_is_shipped():
-    from fuzzyarm.rulebase import load_rulebase, parse
+    from fuzzyarm.language import load_rulebase, parse
 
     shown = parse(next(t for t in blocks(ROOT / "README.md", "frb") if "pd7" in t)).rulebase
     assert shown == load_rulebase(ROOT / "rulebases" / "pd7.frb")

@@ -35,7 +35,7 @@ def lopsided_text() -> str:
 
 @pytest.fixture
 def lopsided():
-    from fuzzyarm.rulebase import parse
+    from fuzzyarm.language import parse
 
     return parse(LOPSIDED, "lopsided.frb").rulebase
 

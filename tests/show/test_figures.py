@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from fuzzyarm.inference import explain, infer
-from fuzzyarm.lut import Axis, LookupTable, compile_table
 from fuzzyarm.show.figures import (
     FigureFileError,
     inference_figure,
@@ -14,6 +13,7 @@ from fuzzyarm.show.figures import (
     surface_figure,
     table_figure,
 )
+from fuzzyarm.table import Axis, LookupTable, compile_table
 
 ASYMMETRIC = LookupTable(
     (Axis("e", (-1, 0, 2), description="error, V"), Axis("ce", (0, 10, 20, 40))),
@@ -51,7 +51,7 @@ def test_the_map_of_a_surface_has_the_second_input_to_the_right(lopsided):
 
 
 def test_more_inputs_are_held_at_the_middle_or_where_one_says():
-    from fuzzyarm.rulebase import parse
+    from fuzzyarm.language import parse
 
     text = (
         "rulebase r\ninput a 0 .. 1\ninput b 0 .. 4\ninput c 0 .. 1\noutput y 0 .. 1\n"
@@ -68,7 +68,7 @@ def test_more_inputs_are_held_at_the_middle_or_where_one_says():
 
 
 def test_one_input_gives_a_line_and_steps():
-    from fuzzyarm.rulebase import parse
+    from fuzzyarm.language import parse
 
     text = "rulebase r\ninput a 0 .. 1\noutput y 0 .. 1\nterms a, y: triangles LO HI\n"
     rulebase = parse(text + "rule if a is LO then y is HI\nrule if a is HI then y is LO\n").rulebase
@@ -120,7 +120,7 @@ def test_unknown_figure_formats_are_refused(tmp_path, lopsided):
 
 
 def test_names_with_dollars_are_no_mathematics(tmp_path, lopsided_text):
-    from fuzzyarm.rulebase import parse
+    from fuzzyarm.language import parse
 
     text = lopsided_text.replace("first input, V", "price, $ and $x_$")
     save_figure(rulebase_figure(parse(text).rulebase), tmp_path / "x.svg")
@@ -128,7 +128,7 @@ def test_names_with_dollars_are_no_mathematics(tmp_path, lopsided_text):
 
 
 def test_a_surface_is_blank_where_no_rule_fires(tmp_path):
-    from fuzzyarm.rulebase import parse
+    from fuzzyarm.language import parse
 
     text = (
         "rulebase r\ninput a 0 .. 1\ninput b 0 .. 1\noutput y 0 .. 1\nterms y: triangles LO HI\n"

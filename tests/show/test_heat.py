@@ -7,12 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.lut import Axis, LookupTable
-from fuzzyarm.show.console import plain_text
-from fuzzyarm.show.curves import curve_blocks, height_at
-from fuzzyarm.show.heat import HeatGrid
-from fuzzyarm.show.scale import scale_of
+from fuzzyarm.show.drawing import HeatGrid, curve_blocks, height_at, plain_text, scale_of
 from fuzzyarm.show.table import table_grids, table_view
+from fuzzyarm.table import Axis, LookupTable
 
 ASYMMETRIC = LookupTable(
     (Axis("e", (-1, 0, 2)), Axis("ce", (0, 10, 20, 40))),

@@ -1,10 +1,9 @@
 from __future__ import annotations
 
-from fuzzyarm.rulebase import parse
-from fuzzyarm.show.console import plain_text
-from fuzzyarm.show.rulediff import compare_rulebases
-from fuzzyarm.show.rulegrid import find_grids, rules_view
-from fuzzyarm.show.words import expression_words, rule_words
+from fuzzyarm.language import parse
+from fuzzyarm.show.diff import compare_rulebases
+from fuzzyarm.show.drawing import plain_text
+from fuzzyarm.show.rulebase import expression_words, find_grids, rule_words, rules_view
 
 HEADER = """\
 rulebase r

@@ -9,14 +9,13 @@ import pytest
 from rich.console import Console
 
 from fuzzyarm.inference import explain
-from fuzzyarm.lut import compare_tables, compile_table, read_table
-from fuzzyarm.rulebase import parse
-from fuzzyarm.show.console import make_console, plain_text
+from fuzzyarm.language import parse
+from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
+from fuzzyarm.show.drawing import make_console, plain_text
 from fuzzyarm.show.rulebase import rulebase_view
-from fuzzyarm.show.rulediff import compare_rulebases, rulebase_diff_view
 from fuzzyarm.show.table import table_grids, table_view
-from fuzzyarm.show.tablediff import table_diff_view
 from fuzzyarm.show.trace import trace_view
+from fuzzyarm.table import compare_tables, compile_table, read_table
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 

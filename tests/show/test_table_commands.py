@@ -11,8 +11,8 @@ import pytest
 
 from fuzzyarm.cli import main
 from fuzzyarm.inference import infer
-from fuzzyarm.lut import LookupTable, read_table, write_table
-from fuzzyarm.rulebase import load_rulebase
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.table import LookupTable, read_table, write_table
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 PD7 = str(RULEBASES / "pd7.frb")
@@ -61,7 +61,7 @@ def test_eval_of_a_table(capsys):
 def test_the_defuzzifier_of_the_command_line_wins(capsys):
     from dataclasses import replace
 
-    from fuzzyarm.rulebase import Defuzzifier
+    from fuzzyarm.model.rulebase import Defuzzifier
 
     rulebase = load_rulebase(PD7)
     assert main(["eval", PD7, "e=1.3", "ce=-2.2", "--json", "--defuzzifier", "centroid(101)"]) == 0

@@ -15,10 +15,10 @@ import pytest
 
 from fuzzyarm.cli import main
 from fuzzyarm.inference import infer
-from fuzzyarm.rulebase import load_rulebase
-from fuzzyarm.show.console import plain_text
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.show.drawing import plain_text
 from fuzzyarm.studio.document import StudioDocument
-from fuzzyarm.studio.rulebase_scene import RulebaseScene
+from fuzzyarm.studio.scene import RulebaseScene
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 
@@ -100,7 +100,7 @@ def test_watch_once_writes_table_and_figure(
     ])  # fmt: skip
     assert status == 0
     assert "speed = 900" in capsys.readouterr().out
-    from fuzzyarm.lut import read_table
+    from fuzzyarm.table import read_table
 
     assert read_table(table).lookup(55.0) == 900.0
     assert "<svg" in figure.read_text("utf-8")[:600]

@@ -12,13 +12,12 @@ import pytest
 from textual.widgets import OptionList, Static
 
 from fuzzyarm.inference import infer
-from fuzzyarm.rulebase import format_text
+from fuzzyarm.language import format_text
 from fuzzyarm.studio.app import Studio
 from fuzzyarm.studio.document import StudioDocument
-from fuzzyarm.studio.editor import Editor
-from fuzzyarm.studio.rulebase_scene import RulebaseScene
+from fuzzyarm.studio.panes import Editor, View
+from fuzzyarm.studio.scene import RulebaseScene
 from fuzzyarm.studio.table_scene import TableScene
-from fuzzyarm.studio.view import View
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 

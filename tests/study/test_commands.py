@@ -166,7 +166,7 @@ def test_wrong_usage(capsys, words):
 def test_own_controller_runs_with_the_same_command(capsys, tmp_path, monkeypatch):
     file = tmp_path / "mine.py"
     file.write_text(
-        "from fuzzyarm.control import Controller\n"
+        "from fuzzyarm.controller import Controller\n"
         "class Mine(Controller):\n"
         "    def torque(self, reference, state, clock):\n"
         "        return 10.0 * reference.position[0], 0.0\n"

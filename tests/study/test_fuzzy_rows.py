@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from fuzzyarm.study import chaotic, find_rows, judge, reproduce_row, variants
-from fuzzyarm.study.beyond import MODEL_FREE, run_beyond
 from fuzzyarm.study.published import published_rows
+from fuzzyarm.study.reproduce import MODEL_FREE, run_beyond
 
 TWO_PERCENT = ["fuzzy-direct", "stfc", "cfaf", "cdid+fuzzy", "acdid+fuzzy"]
 FIVE_PERCENT = ["ffid+fuzzy", "mrac+fuzzy", "dac+fuzzy"]

@@ -6,7 +6,8 @@ The bounds below are written here on purpose, apart from those the package judge
 import numpy as np
 import pytest
 
-from fuzzyarm.control import CATALOGUE, Options
+from fuzzyarm.controller import CATALOGUE
+from fuzzyarm.loop import Options
 from fuzzyarm.study import find_rows, judge, reproduce_row, variants
 from fuzzyarm.study.reproduce import row_controller
 

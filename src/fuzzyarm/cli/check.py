@@ -1,10 +1,4 @@
-"""Find mistakes and doubts in rule bases and tables.
-
-Prints each finding with its place, the source line, a caret and, where there is one, what
-was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
-A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
-explains every name.
-"""
+"""Find mistakes in files, and format them: ``fuzzyarm check`` and ``fuzzyarm fmt``."""
 
 from __future__ import annotations
 
@@ -12,12 +6,20 @@ import argparse
 import os
 import sys
 
-from fuzzyarm.api import Review, check_file
-from fuzzyarm.rulebase import Diagnostic, Severity
-from fuzzyarm.rulebase.rendering import render_all
+from fuzzyarm.api import Review, UnknownKindError, check_file
+from fuzzyarm.language import format_text, read_text
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
+
+DESCRIPTION_CHECK = """Find mistakes and doubts in rule bases and tables.
+
+Prints each finding with its place, the source line, a caret and, where there is one, what
+was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
+A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
+explains every name.
+"""
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
+def configure_check(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of ``fuzzyarm check``."""
     parser.add_argument("files", nargs="+", metavar="FILE", help=".frb, .lut, .fll, .fcl or .fis")
     parser.add_argument("--strict", action="store_true", help="let warnings fail too")
@@ -25,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print the findings as JSON")
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run_check(arguments: argparse.Namespace) -> int:
     """Check every file; return 1 if any failed."""
     failed = False
     found: list[Diagnostic] = []
@@ -91,3 +93,68 @@ def as_dict(diagnostic: Diagnostic) -> dict[str, object]:
             for r in diagnostic.related
         ],
     }
+
+
+DESCRIPTION_FMT = """Rewrite rule bases in canonical form: grids aligned, comments kept.
+
+A file with mistakes is left as it is. `--check` changes nothing and returns 1 if a file
+is not in canonical form; `-` formats standard input to standard output.
+"""
+
+
+def configure_fmt(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of ``fuzzyarm fmt``."""
+    parser.add_argument("files", nargs="+", metavar="FILE", help="a .frb file, or - for stdin")
+    mode = parser.add_mutually_exclusive_group()
+    mode.add_argument("--check", action="store_true", help="only say which files would change")
+    mode.add_argument("--diff", action="store_true", help="only print what would change")
+
+
+def run_fmt(arguments: argparse.Namespace) -> int:
+    """Format every file; return 1 if one has mistakes, or would change under ``--check``."""
+    status = 0
+    for path in arguments.files:
+        text = ""
+        try:
+            text = _read(path)
+            status |= _format_one(path, text, arguments)
+        except RuleBaseError as error:
+            errors = [d for d in error.diagnostics if d.is_error]
+            print(render_all(errors, text), file=sys.stderr)
+            print(f"fuzzyarm: {path}: left as it is", file=sys.stderr)
+            status = 1
+        except OSError as error:
+            print(f"fuzzyarm: {path}: {error.strerror or error}", file=sys.stderr)
+            status = 1
+    return status
+
+
+def _read(path: str) -> str:
+    if path == "-":
+        return sys.stdin.buffer.read().decode("utf-8", "replace")
+    if not path.endswith(".frb"):
+        raise UnknownKindError(path)
+    return read_text(path)
+
+
+def _format_one(path: str, text: str, arguments: argparse.Namespace) -> int:
+    formatted = format_text(text, path)
+    if arguments.diff:
+        import difflib
+
+        before, after = text.splitlines(keepends=True), formatted.splitlines(keepends=True)
+        sys.stdout.writelines(difflib.unified_diff(before, after, path, path))
+        return 0
+    if path == "-":
+        sys.stdout.write(formatted)
+        return 0
+    if formatted == text:
+        return 0
+    if arguments.check:
+        print(f"{path}: not in canonical form")
+        return 1
+    from fuzzyarm.text.files import write_atomically
+
+    write_atomically(path, formatted)
+    print(f"{path}: formatted")
+    return 0

@@ -28,12 +28,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.assignments import WordError, read_number
-from fuzzyarm.cli.levels import read_levels
+from fuzzyarm.cli.arguments import WordError, read_levels, read_number
 
 if TYPE_CHECKING:
-    from fuzzyarm.lut import CompileReport, LookupTable
-    from fuzzyarm.rulebase import RuleBase
+    from fuzzyarm.export import Exported
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.table import CompileReport, LookupTable
+
 
 EXPORTS = (".h", ".c", ".st")
 
@@ -72,8 +73,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Compile, write, report."""
     from fuzzyarm.api import load
-    from fuzzyarm.lut.files import SUFFIXES
-    from fuzzyarm.rulebase import RuleBase
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.table.files import SUFFIXES
 
     out = Path(arguments.out)
     exports = out.suffix.lower() in EXPORTS
@@ -107,7 +108,7 @@ def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> 
 
 
 def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
-    from fuzzyarm.lut.report import compile_with_report
+    from fuzzyarm.table.fidelity import compile_with_report
 
     with _progress() as progress:
         return compile_with_report(
@@ -147,7 +148,7 @@ def _rewrite(table: LookupTable, out: Path, arguments: argparse.Namespace) -> in
 
 
 def _write_table(table: LookupTable, out: Path) -> None:
-    from fuzzyarm.lut.files import write_table
+    from fuzzyarm.table.files import write_table
 
     write_table(table, out)
 
@@ -159,7 +160,6 @@ def _export(
     arguments: argparse.Namespace,
 ) -> int:
     """Write source text and say how good and how large it is."""
-    from fuzzyarm.cli.export_report import export_data, export_words
     from fuzzyarm.export import routines_of, write_export
 
     direct = bool(arguments.direct)
@@ -218,7 +218,7 @@ def as_data(report: CompileReport, out: Path) -> dict[str, Any]:
 
 def in_words(report: CompileReport, out: Path) -> str:
     """Return the report as lines of text."""
-    from fuzzyarm.show.words import number_words
+    from fuzzyarm.show.rulebase import number_words
 
     table = report.table
     shape = " x ".join(map(str, table.shape))
@@ -250,3 +250,46 @@ def _progress() -> Iterator[Callable[[str], None] | None]:
 
     with Console(stderr=True).status("compiling") as status:
         yield status.update
+
+
+# --- What `compile` says of exported source text ---
+
+
+def export_data(exported: Exported, tables: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the report as JSON data; `tables` are those that were compiled on the way."""
+    return {
+        "files": [str(path) for path, _ in exported.files],
+        "functions": [
+            {
+                "call": call,
+                "output": routine.output.name,
+                "arguments": [argument.name for argument in routine.arguments],
+                "type": routine.kind,
+                "worst": routine.accuracy().worst,
+                "points": routine.accuracy().points,
+                "against": routine.accuracy().against,
+                "operations": dict(routine.cost().operations),
+                "stack": routine.cost().stack,
+            }
+            for call, routine in zip(exported.calls, exported.routines, strict=True)
+        ],
+        "tables": tables,
+    }
+
+
+def export_words(exported: Exported) -> str:
+    """Return the report as lines of text."""
+    from fuzzyarm.show.rulebase import number_words
+
+    lines = []
+    for path, text in exported.files:
+        lines.append(f"{path}: {len(text.encode()):,} bytes of source")
+    for call, routine in zip(exported.calls, exported.routines, strict=True):
+        accuracy, cost = routine.accuracy(), routine.cost()
+        lines.append(call)
+        lines.append(
+            f"  worst error against {accuracy.against}: {number_words(accuracy.worst, 3)}"
+            f" (of {accuracy.points:,} points)"
+        )
+        lines.append(f"  at most {cost.in_words()}")
+    return "\n".join(lines)

@@ -23,12 +23,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from fuzzyarm.api import TABLE_SUFFIXES
-from fuzzyarm.files import write_atomically
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
-from fuzzyarm.rulebase import Diagnostic, RuleBase
-from fuzzyarm.rulebase.diagnostic import NOWHERE
-from fuzzyarm.rulebase.parsing import text_to_show
-from fuzzyarm.rulebase.rendering import render
+from fuzzyarm.language.reading import text_to_show
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, render
+from fuzzyarm.text.files import write_atomically
 
 _SLIGHT = frozenset({"sampling", "outside-range"})
 """Losses that change numbers a little, or only outside the range of a variable."""
@@ -84,8 +83,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _convert_table(arguments: argparse.Namespace, target: str) -> int:
     """Write the nearest rules to a table and say what they leave out."""
-    from fuzzyarm.lut import read_table
-    from fuzzyarm.lut.to_rules import TERMS, rules_of_table
+    from fuzzyarm.table import read_table
+    from fuzzyarm.table.rules import TERMS, rules_of_table
 
     table = read_table(arguments.source)
     name = Path(arguments.target).stem

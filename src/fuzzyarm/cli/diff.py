@@ -13,10 +13,10 @@ import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.assignments import WordError
+from fuzzyarm.cli.arguments import WordError
 
 if TYPE_CHECKING:
-    from fuzzyarm.lut.diff import TableDiff
+    from fuzzyarm.table.diff import TableDiff
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -29,11 +29,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Compare and print."""
     from fuzzyarm.api import load
-    from fuzzyarm.lut.diff import compare_tables
-    from fuzzyarm.rulebase import RuleBase
-    from fuzzyarm.show.console import make_console
-    from fuzzyarm.show.rulediff import compare_rulebases, rulebase_diff_view
-    from fuzzyarm.show.tablediff import table_diff_view
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
+    from fuzzyarm.show.drawing import make_console
+    from fuzzyarm.table.diff import compare_tables
 
     before, after = load(arguments.before), load(arguments.after)
     if isinstance(before, RuleBase) != isinstance(after, RuleBase):

@@ -15,12 +15,13 @@ import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.assignments import WordError, read_assignments, require_all
-from fuzzyarm.rulebase.model import Defuzzifier, RuleBase
-from fuzzyarm.rulebase.printing.words import name_text, number_text
+from fuzzyarm.cli.arguments import WordError, read_assignments, require_all
+from fuzzyarm.language.printer import name_text
+from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
+from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
-    from fuzzyarm.lut import LookupTable
+    from fuzzyarm.table import LookupTable
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -52,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _run_rulebase(rulebase: RuleBase, arguments: argparse.Namespace) -> int:
-    from fuzzyarm.inference.scalar import prepare
+    from fuzzyarm.inference.point import prepare
 
     if arguments.mode is not None:
         raise WordError("--mode is for tables; a rule base is evaluated, not looked up")
@@ -91,7 +92,7 @@ def _explain(
         data: dict[str, Any] = trace.to_dict() if arguments.explain else outputs
         print(json.dumps(data, ensure_ascii=False))
     elif arguments.explain:
-        from fuzzyarm.show.console import make_console
+        from fuzzyarm.show.drawing import make_console
         from fuzzyarm.show.trace import trace_view
 
         make_console().print(trace_view(trace))
@@ -159,7 +160,7 @@ def read_defuzzifier(text: str) -> Defuzzifier:
     WordError
         If the language has no such defuzzifier.
     """
-    from fuzzyarm.rulebase import parse
+    from fuzzyarm.language import parse
 
     # The language itself reads it, inside the smallest rule base there is.
     prefix = "inference  defuzzifier "

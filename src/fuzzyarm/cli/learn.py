@@ -29,8 +29,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.assignments import WordError
-from fuzzyarm.cli.experiment import (
+from fuzzyarm.cli.arguments import (
+    WordError,
     add_conventions,
     add_trajectory,
     conventions_of,
@@ -42,12 +42,13 @@ from fuzzyarm.cli.experiment import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fuzzyarm.control import Sources
-    from fuzzyarm.control.controller import CompiledController
-    from fuzzyarm.control.learning import Snapshot
-    from fuzzyarm.control.self_organizing import Learned
-    from fuzzyarm.control.table_numbers import JointTables
-    from fuzzyarm.lut import LookupTable
+    from fuzzyarm.controller import Sources
+    from fuzzyarm.controller.controller import CompiledController
+    from fuzzyarm.controller.self_organizing import Learned
+    from fuzzyarm.controller.sources import JointTables
+    from fuzzyarm.learning.self_organizing import Snapshot
+    from fuzzyarm.table import LookupTable
+
 
 MOST_PASSES = 10_000
 
@@ -127,7 +128,7 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.joint and not arguments.out:
         raise WordError("--joint says which table to write, so it needs -o FILE")
     if arguments.out:
-        from fuzzyarm.lut.files import SUFFIXES
+        from fuzzyarm.table.files import SUFFIXES
 
         out = Path(arguments.out)
         if out.suffix.lower() not in SUFFIXES:
@@ -138,9 +139,9 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:
-    from fuzzyarm.control import Sources
-    from fuzzyarm.control.fuzzy import TABLE
-    from fuzzyarm.control.sources import shipped_table
+    from fuzzyarm.controller import Sources
+    from fuzzyarm.controller.catalogue import TABLE
+    from fuzzyarm.controller.sources import shipped_table
 
     table = None
     if arguments.start == ["table"]:
@@ -154,10 +155,10 @@ def _controller(
     arguments: argparse.Namespace, sources: Sources
 ) -> tuple[CompiledController, JointTables]:
     from fuzzyarm.cli.simulate import overrides
-    from fuzzyarm.control import controller
-    from fuzzyarm.control.controller import CompiledController
-    from fuzzyarm.control.self_organizing import starting_tables
-    from fuzzyarm.control.table_numbers import joint_tables
+    from fuzzyarm.controller import controller
+    from fuzzyarm.controller.controller import CompiledController
+    from fuzzyarm.controller.self_organizing import starting_tables
+    from fuzzyarm.controller.sources import joint_tables
 
     made = controller("soc-zero", sources=sources).with_gains(
         {
@@ -175,9 +176,9 @@ def _watched(
     arguments: argparse.Namespace, controller: CompiledController, start: JointTables
 ) -> Iterator[Snapshot]:
     """Train, with a progress bar where a terminal shows it."""
-    from fuzzyarm.arm import schedule
-    from fuzzyarm.arm.trajectory import sample
-    from fuzzyarm.control.learning import train
+    from fuzzyarm.learning.self_organizing import train
+    from fuzzyarm.plant import schedule
+    from fuzzyarm.plant.trajectory import sample
 
     trajectory = trajectory_of(arguments)
     conventions = conventions_of(arguments, "soc-zero")
@@ -220,7 +221,7 @@ def _bar(total: int, arguments: argparse.Namespace) -> Iterator[Callable[[int], 
 
 def _tables(values: Any, start: JointTables, sources: Sources) -> list[LookupTable]:
     """Return the table of each joint over e and ce."""
-    from fuzzyarm.lut import LookupTable
+    from fuzzyarm.table import LookupTable
 
     like = sources.table or sources.performance
     assert like is not None
@@ -241,8 +242,8 @@ def _tables(values: Any, start: JointTables, sources: Sources) -> list[LookupTab
 def _show_growth(
     arguments: argparse.Namespace, snapshot: Snapshot, start: JointTables, sources: Sources
 ) -> None:
-    from fuzzyarm.show.console import make_console
-    from fuzzyarm.show.learning import learned_view
+    from fuzzyarm.show.drawing import make_console
+    from fuzzyarm.show.table import learned_view
 
     console = make_console()
     rms = snapshot.rms
@@ -264,8 +265,8 @@ def _print(
     start: JointTables,
     sources: Sources,
 ) -> None:
-    from fuzzyarm.show.console import make_console
-    from fuzzyarm.show.learning import learned_view
+    from fuzzyarm.show.drawing import make_console
+    from fuzzyarm.show.table import learned_view
 
     console = make_console()
     last = finished[-1]
@@ -290,8 +291,8 @@ def _print(
 def _write(
     arguments: argparse.Namespace, learned: Learned, start: JointTables, sources: Sources
 ) -> None:
-    from fuzzyarm.control.table_numbers import over_joints
-    from fuzzyarm.lut import write_table
+    from fuzzyarm.controller.sources import over_joints
+    from fuzzyarm.table import write_table
 
     tables = _tables(learned.values, start, sources)
     origin = tuple(_provenance(arguments).items())

@@ -11,7 +11,7 @@ import argparse
 import os
 import sys
 
-from fuzzyarm.cli.extras import demand_extra
+from fuzzyarm.cli.main import demand_extra
 
 _HOST = "127.0.0.1"
 
@@ -34,7 +34,7 @@ def _address(text: str) -> tuple[str, int]:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until the editor says goodbye."""
     demand_extra("pygls", "lsp", "the language server")
-    from fuzzyarm.lsp.server import make_server
+    from fuzzyarm.lsp.features import make_server
 
     server = make_server()
     if arguments.tcp is None:

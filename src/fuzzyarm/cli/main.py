@@ -1,4 +1,7 @@
-"""Find the command, run it, turn errors into one line and an exit status."""
+"""Find the command, run it, turn errors into one line and an exit status.
+
+The module of a command is imported when the command is called.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,43 @@ import os
 import sys
 from collections.abc import Sequence
 
-from fuzzyarm.cli.commands import COMMANDS
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.rulebase.diagnostic import RuleBaseError
+from fuzzyarm.text.diagnostic import RuleBaseError
+
+# --- The commands ---
+#
+# A command is two functions of its module: `configure(parser)`, which adds its arguments, and
+# `run(arguments) -> int`, which does the work and returns the exit status; the docstring of the
+# module is its help. In a module of several commands the functions carry the command's name
+# (`configure_fmt`, `run_fmt`) and the help is a constant (`DESCRIPTION_FMT`).
+
+COMMANDS: dict[str, tuple[str, str]] = {
+    "check": ("fuzzyarm.cli.check:check", "find mistakes and doubts in rule bases and tables"),
+    "fmt": ("fuzzyarm.cli.check:fmt", "rewrite rule bases in canonical form"),
+    "eval": ("fuzzyarm.cli.eval", "the outputs at one point, and why"),
+    "show": ("fuzzyarm.cli.show:show", "rules, terms and tables in the terminal"),
+    "plot": ("fuzzyarm.cli.show:plot", "terms and control surfaces as a figure"),
+    "compile": ("fuzzyarm.cli.compile", "sample a rule base to a lookup table"),
+    "diff": ("fuzzyarm.cli.diff", "what differs between two tables or rule bases"),
+    "convert": ("fuzzyarm.cli.convert", "rule bases of other programs, in and out"),
+    "corpus": ("fuzzyarm.cli.corpus", "how a folder of other programs' files comes in"),
+    "simulate": ("fuzzyarm.cli.simulate", "run a controller on the robot arm"),
+    "learn": ("fuzzyarm.cli.learn", "train a table on the robot arm and see it grow"),
+    "reproduce": ("fuzzyarm.cli.study:reproduce", "run the study's published experiments again"),
+    "identify": ("fuzzyarm.cli.study:identify", "fit unprinted gains to published figures"),
+    "new": ("fuzzyarm.cli.new", "a commented rule base to start from"),
+    "studio": ("fuzzyarm.cli.studio", "write a rule base and see what it means, as you type"),
+    "watch": ("fuzzyarm.cli.watch", "draw a file again whenever it is saved"),
+    "lsp": ("fuzzyarm.cli.lsp", "the language server for editors"),
+    "demo": ("fuzzyarm.cli.demo", "the whole story on a shipped rule base"),
+}
+"""Name → (module, one-line summary), in the order of the help page.
+
+Behind a colon stands the name that the functions of a command carry in a shared module.
+"""
+
+
+# --- Finding and running a command ---
 
 EXIT_INPUT = 1
 EXIT_USAGE = 2
@@ -56,23 +93,27 @@ def _dispatch(words: list[str]) -> int:
     command = next((word for word in words if not word.startswith("-")), None)
     if command not in COMMANDS or words[0] != command:
         return _overview(words, command)
-    module_name, summary = COMMANDS[command]
+    home, summary = COMMANDS[command]
+    module_name, _, part = home.partition(":")
     module = importlib.import_module(module_name)
+    suffix = f"_{part}" if part else ""
+    description = getattr(module, f"DESCRIPTION_{part.upper()}") if part else module.__doc__
     parser = argparse.ArgumentParser(
         prog=f"fuzzyarm {command}",
-        description=module.__doc__ or summary,
+        description=description or summary,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    module.configure(parser)
+    getattr(module, f"configure{suffix}")(parser)
     # Options may stand anywhere among the names, as in `eval FILE --json e=1 ce=2`.
-    status = module.run(parser.parse_intermixed_args(words[1:]))
+    run = getattr(module, f"run{suffix}")
+    status = run(parser.parse_intermixed_args(words[1:]))
     sys.stdout.flush()
     return int(status)
 
 
 def _all_mistakes(error: RuleBaseError) -> str:
-    from fuzzyarm.rulebase.parsing import text_to_show
-    from fuzzyarm.rulebase.rendering import render_all
+    from fuzzyarm.language.reading import text_to_show
+    from fuzzyarm.text.diagnostic import render_all
 
     errors = [diagnostic for diagnostic in error.diagnostics if diagnostic.is_error]
     try:
@@ -124,3 +165,38 @@ def _input_output_error(error: OSError) -> int:
     place = f"{error.filename}: " if error.filename else ""
     print(f"fuzzyarm: {place}{error.strerror or error}", file=sys.stderr)
     return EXIT_INPUT
+
+
+# --- What is installed only on request ---
+
+
+class MissingExtraError(FuzzyarmError, ImportError):
+    """A command needs an extra that is not installed.
+
+    Attributes
+    ----------
+    extra : str
+        Its name in ``fuzzyarm[...]``.
+    """
+
+    def __init__(self, extra: str, what: str) -> None:
+        super().__init__(f'{what} needs an extra: pip install "fuzzyarm[{extra}]"')
+        self.extra = extra
+
+
+def demand_extra(module: str, extra: str, what: str) -> None:
+    """Raise `MissingExtraError` unless `module` can be imported.
+
+    Parameters
+    ----------
+    module : str
+        The library that the extra brings.
+    extra : str
+        The name of the extra.
+    what : str
+        What needs it, for the message.
+    """
+    from importlib.util import find_spec
+
+    if find_spec(module) is None:
+        raise MissingExtraError(extra, what)

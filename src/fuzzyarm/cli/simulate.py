@@ -2,7 +2,7 @@
 
 CONTROLLER is a name (--list shows all), several names with plus signs between, or a
 Python file of yours (FILE.py or FILE.py:CLASS) with a class derived from
-fuzzyarm.control.Controller. Errors are degrees: root mean square, largest magnitude
+fuzzyarm.controller.Controller. Errors are degrees: root mean square, largest magnitude
 with its sign, and final.
 
 Examples
@@ -23,7 +23,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.experiment import (
+from fuzzyarm.cli.arguments import (
     add_conventions,
     add_trajectory,
     conventions_of,
@@ -32,8 +32,9 @@ from fuzzyarm.cli.experiment import (
 )
 
 if TYPE_CHECKING:
-    from fuzzyarm.arm import Conventions, Trajectory
-    from fuzzyarm.control import Controller, Options, Run
+    from fuzzyarm.controller import Controller
+    from fuzzyarm.loop import Options, Run
+    from fuzzyarm.plant import Conventions, Trajectory
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -77,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.controller:
         print("fuzzyarm simulate: which CONTROLLER? --list shows all", file=sys.stderr)
         return 2
-    from fuzzyarm.control import find_controller
+    from fuzzyarm.controller import find_controller
 
     controller = find_controller(
         arguments.controller,
@@ -89,7 +90,7 @@ def run(arguments: argparse.Namespace) -> int:
         _show_gains(controller, arguments.json)
         return 0
     if arguments.plot:
-        from fuzzyarm.study.profiles import figure_format
+        from fuzzyarm.study.figures import figure_format
 
         figure_format(arguments.plot)  # a mistake in the name is told before the run
     result = _simulate(controller, arguments)
@@ -100,8 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _simulate(controller: Controller, arguments: argparse.Namespace) -> Run:
-    from fuzzyarm.arm import schedule
-    from fuzzyarm.control import simulate
+    from fuzzyarm.loop import simulate
+    from fuzzyarm.plant import schedule
 
     trajectory = trajectory_of(arguments)
     conventions = conventions_of(arguments, arguments.controller)
@@ -126,7 +127,7 @@ def _simulate(controller: Controller, arguments: argparse.Namespace) -> Run:
 
 
 def _options(arguments: argparse.Namespace) -> Options:
-    from fuzzyarm.control import Options
+    from fuzzyarm.loop import Options
 
     given: dict[str, Any] = {"runge_kutta": arguments.runge_kutta}
     if arguments.limits is not None:
@@ -136,7 +137,7 @@ def _options(arguments: argparse.Namespace) -> Options:
 
 def overrides(words: list[str]) -> dict[str, list[float]]:
     """Return the gains that words like ``K_P=120,80`` set."""
-    from fuzzyarm.control import GainError
+    from fuzzyarm.controller import GainError
 
     values = {}
     for word in words:
@@ -154,8 +155,9 @@ def overrides(words: list[str]) -> dict[str, list[float]]:
 
 def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> str:
     """Say how much longer an interpreted run took than a compiled one of the same length."""
-    from fuzzyarm.control import controller, simulate
+    from fuzzyarm.controller import controller
     from fuzzyarm.kernels import jit_wanted
+    from fuzzyarm.loop import simulate
 
     if result.compiled or not jit_wanted():
         return ""
@@ -216,7 +218,7 @@ def _as_text(result: Run) -> str:
 
 
 def _plot(result: Run, path: str) -> None:
-    from fuzzyarm.study.profiles import draw_profiles, save_figure
+    from fuzzyarm.study.figures import draw_profiles, save_figure
 
     save_figure(draw_profiles([result], result.controller), Path(path))
 
@@ -254,7 +256,7 @@ def _numbers(values: tuple[float, ...]) -> str:
 
 
 def _list(as_json: bool) -> int:
-    from fuzzyarm.control import CATALOGUE
+    from fuzzyarm.controller import CATALOGUE
 
     if as_json:
         print(json.dumps({entry.name: entry.summary for entry in CATALOGUE.values()}))

@@ -12,7 +12,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from fuzzyarm.cli.extras import demand_extra
+from fuzzyarm.cli.main import demand_extra
 from fuzzyarm.errors import FuzzyarmError
 
 

@@ -16,13 +16,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.rulebase import RuleBase
-from fuzzyarm.rulebase.rendering import render_all
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import render_all
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from fuzzyarm.studio.document import StudioDocument
+
 
 VIEWS = ("surface", "rules", "terms", "firing", "numbers")
 _USUAL = ("surface", "rules", "numbers")
@@ -51,7 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Draw until Ctrl-C; with ``--once`` return 1 if the file has errors."""
-    from fuzzyarm.show.console import make_console
+    from fuzzyarm.show.drawing import make_console
     from fuzzyarm.studio.document import StudioDocument
 
     _demand_sense(arguments)
@@ -72,7 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _demand_sense(arguments: argparse.Namespace) -> None:
     if arguments.figure:
-        from fuzzyarm.show.figures.save import require_figure_suffix
+        from fuzzyarm.show.figures.style import require_figure_suffix
 
         require_figure_suffix(arguments.figure)
     if arguments.table and Path(arguments.file).suffix.lower() == ".lut":
@@ -96,7 +97,7 @@ def _follow(
             continue
         seen = stamp
         try:
-            from fuzzyarm.rulebase import read_text
+            from fuzzyarm.language import read_text
 
             text = read_text(document.path)
         except FileNotFoundError:
@@ -119,7 +120,7 @@ def _stamp(path: str) -> tuple[int, int, int] | None:
 
 def _redraw(console: Console, document: StudioDocument, arguments: argparse.Namespace) -> None:
     if arguments.at and document.scene is not None:
-        from fuzzyarm.cli.assignments import read_assignments
+        from fuzzyarm.cli.arguments import read_assignments
 
         document.scene.point |= read_assignments([arguments.at], list(document.scene.ranges))
     notes = [] if document.broken else _write_products(document, arguments)
@@ -147,22 +148,23 @@ def _write_products(document: StudioDocument, arguments: argparse.Namespace) -> 
 
 
 def _write_table(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
-    from fuzzyarm.lut import compile_table, write_table
+    from fuzzyarm.table import compile_table, write_table
 
     assert rulebase is not None, "a sound rule base comes with its model"
     write_table(compile_table(rulebase), target)
 
 
 def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
-    from fuzzyarm.show import figures
-    from fuzzyarm.show.figures.save import save_figure
+    from fuzzyarm.show.figures.rulebase import rulebase_figure
+    from fuzzyarm.show.figures.style import save_figure
+    from fuzzyarm.show.figures.surface import table_figure
 
     if rulebase is not None:
-        save_figure(figures.rulebase_figure(rulebase), target)
+        save_figure(rulebase_figure(rulebase), target)
         return
-    from fuzzyarm.lut import read_table
+    from fuzzyarm.table import read_table
 
-    save_figure(figures.table_figure(read_table(document.path)), target)
+    save_figure(table_figure(read_table(document.path)), target)
 
 
 def picture(document: StudioDocument, width: int, views: Sequence[str] = _USUAL) -> RenderableType:

@@ -1,9 +1,9 @@
 """Controllers as source text for small machines: C99 and IEC 61131-3 Structured Text.
 
 A *routine* is one function of the exported file together with a Python model of the very
-same arithmetic: :class:`~fuzzyarm.export.float_table.FloatTable`,
-:class:`~fuzzyarm.export.fixed_point.FixedTable` and
-:class:`~fuzzyarm.export.direct.DirectRoutine`. The model is what the tests hold the compiled
+same arithmetic: :class:`~fuzzyarm.export.table_numbers.FloatTable`,
+:class:`~fuzzyarm.export.table_numbers.FixedTable` and
+:class:`~fuzzyarm.export.rulebase.DirectRoutine`. The model is what the tests hold the compiled
 C against, and what the figures in the head of an exported file are measured with.
 """
 
@@ -13,20 +13,20 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fuzzyarm.export.direct import DirectRoutine
-    from fuzzyarm.export.errors import ExportError
-    from fuzzyarm.export.fixed_point import FixedTable
-    from fuzzyarm.export.float_table import FloatTable
+    from fuzzyarm.export.numbers import ExportError
+    from fuzzyarm.export.rulebase import DirectRoutine
     from fuzzyarm.export.structured_text import structured_text
+    from fuzzyarm.export.table_numbers import FixedTable, FloatTable
     from fuzzyarm.export.write import EXPORTS, Exported, export_files, routines_of, write_export
+
 
 _HOMES = {
     "EXPORTS": "write",
-    "DirectRoutine": "direct",
-    "ExportError": "errors",
+    "DirectRoutine": "rulebase",
+    "ExportError": "numbers",
     "Exported": "write",
-    "FixedTable": "fixed_point",
-    "FloatTable": "float_table",
+    "FixedTable": "table_numbers",
+    "FloatTable": "table_numbers",
     "export_files": "write",
     "routines_of": "write",
     "structured_text": "structured_text",

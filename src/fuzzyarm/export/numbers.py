@@ -1,4 +1,4 @@
-"""Single precision: rounding, and numbers as the two languages write them."""
+"""Numbers of the exported languages: rounding, literals, and what cannot be exported."""
 
 from __future__ import annotations
 
@@ -9,7 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.export.errors import ExportError
+from fuzzyarm.errors import FuzzyarmError
+
+# --- What cannot be exported ---
+
+
+class ExportError(FuzzyarmError, ValueError):
+    """A rule base, a table or an option that the target language cannot express."""
+
+
+# --- Single precision: rounding, and numbers as the two languages write them ---
 
 LARGEST = float(np.finfo(np.float32).max)
 

@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fuzzyarm.export import centroid
-from fuzzyarm.export.errors import ExportError
 from fuzzyarm.export.expression import (
     ZERO,
     Assign,
@@ -21,12 +19,22 @@ from fuzzyarm.export.expression import (
     times,
     without_unused,
 )
-from fuzzyarm.export.head import plain
-from fuzzyarm.export.membership import CONJUNCTIONS, DISJUNCTIONS, degree_of, hedged
 from fuzzyarm.export.names import Names
+from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.routine import plain
+from fuzzyarm.export.sets import (
+    CONJUNCTIONS,
+    DISJUNCTIONS,
+    clipped_union,
+    degree_of,
+    hedged,
+    layered,
+    scaled,
+    scaled_union,
+)
 from fuzzyarm.inference.plan import WEIGHTED, OutputPlan, Plan, PlannedRule, plan
-from fuzzyarm.rulebase.model import And, Hedge, Hedged, Input, Is, Output, RuleBase, propositions
-from fuzzyarm.rulebase.model import Expression as Antecedent
+from fuzzyarm.model.rulebase import And, Hedge, Hedged, Input, Is, Output, RuleBase, propositions
+from fuzzyarm.model.rulebase import Expression as Antecedent
 
 FOLDS = ("max", "sum", "probor")
 """Aggregations that are exported."""
@@ -216,9 +224,9 @@ class _Builder:
         if aggregation == "sum" and not output.discrete:
             strength = self.fresh(strength, "s", remark)
             part = (
-                centroid.layered(output.closed.own[member], strength)
+                layered(output.closed.own[member], strength)
                 if output.closed is not None
-                else centroid.scaled(output, member, strength)
+                else scaled(output, member, strength)
             )
             if name not in self.sums:
                 self.sums[name] = (self.names.new("area"), self.names.new("moment"))
@@ -326,9 +334,9 @@ class _Builder:
             member: Local(name) for member, name in self.heights[output.output.name].items()
         }
         if output.closed is not None:
-            parts = centroid.clipped_union(output, heights)
+            parts = clipped_union(output, heights)
         else:
-            parts = centroid.scaled_union(output, heights, self.fresh)
+            parts = scaled_union(output, heights, self.fresh)
         names = self.names.new("area"), self.names.new("moment")
         collected = list(parts)
         if not collected:

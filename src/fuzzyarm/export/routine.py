@@ -1,14 +1,149 @@
-"""What the writer of a file needs to know of a routine, whatever it is made of."""
+"""What the writer of a file needs to know of a routine, and the header that tells it to people.
+
+A routine is one function of the exported file. :class:`CWriter` gathers what the routines of
+one C file share; the header comment states provenance, accuracy and cost of each.
+"""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-from fuzzyarm.export.c_writer import CWriter
+from fuzzyarm import __version__
+from fuzzyarm.export.names import Names
+from fuzzyarm.text.numbers import number_text
+
+# --- What one exported C file is put together from: names, shared constants, small helpers ---
+
+WIDTH = 96
+"""Longest line of a list of numbers."""
+
+SIZES = {"float": 4, "double": 8, "int16_t": 2, "int8_t": 1}
+"""Bytes of the types that constants have."""
+
+
+@dataclass
+class CWriter:
+    """Collects the parts of a file; equal constants and helpers are written once.
+
+    Attributes
+    ----------
+    prefix : str
+        Begins every name that the file defines.
+    storage : str
+        ``static inline`` for a header on its own, empty for a ``.c`` file.
+    """
+
+    prefix: str
+    storage: str = ""
+    names: Names = field(default_factory=Names)
+    constants: list[str] = field(default_factory=list)
+    helpers: list[str] = field(default_factory=list)
+    functions: list[str] = field(default_factory=list)
+    flash: int = 0
+    _known: dict[object, str] = field(default_factory=dict)
+
+    def constant(self, kind: str, literals: Sequence[str], wanted: str, columns: int = 0) -> str:
+        """Return the name of a constant array with these literals; equal ones are shared."""
+        key = ("constant", kind, tuple(literals))
+        if key not in self._known:
+            name = self.names.new(f"{self.prefix}_{wanted}")
+            self._known[key] = name
+            self.flash += SIZES[kind] * len(literals)
+            body = "\n".join(number_lines(literals, columns))
+            self.constants.append(
+                f"static const {kind} {name}[{len(literals)}] = {{\n{body}\n}};\n"
+            )
+        return self._known[key]
+
+    def helper(self, wanted: str, template: str, **words: str) -> str:
+        """Return the name of a small function made of `template`, where NAME is its name."""
+        key = ("helper", template, tuple(sorted(words.items())))
+        if key not in self._known:
+            name = self.names.new(f"{self.prefix}_{wanted}")
+            self._known[key] = name
+            text = template.replace("NAME", name)
+            for word, replacement in words.items():
+                text = text.replace(word, replacement)
+            keyword = "static inline" if self.storage else "static"
+            self.helpers.append(f"{keyword} {text}")
+        return self._known[key]
+
+
+def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    ") -> list[str]:
+    """Return literals as lines, `columns` to a line if they fit, right-aligned."""
+    width = max(map(len, literals))
+    fitting = max(1, (WIDTH - len(indent)) // (width + 2))
+    per_line = columns if 0 < columns <= fitting else fitting
+    if 0 < fitting < columns:  # equal parts of a row, so that rows stay visible
+        parts = -(-columns // fitting)
+        per_line = -(-columns // parts)
+    rows = (
+        [literals[i : i + columns] for i in range(0, len(literals), columns)]
+        if columns
+        else [literals]
+    )
+    parts_of_rows = [row[i : i + per_line] for row in rows for i in range(0, len(row), per_line)]
+    lines = [indent + ", ".join(x.rjust(width) for x in part) + "," for part in parts_of_rows]
+    lines[-1] = lines[-1].removesuffix(",")
+    return lines
+
+
+COUNT_BELOW = """INDEX NAME(const TYPE *edges, INDEX count, TYPE x)
+{
+    INDEX low = 0u, high = count;
+    while (low < high) {
+        const INDEX middle = low + (high - low) / 2u;
+        if (edges[middle] < x) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low; /* the number of edges smaller than x; none for NaN */
+}
+"""
+
+COUNT_UP_TO = """INDEX NAME(const TYPE *levels, INDEX count, TYPE x)
+{
+    INDEX low = 0u, high = count;
+    while (low < high) {
+        const INDEX middle = low + (high - low) / 2u;
+        if (levels[middle] <= x) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low; /* the number of levels that x has reached */
+}
+"""
+
+CLAMP = """TYPE NAME(TYPE x, TYPE low, TYPE high)
+{
+    return x > low ? (x < high ? x : high) : low; /* low for NaN */
+}
+"""
+
+BLEND_FLOAT = """TYPE NAME(TYPE near, TYPE far, TYPE share)
+{
+    return (ONE - share) * near + share * far;
+}
+"""
+
+BLEND_FIXED = """int32_t NAME(int32_t near, int32_t far, int32_t share)
+{
+    const int32_t product = (far - near) * share;
+    return near + (product >= 0 ? (product + 16384) / 32768 : -((16384 - product) / 32768));
+}
+"""
+
+
+# --- What the writer of a file needs to know of a routine, whatever it is made of ---
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,3 +259,75 @@ class Routine(Protocol):
     def vectors(self) -> Vectors:
         """Return points for the self-test."""
         ...
+
+
+# --- The comment at the head of an exported file: what it is, whence, how good and how dear ---
+
+_WIDTH = 96
+
+
+def head_lines(
+    routines: Sequence[Routine], prototypes: Sequence[Any], writer: CWriter, use: str, test: str
+) -> list[str]:
+    """Return the comment of a C file as lines, an empty one last."""
+    lines = [f"made by fuzzyarm {__version__}; do not edit: make it again from its source", ""]
+    for routine, prototype in zip(routines, prototypes, strict=True):
+        lines += [str(prototype), *_indented(routine_words(routine)), ""]
+    lines += [
+        f"constants (flash): {writer.flash} bytes, besides the code",
+        "static RAM: 0 bytes; nothing is allocated, no function of a library is called",
+        "",
+        f"use: {use}",
+        f"self-test (returns 0 if all is well): {test}",
+    ]
+    return [*comment(lines, "/*", " *", " */"), ""]
+
+
+def routine_words(routine: Routine, *, names: Sequence[str] = ()) -> list[str]:
+    """Return what is said of one routine: arguments, remarks, error, cost, origin."""
+    cost, accuracy = routine.cost(), routine.accuracy()
+    lines = [_argument(argument) for argument in routine.arguments]
+    lines.append(f"result {_argument(routine.output)}")
+    lines += routine.remarks()
+    lines.append(
+        f"worst error against {accuracy.against}: {accuracy.worst:.3g}, in units of the output"
+        f" ({accuracy.points:,} points, every edge among them)"
+    )
+    lines.append(f"operations per call, at most: {cost.in_words()}")
+    lines.append(f"local variables (stack): about {cost.stack} bytes")
+    lines += [f"{key}: {text}" for key, text in routine.provenance()]
+    return lines
+
+
+def _argument(argument: Argument) -> str:
+    words = f"{argument.name}: {number_text(argument.low)} .. {number_text(argument.high)}"
+    if argument.description:
+        words += f", {argument.description}"
+    return f"{words}; quantity = {argument.scaling}" if argument.scaling else words
+
+
+def _indented(lines: Sequence[str]) -> list[str]:
+    return [f"  {line}" for line in lines]
+
+
+def comment(lines: Sequence[str], first: str, every: str, last: str) -> list[str]:
+    """Return lines as a block comment; nothing in them can end it or start another."""
+    body = []
+    for line in lines:
+        clean = plain(line)
+        indent = " " * (len(clean) - len(clean.lstrip()) + 2)
+        wrapped = textwrap.wrap(
+            clean, _WIDTH - len(every), subsequent_indent=indent, break_on_hyphens=False
+        )
+        body += [f"{every} {part}" for part in wrapped] or [every]
+    opening = f"{first}{body[0].removeprefix(every)}" if body else first
+    return [opening, *body[1:], last]
+
+
+def plain(text: str) -> str:
+    """Return `text` on one line, harmless in a comment of C or of Structured Text."""
+    shown = "".join(letter if letter.isprintable() else " " for letter in text)
+    for mark in ("*/", "/*", "(*", "*)", "??"):
+        while mark in shown:
+            shown = shown.replace(mark, f"{mark[0]} {mark[1]}")
+    return shown.replace("\\", "/") if shown.endswith("\\") else shown

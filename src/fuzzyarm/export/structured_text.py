@@ -11,15 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from fuzzyarm import __version__
-from fuzzyarm.export.c_writer import number_lines
-from fuzzyarm.export.errors import ExportError
-from fuzzyarm.export.fixed_point import FixedTable
-from fuzzyarm.export.head import comment, routine_words
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.numbers import st_number
-from fuzzyarm.export.routine import Routine
-from fuzzyarm.export.table_c import Core
-from fuzzyarm.export.table_routine import TableRoutine
+from fuzzyarm.export.numbers import ExportError, st_number
+from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
+from fuzzyarm.export.table import Core, TableRoutine
+from fuzzyarm.export.table_numbers import FixedTable
 
 _FLOATS: dict[type[np.floating], str] = {np.float32: "REAL", np.float64: "LREAL"}
 _WHOLES = {15: "INT", 7: "SINT"}

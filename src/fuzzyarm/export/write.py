@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from fuzzyarm.export.c_file import c_header, c_pair
-from fuzzyarm.export.direct import direct_routine
-from fuzzyarm.export.errors import ExportError
-from fuzzyarm.export.fixed_point import fixed_table
-from fuzzyarm.export.float_table import float_table
+from fuzzyarm.export.c import c_header, c_pair
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
+from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.routine import Routine
+from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.structured_text import structured_text
-from fuzzyarm.export.table_routine import TableRoutine
-from fuzzyarm.files import write_atomically
-from fuzzyarm.lut import LookupTable
-from fuzzyarm.rulebase.model import RuleBase
+from fuzzyarm.export.table import TableRoutine
+from fuzzyarm.export.table_numbers import fixed_table, float_table
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import LookupTable
+from fuzzyarm.text.files import write_atomically
 
 EXPORTS = (".h", ".c", ".st")
 """Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text."""

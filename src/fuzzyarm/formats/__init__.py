@@ -7,9 +7,9 @@ every finding with its place. Writing gives an :class:`Exported` in the same way
 from __future__ import annotations
 
 from fuzzyarm.formats.fcl import parse_fcl, write_fcl
+from fuzzyarm.formats.findings import Exported, Imported
 from fuzzyarm.formats.fis import parse_fis, write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
-from fuzzyarm.formats.imported import Exported, Imported
 from fuzzyarm.formats.registry import (
     FOREIGN,
     PRODUCERS,

@@ -8,13 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.formats.export import note_threshold
 from fuzzyarm.formats.fcl import parse_fcl, write_fcl
+from fuzzyarm.formats.findings import MAX_CHARACTERS, Exported, Findings, Imported
 from fuzzyarm.formats.fis import parse_fis, write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
-from fuzzyarm.formats.imported import MAX_CHARACTERS, Exported, Findings, Imported
-from fuzzyarm.rulebase.diagnostic import Diagnostic, Span
-from fuzzyarm.rulebase.model import RuleBase
+from fuzzyarm.formats.writing import note_threshold
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import Diagnostic, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
 """Suffixes of other programs' files."""
@@ -96,7 +96,7 @@ def parse(
 
 
 def _own(text: str, path: str) -> Imported:
-    from fuzzyarm.rulebase import parse as parse_rulebase
+    from fuzzyarm.language import parse as parse_rulebase
 
     parsed = parse_rulebase(text, path)
     return Imported(parsed.rulebase, parsed.diagnostics, "fuzzyarm")
@@ -187,8 +187,8 @@ def write(
 
 def _write_own(rulebase: RuleBase, *, lossy: bool) -> Exported:
     """Write a ``.frb`` text; refuse where the language would, or would read another model."""
-    from fuzzyarm.rulebase import parse as parse_rulebase
-    from fuzzyarm.rulebase import write as write_rulebase
+    from fuzzyarm.language import parse as parse_rulebase
+    from fuzzyarm.language import write as write_rulebase
 
     text = write_rulebase(rulebase)
     findings = Findings(lossy=lossy)

@@ -17,13 +17,13 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
-from fuzzyarm.inference.expectations import check_expectations
-from fuzzyarm.inference.infer import infer
-from fuzzyarm.inference.scalar import prepare
+from fuzzyarm.inference.infer import check_expectations, infer
+from fuzzyarm.inference.point import prepare
 
 if TYPE_CHECKING:
-    from fuzzyarm.inference.machine.evaluator import Compiled, compiled
+    from fuzzyarm.inference.kernel.compiled import Compiled, compiled
     from fuzzyarm.inference.trace import Trace, explain
+
 
 __all__ = [
     "Compiled",
@@ -47,9 +47,9 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import what a check does not need when it is asked for."""
     if name in {"Compiled", "compiled"}:
-        from fuzzyarm.inference.machine import evaluator
+        from fuzzyarm.inference.kernel import compiled
 
-        return getattr(evaluator, name)
+        return getattr(compiled, name)
     if name in {"Trace", "explain"}:
         from fuzzyarm.inference import trace
 

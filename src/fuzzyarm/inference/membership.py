@@ -1,12 +1,7 @@
-"""Membership of arrays in shapes; the twin of :mod:`fuzzyarm.rulebase.membership`.
+"""Memberships, norms and formulas over arrays.
 
-The smooth shapes that scikit-fuzzy has are scikit-fuzzy's, where it is right: its s, z and
-pi shapes divide by zero where two corners are equal, and its two-sided gaussian refuses
-crossed means, so those cases are treated here. Straight shapes are computed here: the
-exact centroid needs their corners, both uses must agree to the last bit on vertical
-edges, and scikit-fuzzy's fancy indexing takes ten times as long as two lines and a
-minimum. Ramp, rectangle, binary, points, concave, cosine, spike, arc and semi-ellipse
-are not in scikit-fuzzy.
+The twins of :mod:`fuzzyarm.model.membership` and :mod:`fuzzyarm.model.formula`, which take
+one number; the tests hold the two together.
 """
 
 from __future__ import annotations
@@ -17,9 +12,85 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.inference.formula import evaluate_arrays
-from fuzzyarm.rulebase.formula import parse
-from fuzzyarm.rulebase.model import Hedge, Shape
+from fuzzyarm.model.formula import CONSTANTS, FormulaError, Name, Node, Number, parse_formula
+from fuzzyarm.model.rulebase import Hedge, Shape
+
+# --- Formulas over arrays; the twin of `model.formula.evaluate` ---
+
+FORMULA_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "+": np.add,
+    "-": np.subtract,
+    "*": np.multiply,
+    "/": np.divide,
+    "%": np.fmod,
+    "^": np.power,
+    "neg": np.negative,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "sinh": np.sinh,
+    "cosh": np.cosh,
+    "tanh": np.tanh,
+    "exp": np.exp,
+    "log": np.log,
+    "log10": np.log10,
+    "sqrt": np.sqrt,
+    "abs": np.abs,
+    "floor": np.floor,
+    "ceil": np.ceil,
+    "round": np.round,
+    "min": np.minimum,
+    "max": np.maximum,
+    "pow": np.power,
+    "atan2": np.arctan2,
+    "fmod": np.fmod,
+}
+"""The operators and functions of the language over arrays."""
+
+
+def evaluate_arrays(node: Node, values: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the value of a formula over arrays that broadcast.
+
+    Parameters
+    ----------
+    node : formula tree
+        As from :func:`fuzzyarm.model.formula.parse_formula`.
+    values : mapping of str to ndarray
+        A value for every name.
+
+    Returns
+    -------
+    ndarray of float64
+        NaN or infinite where arithmetic is; without a warning.
+    """
+    with np.errstate(all="ignore"):
+        return np.asarray(_value(node, values), dtype=float)
+
+
+def _value(node: Node, values: Mapping[str, NDArray[np.float64]]) -> Any:
+    if isinstance(node, Number):
+        return np.float64(node.value)
+    if isinstance(node, Name):
+        if node.name in values:
+            return values[node.name]
+        if node.name in CONSTANTS:
+            return np.float64(CONSTANTS[node.name])
+        raise FormulaError(f"'{node.name}' is no variable", node.name, node.position)
+    return FORMULA_FUNCTIONS[node.function](*(_value(part, values) for part in node.arguments))
+
+
+# --- Membership of arrays in shapes; the twin of `model.membership` ---
+#
+# The smooth shapes that scikit-fuzzy has are scikit-fuzzy's, where it is right: its s, z and
+# pi shapes divide by zero where two corners are equal, and its two-sided gaussian refuses
+# crossed means, so those cases are treated here. Straight shapes are computed here: the
+# exact centroid needs their corners, both uses must agree to the last bit on vertical
+# edges, and scikit-fuzzy's fancy indexing takes ten times as long as two lines and a
+# minimum. Ramp, rectangle, binary, points, concave, cosine, spike, arc and semi-ellipse
+# are not in scikit-fuzzy.
 
 Array = NDArray[np.float64]
 
@@ -187,7 +258,7 @@ def semi_ellipse(x: Array, start: float, end: float) -> Array:
     return np.where(np.abs(x - centre) > radius, 0.0, np.sqrt(np.maximum(inside, 0.0)))
 
 
-FUNCTIONS: dict[str, Callable[..., Array]] = {
+MEMBERSHIPS: dict[str, Callable[..., Array]] = {
     "triangle": triangle,
     "trapezoid": trapezoid,
     "rectangle": rectangle,
@@ -260,10 +331,117 @@ def membership(
     """
     with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
         if shape.kind == "formula":
-            degree = evaluate_arrays(parse(shape.formula), {**(values or {}), "x": x})
+            degree = evaluate_arrays(parse_formula(shape.formula), {**(values or {}), "x": x})
             degree = np.broadcast_to(degree, np.broadcast_shapes(np.shape(degree), x.shape))
         else:
-            degree = FUNCTIONS[shape.kind](x, *shape.parameters)
+            degree = MEMBERSHIPS[shape.kind](x, *shape.parameters)
         if shape.height != 1.0:
             degree = degree * shape.height
         return apply_hedges(hedges, degree) if hedges else degree
+
+
+# --- T-norms over arrays: what *and* means, and how a rule cuts its consequent ---
+#
+# Each takes two float arrays of degrees that broadcast and returns their conjunction; the
+# names are those of `model.rulebase.CONJUNCTIONS`.
+
+Norm = Callable[[Any, Any], Array]
+
+
+def bounded_tnorm(a: Array, b: Array) -> Array:
+    """Łukasiewicz: max(0, a + b − 1)."""
+    return np.maximum(0.0, a + b - 1.0)
+
+
+def drastic_tnorm(a: Array, b: Array) -> Array:
+    """Return the smaller where the other is 1, else 0."""
+    return np.where(np.maximum(a, b) >= 1.0, np.minimum(a, b), 0.0)
+
+
+def hamacher_tnorm(a: Array, b: Array) -> Array:
+    """Return ab / (a + b − ab), 0 where both are 0."""
+    product = np.multiply(a, b)
+    below = a + b - product
+    return np.divide(product, below, out=np.zeros_like(product), where=product > 0.0)
+
+
+def einstein_tnorm(a: Array, b: Array) -> Array:
+    """Return ab / (2 − (a + b − ab))."""
+    product = np.multiply(a, b)
+    return np.divide(product, 2.0 - (a + b - product))
+
+
+def nilpotent_tnorm(a: Array, b: Array) -> Array:
+    """Return the smaller where a + b > 1, else 0."""
+    return np.where(a + b > 1.0, np.minimum(a, b), 0.0)
+
+
+TNORMS: dict[str, Norm] = {
+    "min": np.minimum,
+    "product": np.multiply,
+    "bounded": bounded_tnorm,
+    "drastic": drastic_tnorm,
+    "hamacher": hamacher_tnorm,
+    "einstein": einstein_tnorm,
+    "nilpotent": nilpotent_tnorm,
+}
+"""Conjunctions and implications by name."""
+
+
+# --- S-norms over arrays: what *or* means, and how the sets of several rules become one ---
+#
+# Each takes two float arrays of degrees that broadcast; the names are those of
+# `model.rulebase.DISJUNCTIONS`. `sum` may exceed 1: it is for aggregation.
+
+
+def probor(a: Array, b: Array) -> Array:
+    """Return a + b − ab."""
+    return a + b - np.multiply(a, b)
+
+
+def bounded_snorm(a: Array, b: Array) -> Array:
+    """Return min(1, a + b)."""
+    return np.minimum(1.0, np.add(a, b))
+
+
+def drastic_snorm(a: Array, b: Array) -> Array:
+    """Return the larger where the other is 0, else 1."""
+    return np.where(np.minimum(a, b) <= 0.0, np.maximum(a, b), 1.0)
+
+
+def hamacher_snorm(a: Array, b: Array) -> Array:
+    """Return (a + b − 2ab) / (1 − ab), 1 where both are 1."""
+    product = np.multiply(a, b)
+    return np.divide(
+        a + b - 2.0 * product, 1.0 - product, out=np.ones_like(product), where=product < 1.0
+    )
+
+
+def einstein_snorm(a: Array, b: Array) -> Array:
+    """Return (a + b) / (1 + ab)."""
+    return np.divide(np.add(a, b), 1.0 + np.multiply(a, b))
+
+
+def nilpotent_snorm(a: Array, b: Array) -> Array:
+    """Return the larger where a + b < 1, else 1."""
+    return np.where(a + b < 1.0, np.maximum(a, b), 1.0)
+
+
+def normalized(a: Array, b: Array) -> Array:
+    """Return (a + b) / max(1, a + b), taken pair by pair."""
+    total = np.add(a, b)
+    return np.divide(total, np.maximum(1.0, total))
+
+
+SNORMS: dict[str, Norm] = {
+    "max": np.maximum,
+    "probor": probor,
+    "bounded": bounded_snorm,
+    "drastic": drastic_snorm,
+    "hamacher": hamacher_snorm,
+    "einstein": einstein_snorm,
+    "nilpotent": nilpotent_snorm,
+    "sum": np.add,
+    "normalized": normalized,
+}
+"""Disjunctions and aggregations by name."""

@@ -12,13 +12,12 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from fuzzyarm.inference.crossings import Stretch, stretches
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
-from fuzzyarm.inference.profile import Piece, middle_of_core, profile
-from fuzzyarm.rulebase.formula import CONSTANTS, Node, names, parse
-from fuzzyarm.rulebase.membership import FUNCTIONS, apply_hedges, membership
-from fuzzyarm.rulebase.model import (
+from fuzzyarm.inference.profile import Piece, Stretch, middle_of_core, profile, stretches
+from fuzzyarm.model.formula import CONSTANTS, Node, names, parse_formula
+from fuzzyarm.model.membership import FUNCTIONS, apply_hedges, membership
+from fuzzyarm.model.rulebase import (
     Consequent,
     Hedge,
     Input,
@@ -252,7 +251,7 @@ def _outputs_used(rulebase: RuleBase, block: RuleBlock) -> list[str]:
         for consequent in rule.consequents:
             shape = outputs[consequent.variable].term(consequent.term).shape
             if shape.kind == "formula":
-                used += [n for n in names(parse(shape.formula)) if n != consequent.variable]
+                used += [n for n in names(parse_formula(shape.formula)) if n != consequent.variable]
     return [name for name in dict.fromkeys(used) if name in outputs]
 
 
@@ -329,7 +328,7 @@ def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
 
 def _is_value(shape: Shape) -> bool:
     if shape.kind == "formula":
-        return PLACE not in names(parse(shape.formula))
+        return PLACE not in names(parse_formula(shape.formula))
     return shape.kind in {"singleton", "linear"}
 
 
@@ -358,7 +357,7 @@ def _member(
 ) -> Member:
     shape, node = term.shape, None
     if shape.kind == "formula":
-        node = parse(shape.formula)
+        node = parse_formula(shape.formula)
         _check_formula(rulebase, output, term, node, discrete=discrete)
     if shape.kind == "linear" and len(shape.parameters) != len(rulebase.inputs) + 1:
         raise InferenceError(
@@ -433,7 +432,7 @@ def set_function(
         From a float to a float.
     """
     if node is not None:
-        from fuzzyarm.rulebase.formula import evaluate
+        from fuzzyarm.model.formula import evaluate
 
         def base(x: float) -> float:
             return shape.height * evaluate(node, {PLACE: x})
@@ -456,7 +455,9 @@ def set_function(
 
 def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> Callable[[float], float]:
     """Return the membership in a term of an input, as a function of the place."""
-    return set_function(shape, hedges, parse(shape.formula) if shape.kind == "formula" else None)
+    return set_function(
+        shape, hedges, parse_formula(shape.formula) if shape.kind == "formula" else None
+    )
 
 
 def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:

@@ -8,14 +8,14 @@ from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
 
-from fuzzyarm.inference.defuzzify.one import consequent_value
-from fuzzyarm.inference.defuzzify.one_aggregate import aggregate, fold
-from fuzzyarm.inference.defuzzify.tsukamoto import one as tsukamoto_place
+from fuzzyarm.inference.defuzzify.aggregate import aggregate, fold_at_point
+from fuzzyarm.inference.defuzzify.dispatch import consequent_value
+from fuzzyarm.inference.defuzzify.weighted import tsukamoto_at_point
 from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.point import Point, Prepared, prepare
 from fuzzyarm.inference.profile import Piece, crossing
-from fuzzyarm.inference.scalar import Point, Prepared, prepare
-from fuzzyarm.rulebase.model import And, Expression, Hedge, Hedged, Is, Rule, RuleBase
-from fuzzyarm.rulebase.norms import TNORMS
+from fuzzyarm.model.membership import TNORMS
+from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Rule, RuleBase
 
 SAMPLES = 201
 """Points that a smooth curve is drawn through."""
@@ -246,7 +246,7 @@ def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
     inputs = tuple(variable.name for variable in rulebase.inputs)
     consequents = tuple(
         _consequent(plan, plan.members[member], strength, point, inputs)
-        for member, strength in fold(plan, fired).items()
+        for member, strength in fold_at_point(plan, fired).items()
     )
     union: Curve = ()
     if fired and not plan.discrete:
@@ -274,7 +274,7 @@ def _consequent(
     value = member.value
     if plan.discrete and value is None:
         if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
-            value = tsukamoto_place(plan, member, strength)
+            value = tsukamoto_at_point(plan, member, strength)
         else:
             value = consequent_value(member, point.values, inputs)
     curve = () if plan.discrete else _clipped(member, strength)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from typing import Any
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
 
-from fuzzyarm.lsp.convert import Converter, encoded
-from fuzzyarm.lsp.server import FuzzyarmServer
-from fuzzyarm.lsp.session import Session
-from fuzzyarm.lsp.tables import TableText, formatted_table
-from fuzzyarm.rulebase import RuleBaseError, Span, format_text
-from fuzzyarm.rulebase.queries import (
+from fuzzyarm.language import format_text
+from fuzzyarm.language.queries import (
     COLOURS,
     RenameError,
     coloured,
@@ -27,6 +24,11 @@ from fuzzyarm.rulebase.queries import (
     rename,
     symbols,
 )
+from fuzzyarm.lsp.protocol import Converter, encoded
+from fuzzyarm.lsp.server import FuzzyarmServer
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.lsp.tables import TableText, formatted_table
+from fuzzyarm.text.diagnostic import RuleBaseError, Span
 
 LEGEND = types.SemanticTokensLegend(list(COLOURS), ["declaration"])
 
@@ -34,7 +36,7 @@ LEGEND = types.SemanticTokensLegend(list(COLOURS), ["declaration"])
 def initialized(server: FuzzyarmServer, params: types.InitializedParams) -> None:
     """Load what the first check of a sound file needs, so that it is as quick as the others."""
     import fuzzyarm.inference
-    import fuzzyarm.rulebase.check  # noqa: F401
+    import fuzzyarm.language.check  # noqa: F401
 
 
 def did_open(server: FuzzyarmServer, params: types.DidOpenTextDocumentParams) -> None:
@@ -278,3 +280,14 @@ def register(server: FuzzyarmServer) -> None:
     ]
     for name, function, options in handlers:
         server.feature(name, options)(function)
+
+
+def make_server() -> FuzzyarmServer:
+    """Return a server with every feature."""
+    server = FuzzyarmServer()
+    register(server)
+    # What has been imported lives as long as the process: never look through it again.
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
+    return server

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 from collections.abc import Generator
 from typing import Any
 
@@ -15,9 +14,8 @@ from pygls.protocol.language_server import lsp_method
 from pygls.uris import to_fs_path
 
 from fuzzyarm import __version__
-from fuzzyarm.lsp.convert import Converter
-from fuzzyarm.lsp.positions import UTF16
-from fuzzyarm.lsp.session import SLOW, Session
+from fuzzyarm.lsp.protocol import Converter
+from fuzzyarm.lsp.session import SLOW, UTF16, Session
 
 
 class Protocol(LanguageServerProtocol):
@@ -146,16 +144,3 @@ class FuzzyarmServer(LanguageServer):
         self.text_document_publish_diagnostics(
             types.PublishDiagnosticsParams(uri, found, session.version)
         )
-
-
-def make_server() -> FuzzyarmServer:
-    """Return a server with every feature."""
-    from fuzzyarm.lsp.features import register
-
-    server = FuzzyarmServer()
-    register(server)
-    # What has been imported lives as long as the process: never look through it again.
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(50_000, 20, 50)
-    return server

@@ -4,20 +4,12 @@ from __future__ import annotations
 
 import re
 
-from fuzzyarm.lut.text import line_tokens, parse_lut
-from fuzzyarm.lut.words import KEYWORDS
-from fuzzyarm.rulebase import Span
-from fuzzyarm.rulebase.printing.words import name_text
-from fuzzyarm.rulebase.queries import (
-    Candidate,
-    Coloured,
-    Edit,
-    Fold,
-    Hover,
-    RenameError,
-    Symbol,
-)
-from fuzzyarm.rulebase.syntax.tokens import Token, split_lines
+from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fold, Hover, RenameError, Symbol
+from fuzzyarm.language.tokens import Token
+from fuzzyarm.table.grid import KEYWORDS
+from fuzzyarm.table.text import line_tokens, parse_lut
+from fuzzyarm.text.diagnostic import Span, split_lines
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     "mode": ("bins", "nearest", "linear"),
@@ -238,6 +230,6 @@ def formatted_table(text: str) -> str | None:
     parsed = parse_lut(text)
     if parsed.table is None or any("#" in line for line in split_lines(text)):
         return None
-    from fuzzyarm.lut.write_text import write_lut
+    from fuzzyarm.table.text import write_lut
 
     return write_lut(parsed.table)

@@ -1,1 +1,1 @@
-"""Placeholder."""
+"""Drawings of models, in the terminal and as figures."""

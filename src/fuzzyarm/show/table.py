@@ -1,4 +1,4 @@
-"""A lookup table, or any numbers on its axes, as heat grids."""
+"""Lookup tables as heat grids, fixed or learned."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ from collections.abc import Callable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.lut.numbers import column_of_numbers, number, short_bins, short_levels
-from fuzzyarm.show.heat import Cell, HeatGrid
-from fuzzyarm.show.scale import Scale, scale_of
-from fuzzyarm.show.words import name_words, number_words
+from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, scale_of
+from fuzzyarm.show.rulebase import name_words, number_words
+from fuzzyarm.text.numbers import column_of_numbers, number_text, short_bins, short_levels
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
     from rich.text import Text
 
-    from fuzzyarm.lut import LookupTable
+    from fuzzyarm.table import LookupTable
+
+
+# --- A lookup table, or any numbers on its axes, as heat grids ---
 
 MOST_LEVELS = 25
 """More levels of an input than this are thinned out, unless all are asked for."""
@@ -45,7 +47,7 @@ def table_view(
     if at is not None:
         cell = table.cell(*at)
         inputs = ", ".join(
-            f"{name_words(n)} = {number(x)}" for n, x in zip(table.names, at, strict=True)
+            f"{name_words(n)} = {number_text(x)}" for n, x in zip(table.names, at, strict=True)
         )
         lines = [Text(f"{inputs} falls into the marked cell [ ].\n")]
         mark = cell.__eq__
@@ -156,7 +158,7 @@ def _thinned_words(table: LookupTable, kept: list[list[int]]) -> str:
 
 def _page_words(table: LookupTable, page: tuple[int, ...]) -> str:
     parts = [
-        f"{name_words(axis.name)} = {number(axis.levels[i])}"
+        f"{name_words(axis.name)} = {number_text(axis.levels[i])}"
         for axis, i in zip(table.axes, page, strict=False)
     ]
     return f"when {', '.join(parts)}"
@@ -202,4 +204,64 @@ def _labels(levels: Sequence[float], kept: Sequence[int]) -> list[str]:
         labels = [number_words(x, digits) for x in chosen]
         if len(set(labels)) == len(labels):
             return labels
-    return [number(x) for x in chosen]
+    return [number_text(x) for x in chosen]
+
+
+# --- What self-organizing control has learned: tables, visits and changes as heat grids ---
+
+NEVER = "·"
+"""Stands in the grid of visits where a cell was never used."""
+
+
+def learned_view(
+    start: LookupTable, now: LookupTable, visits: Any, name: str, *, with_visits: bool = True
+) -> Group:
+    """Return one joint's table with the cells that changed in brackets, and its visits.
+
+    Parameters
+    ----------
+    start, now : LookupTable
+        Before the training and now, over e and ce.
+    visits : array_like of int
+        How often each cell was used.
+    name : str
+        Of the joint.
+    with_visits : bool, optional
+        Whether the grid of visits follows.
+    """
+    import numpy as np
+    from rich.console import Group
+    from rich.text import Text
+
+    counts = np.asarray(visits)
+    changed = start.values != now.values
+    parts: list[RenderableType] = [
+        Text(f"{name}: {learned_words(changed, counts)}", "bold"),
+        *table_grids(now, mark=lambda index: bool(changed[index]), text=number_text),
+    ]
+    if with_visits:
+        # Most visits go to a few cells: colours by the logarithm tell the others apart.
+        shades = np.log10(1.0 + counts)
+        texts = iter([_count_text(int(each)) for each in counts.ravel()])
+        parts += [
+            Text(f"{name}: visits per cell ({NEVER} never)", "bold"),
+            *table_grids(now, shades, scale=scale_of([0.0, *shades.ravel().tolist()]),
+                         text=lambda _shade: next(texts)),
+        ]  # fmt: skip
+    return Group(*parts, Text())
+
+
+def learned_words(changed: Any, visits: Any) -> str:
+    """Return how many cells were used, changed and never used."""
+    cells = int(visits.size)
+    used = int((visits > 0).sum())
+    return (
+        f"{used} of {cells} cells visited, {int(changed.sum())} changed [ ], "
+        f"{cells - used} never visited"
+    )
+
+
+def _count_text(count: int) -> str:
+    if count == 0:
+        return NEVER
+    return str(count) if count < 100_000 else f"{number_words(count / 1000, 3)}k"

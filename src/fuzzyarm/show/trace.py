@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lut.numbers import number
-from fuzzyarm.show.curves import curve_blocks, marker
-from fuzzyarm.show.terms import ruler
-from fuzzyarm.show.words import name_words, number_words
+from fuzzyarm.show.drawing import curve_blocks, marker
+from fuzzyarm.show.rulebase import name_words, number_words, ruler
+from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, Group, RenderableType
     from rich.text import Text
 
     from fuzzyarm.inference.trace import FuzzyValue, OutputTrace, Trace
+
 
 _BAR = 20
 
@@ -48,9 +48,9 @@ def membership_text(value: FuzzyValue) -> Text:
     """Return a crisp value and the terms it belongs to, with bars."""
     from rich.text import Text
 
-    text = Text(f"{name_words(value.name)} = {number(value.given)}", "bold")
+    text = Text(f"{name_words(value.name)} = {number_text(value.given)}", "bold")
     if value.value != value.given:
-        text.append(f", taken as {number(value.value)}", "not bold")
+        text.append(f", taken as {number_text(value.value)}", "not bold")
     names = [name for name, _ in value.degrees]
     width = max(map(len, names), default=0)
     for name, degree in value.degrees:
@@ -118,4 +118,4 @@ class OutputPlot:
             pointer = marker(output.value, output.low, output.high, width)
             yield Text(f"{indent}{pointer}".rstrip(), no_wrap=True)
             yield Text(f"{indent}{ruler(output.low, output.high, width)}", "dim", no_wrap=True)
-        yield Text(f"{name_words(output.name)} = {number(output.value)}", "bold")
+        yield Text(f"{name_words(output.name)} = {number_text(output.value)}", "bold")

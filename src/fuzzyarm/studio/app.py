@@ -14,13 +14,12 @@ from textual.timer import Timer
 from textual.widgets import Footer, OptionList, Static, TextArea
 from textual.widgets.option_list import Option
 
-from fuzzyarm.files import write_atomically
-from fuzzyarm.rulebase import Diagnostic, Severity, Span
-from fuzzyarm.rulebase.queries import apply_edits, coloured, fixes
+from fuzzyarm.language.queries import apply_edits, coloured, fixes
 from fuzzyarm.studio.document import StudioDocument
-from fuzzyarm.studio.editor import Editor
+from fuzzyarm.studio.panes import Editor, View
 from fuzzyarm.studio.scene import findings_text
-from fuzzyarm.studio.view import View
+from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
+from fuzzyarm.text.files import write_atomically
 
 _PAUSE = 0.05
 _STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}

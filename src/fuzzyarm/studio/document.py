@@ -7,11 +7,11 @@ from pathlib import Path
 
 from fuzzyarm.api import RULEBASE_SUFFIXES
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language import format_text, read_text
 from fuzzyarm.lsp.session import Session
-from fuzzyarm.rulebase import Diagnostic, RuleBaseError, format_text, read_text
-from fuzzyarm.studio.rulebase_scene import RulebaseScene
-from fuzzyarm.studio.scene import Scene
+from fuzzyarm.studio.scene import RulebaseScene, Scene
 from fuzzyarm.studio.table_scene import TableScene
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
 
 SUFFIXES = (".frb", ".lut")
 
@@ -91,7 +91,7 @@ class StudioDocument:
     def _scene(self) -> Scene | None:
         review = self.session.review()
         if self.session.is_table:
-            from fuzzyarm.lut import LookupTable, parse_lut
+            from fuzzyarm.table import LookupTable, parse_lut
 
             plain = parse_lut(self.text, self.path).table
             if plain is None:

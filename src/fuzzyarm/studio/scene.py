@@ -2,16 +2,39 @@
 
 from __future__ import annotations
 
+import math
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.rulebase import Diagnostic, Span
-from fuzzyarm.show.words import name_words, number_words
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference import explain, infer
+from fuzzyarm.inference.trace import Trace
+from fuzzyarm.language.nodes import GridNode
+from fuzzyarm.language.queries import Reading
+from fuzzyarm.model.membership import membership
+from fuzzyarm.model.rulebase import Output, RuleBase, Variable
+from fuzzyarm.model.shapes import SHAPES, centre
+from fuzzyarm.show.drawing import scale_of
+from fuzzyarm.show.rulebase import (
+    RuleGrid,
+    find_grids,
+    grid_title,
+    name_words,
+    number_words,
+    rule_grid,
+    rule_words,
+    visible_range,
+)
+from fuzzyarm.studio.drawing import LinePlot, SurfaceMap, firing_view, term_lines
+from fuzzyarm.text.diagnostic import Diagnostic, Span
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.text import Text
+
 
 FINE, COARSE = 60, 12
 """Steps from one end of a range to the other, with an arrow key and with shift."""
@@ -126,3 +149,265 @@ def findings_text(found: tuple[Diagnostic, ...]) -> str:
         counts[str(diagnostic.severity)] = counts.get(str(diagnostic.severity), 0) + 1
     words = [f"{n} {kind}{'s' if n > 1 and kind != 'info' else ''}" for kind, n in counts.items()]
     return ", ".join(words) if words else "no findings"
+
+
+# --- A rule base in the studio: its surface, its rules, its terms and one inference ---
+
+SURFACE, RULES, TERMS, FIRING = "surface", "rules", "terms", "firing"
+
+
+class RulebaseScene(Scene):
+    """A sound rule base.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Without errors.
+    reading : Reading or None
+        Its text, to jump into.
+    before : Scene or None
+        The scene before the last change of the text, whose crisp inputs stay.
+    """
+
+    VIEWS = (SURFACE, RULES, TERMS, FIRING)
+
+    def __init__(
+        self, rulebase: RuleBase, reading: Reading | None = None, before: Scene | None = None
+    ) -> None:
+        super().__init__()
+        self.rulebase = rulebase
+        self.reading = reading
+        self.output = rulebase.outputs[0].name
+        self._ranges = {v.name: visible_range(v) for v in rulebase.inputs}
+        if before is None:
+            first = next((g for b in rulebase.blocks for g in find_grids(b)[0] if g.row), None)
+            across, down = (first.column, first.row) if first else ("", "")
+            self.set_inputs({}, across, down)
+        else:
+            self.set_inputs(before.point, before.across, before.down)
+            outputs = {o.name for o in rulebase.outputs}
+            if isinstance(before, RulebaseScene) and before.output in outputs:
+                self.output = before.output
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The inputs and the stretch that is shown of each."""
+        return self._ranges
+
+    def next_output(self) -> None:
+        """Show the surface of the next output."""
+        names = [o.name for o in self.rulebase.outputs]
+        self.output = names[(names.index(self.output) + 1) % len(names)]
+
+    # ── values ───────────────────────────────────────────────────────────────────────
+
+    def trace(self) -> Trace | str:
+        """Return the inference at the crisp inputs, or in a sentence why there is none."""
+        try:
+            return explain(self.rulebase, self.point, held=self._held())
+        except FuzzyarmError as error:
+            return str(error)
+
+    def _held(self) -> dict[str, float]:
+        return {o.name: 0.5 * (o.low + o.high) for o in self.rulebase.outputs}
+
+    def result(self) -> str:
+        """Return the outputs at the crisp inputs."""
+        trace = self.trace()
+        if isinstance(trace, str):
+            return "no value"
+        return ", ".join(
+            f"{name_words(o.name)} = {number_words(o.value, 4)}" for o in trace.outputs
+        )
+
+    def _values(self, inputs: Mapping[str, Any], output: Output) -> Any:
+        """Return the output over arrays, NaN where no rule fires and nothing is said of that."""
+        outputs = tuple(
+            replace(o, no_rule=math.nan) if o.no_rule == "error" else o
+            for o in self.rulebase.outputs
+        )
+        return infer(replace(self.rulebase, outputs=outputs), inputs, held=self._held())[
+            output.name
+        ]
+
+    # ── drawing ──────────────────────────────────────────────────────────────────────
+
+    def draw(self, view: str, width: int, height: int) -> RenderableType:
+        """Return the drawing of a view in a given room."""
+        from rich.text import Text
+
+        draws = {SURFACE: self._surface, RULES: self._rules, TERMS: self._terms}
+        try:
+            if view in draws:
+                return draws[view](width, height)
+            return self._firing()
+        except FuzzyarmError as error:
+            return Text(str(error), "yellow")
+
+    def _surface(self, width: int, height: int) -> RenderableType:
+        import numpy as np
+        from rich.console import Group
+        from rich.text import Text
+
+        output = self.rulebase.output(self.output)
+        low, high = visible_range(output)
+        title = Text(f"{name_words(output.name)}  {output.description}", "bold", no_wrap=True)
+        across = self.ranges[self.across]
+        if not self.down:
+            count = 2 * max(8, width - 9)
+            xs = np.linspace(*across, count)
+            values = np.broadcast_to(self._values({self.across: xs}, output), xs.shape)
+            mark = _index(self.point[self.across], across, count)
+            side, up = (self.across, *across), (output.name, low, high)
+            return Group(title, LinePlot(values.tolist(), max(3, height - 2), side, up, mark))
+        down = self.ranges[self.down]
+        columns, rows = max(8, width - 9), 2 * max(3, height - 2)
+        xs, ys = np.linspace(*across, columns), np.linspace(*down, rows)
+        inputs: dict[str, Any] = dict(self.point)
+        inputs |= {self.across: xs[None, :], self.down: ys[:, None]}
+        values = np.broadcast_to(self._values(inputs, output), (rows, columns))
+        mark_at = (
+            _index(self.point[self.down], down, rows),
+            _index(self.point[self.across], across, columns),
+        )
+        scale = scale_of(values.ravel().tolist(), low, high)
+        drawing = SurfaceMap(
+            values.tolist(), scale, (self.down, *down), (self.across, *across), mark_at
+        )
+        return Group(title, drawing)
+
+    def _rules(self, width: int, height: int) -> RenderableType:
+        from rich.console import Group
+        from rich.text import Text
+
+        trace = self.trace()
+        strengths: dict[Span, float] = {}
+        if not isinstance(trace, str):
+            rules = self.rulebase.rules
+            strengths = {
+                rules[r.number - 1].span: r.strength for r in trace.rules if r.strength > 0
+            }
+        parts: list[RenderableType] = []
+        for block in self.rulebase.blocks:
+            grids, others = find_grids(block)
+            for grid in grids:
+                parts += [Text(grid_title(grid), "bold"), self._marked(grid, strengths), Text()]
+            for rule in others:
+                strength = strengths.get(rule.span, 0.0)
+                style = "bold" if strength else "dim"
+                parts.append(Text(f"{strength:.2f}  {rule_words(rule)}", style))
+        return Group(*parts)
+
+    def _marked(self, grid: RuleGrid, strengths: Mapping[Span, float]) -> RenderableType:
+        drawn = rule_grid(grid, self.rulebase)
+        rows = drawn.rows if grid.row else [""]
+        chosen = self._chosen(grid)
+        cells = []
+        for label, line in zip(rows, drawn.cells, strict=True):
+            row = []
+            for column, (text, style) in zip(drawn.columns, line, strict=True):
+                rules = grid.cells.get((label, column), [])
+                fires = max((strengths.get(rule.span, 0.0) for rule, _ in rules), default=0.0)
+                marked = f"bold underline {style}" if fires else style
+                row.append((text, "bold black on yellow" if (label, column) == chosen else marked))
+            cells.append(row)
+        return replace(drawn, cells=cells)
+
+    def _terms(self, width: int, height: int) -> RenderableType:
+        from rich.console import Group
+
+        parts = [term_lines(v, width, self.point[v.name]) for v in self.rulebase.inputs]
+        parts += [term_lines(output, width) for output in self.rulebase.outputs]
+        return Group(*parts)
+
+    def _firing(self) -> RenderableType:
+        from rich.text import Text
+
+        trace = self.trace()
+        return Text(trace, "yellow") if isinstance(trace, str) else firing_view(trace)
+
+    # ── places ───────────────────────────────────────────────────────────────────────
+
+    def step_term(self, name: str, steps: int) -> None:
+        """Move a crisp input to the middle of the term before or behind the strongest one."""
+        if name not in self.point:
+            return
+        variable = self.rulebase.variable(name)
+        names = [term.name for term in _fuzzy_terms(variable)]
+        if not names:
+            return
+        strongest = self._strongest(variable)
+        now = names.index(strongest) if strongest in names else 0
+        term = variable.term(names[min(len(names) - 1, max(0, now + steps))])
+        low, high = self.ranges.get(name, (variable.low, variable.high))
+        middle = centre(term.shape, low, high)
+        if middle is not None:
+            self.point[name] = middle
+
+    def _strongest(self, variable: Variable) -> str:
+        terms = _fuzzy_terms(variable)
+        x = self.point.get(variable.name, 0.5 * (variable.low + variable.high))
+        return max(terms, key=lambda t: membership(t.shape, x)).name if terms else ""
+
+    def _chosen(self, grid: RuleGrid) -> tuple[str, str]:
+        row = self._strongest(self.rulebase.variable(grid.row)) if grid.row else ""
+        return row, self._strongest(self.rulebase.variable(grid.column))
+
+    def place(self) -> Span | None:
+        """Return where the strongest rule stands; the chosen cell where none fires."""
+        trace = self.trace()
+        if not isinstance(trace, str) and trace.fired:
+            return self.rulebase.rules[trace.fired[0].number - 1].span
+        for block in self.rulebase.blocks:
+            for grid in find_grids(block)[0]:
+                place = self._cell_place(grid, *self._chosen(grid))
+                if place is not None:
+                    return place
+        return None
+
+    def _cell_place(self, grid: RuleGrid, row: str, column: str) -> Span | None:
+        rules = grid.cells.get((row, column))
+        if rules:
+            return rules[0][0].span
+        if self.reading is None:
+            return None
+        # A cell without a rule stands in the text all the same, as a dot.
+        for statement in self.reading.document.statements:
+            node = statement.node
+            if not isinstance(node, GridNode) or node.output.text != grid.output:
+                continue
+            for line in node.rows:
+                for cell, head in zip(line.cells, node.columns, strict=False):
+                    if (line.label.text if node.row else "", head.text) == (row, column):
+                        return cell.span
+        return None
+
+    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+        """Return the place of the grid cell that is drawn at a place of the rules view."""
+        if view != RULES:
+            return None
+        top = 0
+        for block in self.rulebase.blocks:
+            grids, others = find_grids(block)
+            for grid in grids:
+                drawn = rule_grid(grid, self.rulebase)
+                first = top + 2
+                if first <= y < first + len(drawn.rows):
+                    words = list(re.finditer(r"\S+", line))
+                    index = next((i for i, m in enumerate(words) if m.start() <= x < m.end()), 0)
+                    if not 0 < index <= len(drawn.columns):
+                        return None
+                    row = drawn.rows[y - first] if grid.row else ""
+                    return self._cell_place(grid, row, drawn.columns[index - 1])
+                top = first + len(drawn.rows) + 1
+            if others:
+                break  # sentences take as many lines as they need; what is below is not found
+        return None
+
+
+def _fuzzy_terms(variable: Variable) -> list[Any]:
+    return [term for term in variable.terms if SHAPES[term.shape.kind].fuzzy]
+
+
+def _index(value: float, ends: tuple[float, float], count: int) -> int:
+    return round((value - ends[0]) / (ends[1] - ends[0]) * (count - 1))

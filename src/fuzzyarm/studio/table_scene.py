@@ -5,16 +5,16 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from fuzzyarm.lut import Axis, LookupTable
-from fuzzyarm.rulebase import Span
-from fuzzyarm.rulebase.syntax.tokens import split_lines
-from fuzzyarm.show.scale import scale_of
-from fuzzyarm.show.words import name_words, number_words
+from fuzzyarm.show.drawing import scale_of
+from fuzzyarm.show.rulebase import name_words, number_words
+from fuzzyarm.studio.drawing import LinePlot, SurfaceMap
 from fuzzyarm.studio.scene import Scene
-from fuzzyarm.studio.surface import LinePlot, SurfaceMap
+from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.text.diagnostic import Span, split_lines
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+
 
 MAP, NUMBERS = "surface", "numbers"
 

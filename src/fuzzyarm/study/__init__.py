@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from fuzzyarm.study.bounds import Judgement, judge
-from fuzzyarm.study.ensemble import Ensemble
 from fuzzyarm.study.published import PublishedRow, UnknownRowError, find_rows, published_rows
 from fuzzyarm.study.reproduce import (
+    Ensemble,
+    Judgement,
     Reproduced,
     chaotic,
+    judge,
     reproduce,
     reproduce_row,
     runnable,

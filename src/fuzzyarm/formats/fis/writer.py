@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import math
 
-from fuzzyarm.formats.draft import VALUES
-from fuzzyarm.formats.export import (
+from fuzzyarm.formats.findings import VALUES, Exported, Findings, written
+from fuzzyarm.formats.fis.meaning import INTEGRAL, PRODUCERS, SAMPLINGS, maximum_of_nothing
+from fuzzyarm.formats.fis.reader import MATLAB_SHAPES, fis_term
+from fuzzyarm.formats.fis.rules import rule_lines
+from fuzzyarm.formats.fll.reader import MONOTONIC
+from fuzzyarm.formats.rules import MACHINE_EPSILON
+from fuzzyarm.formats.shapes import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS, fuzzylite_shape, reverse
+from fuzzyarm.formats.writing import (
     HEADER,
     best,
     note_chaining,
@@ -14,16 +20,7 @@ from fuzzyarm.formats.export import (
     note_threshold,
     one_line,
 )
-from fuzzyarm.formats.fis.meaning import INTEGRAL, PRODUCERS, SAMPLINGS, maximum_of_nothing
-from fuzzyarm.formats.fis.rule_lines import rule_lines
-from fuzzyarm.formats.fis.terms import MATLAB_SHAPES, fis_term
-from fuzzyarm.formats.fll.outputs import MONOTONIC
-from fuzzyarm.formats.fuzzylite_rules import MACHINE_EPSILON
-from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
-from fuzzyarm.formats.imported import Exported, Findings
-from fuzzyarm.formats.norms import FIS_CONJUNCTIONS, FIS_DISJUNCTIONS, reverse
-from fuzzyarm.formats.numerals import written
-from fuzzyarm.rulebase.model import Input, Output, RuleBase, Shape
+from fuzzyarm.model.rulebase import Input, Output, RuleBase, Shape
 
 _CONJUNCTIONS = reverse(FIS_CONJUNCTIONS)
 _DISJUNCTIONS = reverse(FIS_DISJUNCTIONS)

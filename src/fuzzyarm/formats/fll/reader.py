@@ -1,30 +1,417 @@
-"""Read FLL."""
+"""Read FLL, line by line: variables, terms, defuzzifiers and rule blocks."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
-from fuzzyarm.formats.draft import Draft, add_term
-from fuzzyarm.formats.fll.blocks import Block, block_setting, flag, norm
-from fuzzyarm.formats.fll.lines import Line, fll_lines
-from fuzzyarm.formats.fll.outputs import settle_defuzzifier
-from fuzzyarm.formats.fll.terms import shape_of
-from fuzzyarm.formats.fuzzylite_rules import Norms, RuleBuilder, concluded
-from fuzzyarm.formats.imported import (
+from fuzzyarm.formats.findings import (
+    MAX_RULES,
     MAX_TERMS,
     MAX_VARIABLES,
+    VALUES,
+    Draft,
     Findings,
     Imported,
     Word,
+    add_term,
+    number,
+    numbers,
+    rounded,
     too_long,
+    written,
 )
-from fuzzyarm.formats.norms import FLL_DISJUNCTIONS
-from fuzzyarm.formats.numerals import number, rounded
-from fuzzyarm.formats.propositions import RuleParser
-from fuzzyarm.formats.rule_text import Dialect, RuleFaultError, RuleText
-from fuzzyarm.rulebase.diagnostic import Span
-from fuzzyarm.rulebase.model import RuleBase, RuleBlock
+from fuzzyarm.formats.formula import FormulaError, read_formula, without_constants, write_formula
+from fuzzyarm.formats.rules import (
+    Dialect,
+    Norms,
+    RuleBuilder,
+    RuleFaultError,
+    RuleParser,
+    RuleText,
+    concluded,
+)
+from fuzzyarm.formats.shapes import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS, make_shape
+from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, RuleBlock, Shape
+from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+# --- FLL text, line by line: `key: value` with `#` comments ---
+
+_WORD = re.compile(r"[(),]|[^\s(),]+")
+_PLAIN_WORD = re.compile(r"\S+")
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One setting.
+
+    Attributes
+    ----------
+    key : Word
+        Left of the colon.
+    value : Word
+        Right of it, without space around; empty text where there is nothing.
+    """
+
+    key: Word
+    value: Word
+
+    def words(self, *, rule: bool = False) -> list[Word]:
+        """Return the words of the value; in a rule parentheses are words of their own."""
+        start = self.value.span.column
+        number = self.value.span.line
+        pattern = _WORD if rule else _PLAIN_WORD
+        return [
+            Word(m.group(), Span(number, start + m.start(), number, start + m.end()))
+            for m in pattern.finditer(self.value.text)
+        ]
+
+
+def fll_lines(text: str, findings: Findings) -> Iterator[Line]:
+    """Yield the settings of a text; report lines that are none."""
+    for row, raw in enumerate(text.split("\n"), 1):
+        content = raw.split("#", 1)[0].rstrip()
+        if not content.strip():
+            continue
+        start = len(content) - len(content.lstrip())
+        key, colon, value = content.partition(":")
+        if not colon:
+            word = Word(content.strip(), Span(row, start + 1, row, len(content) + 1))
+            findings.error("syntax", f"'{word.text[:40]}' is no 'key: value'", word)
+            continue
+        gap = len(value) - len(value.lstrip())
+        at = len(key) + 1 + gap
+        name = key.strip()
+        yield Line(
+            Word(name, Span(row, start + 1, row, start + 1 + len(name))),
+            Word(value.strip(), Span(row, at + 1, row, len(content) + 1)),
+        )
+
+
+# --- The lines of a rule block in FLL ---
+
+_FLAGS = {"true": True, "false": False}
+_ACTIVATIONS = ("General", "First", "Last", "Highest", "Lowest", "Proportional", "Threshold")
+_KEYS = (
+    "description", "enabled", "conjunction", "disjunction", "implication", "activation", "rule",
+)  # fmt: skip
+
+
+@dataclass(slots=True)
+class Block:
+    """A rule block while its lines are read; None where it names no norm."""
+
+    name: str
+    enabled: bool = True
+    conjunction: str | None = None
+    disjunction: str | None = None
+    implication: str | None = None
+    threshold: float = 0.0
+    rules: list[Line] = field(default_factory=list)
+    span: Span = NOWHERE
+
+
+def flag(line: Line, findings: Findings, *, default: bool = False) -> bool:
+    """Return whether a line says true or false."""
+    value = _FLAGS.get(line.value.text.lower())
+    if value is None:
+        message = f"'{line.value.text[:40]}' is neither true nor false"
+        findings.error("not-a-flag", message, line.value)
+        return default
+    return value
+
+
+def norm(word: Word, table: dict[str, str], what: str, findings: Findings) -> str | None:
+    """Return the norm that a word names, None for ``none``."""
+    if word.text in ("", "none"):
+        return None
+    if word.text not in table:
+        findings.unknown("unknown-norm", f"the {what}", word, table)
+        return None
+    return table[word.text]
+
+
+def block_setting(block: Block, line: Line, count: int, findings: Findings) -> None:
+    """Apply one line to a block; `count` rules have been read so far."""
+    match line.key.text:
+        case "description":
+            if line.value.text:
+                message = "the description of a rule block has no place in the model"
+                findings.info("dropped-description", message, line.key)
+        case "enabled":
+            block.enabled = flag(line, findings, default=True)
+        case "conjunction":
+            block.conjunction = norm(line.value, FLL_CONJUNCTIONS, "T-norm", findings)
+        case "disjunction":
+            block.disjunction = norm(line.value, FLL_DISJUNCTIONS, "S-norm", findings)
+        case "implication":
+            block.implication = norm(line.value, FLL_CONJUNCTIONS, "T-norm", findings)
+        case "activation":
+            _activation(block, line, findings)
+        case "rule":
+            if findings.room(count, MAX_RULES, "rules", line.key):
+                block.rules.append(line)
+        case _:
+            findings.unknown("unknown-key", "the key", line.key, _KEYS)
+
+
+def _activation(block: Block, line: Line, findings: Findings) -> None:
+    words = line.words()
+    method = words[0].text if words else "none"
+    if method in FLL_CONJUNCTIONS:  # fuzzylite 5 said activation for implication
+        block.implication = FLL_CONJUNCTIONS[method]
+    elif method in _ACTIVATIONS:
+        threshold = _threshold(words)
+        if threshold is None:
+            message = f"the activation method '{line.value.text[:60]}' cannot be carried"
+            findings.loss("unsupported-activation", message, line.value)
+        else:
+            block.threshold = threshold
+    elif method != "none":
+        findings.unknown("unknown-activation", "the method", words[0], _ACTIVATIONS)
+
+
+def _threshold(words: list[Word]) -> float | None:
+    """Return the firing strength below which a rule is left out; None for other methods.
+
+    ``Threshold >= t`` is the next number below t: strengths are numbers of the machine.
+    """
+    if words[0].text == "General":
+        return 0.0
+    values = [word.text for word in words[1:]]
+    if words[0].text != "Threshold" or len(values) not in (0, 2):
+        return None
+    if not values:
+        return 0.0  # greater than 0
+    limit = number(values[1])
+    if limit is None or not math.isfinite(limit) or values[0] not in (">", ">="):
+        return None
+    below = limit if values[0] == ">" else math.nextafter(limit, -math.inf)
+    return max(below, 0.0)
+
+
+# --- The defuzzifiers of fuzzylite ---
+
+INTEGRAL = {
+    "Bisector": "bisector",
+    "Centroid": "centroid",
+    "LargestOfMaximum": "largest-of-maximum",
+    "MeanOfMaximum": "mean-of-maximum",
+    "SmallestOfMaximum": "smallest-of-maximum",
+}
+WEIGHTED = {"WeightedAverage": "weighted-average", "WeightedSum": "weighted-sum"}
+TYPES = ("Automatic", "TakagiSugeno", "Tsukamoto")
+DEFAULT_RESOLUTION = 1000
+"""Of fuzzylite 7 and 8; version 6 took 100 and always wrote it."""
+
+MAX_RESOLUTION = 10_000_000
+MONOTONIC = frozenset({"arc", "concave", "ramp", "sigmoid", "s", "z"})
+
+
+def settle_defuzzifier(draft: Draft, line: Line | None, findings: Findings) -> None:
+    """Set the defuzzifier of an output from its line."""
+    words = line.words() if line is not None else []
+    if line is None or not words or words[0].text == "none":
+        message = f"the output '{draft.name}' has no defuzzifier"
+        at = line.key if line is not None else draft.word
+        findings.error("no-defuzzifier", message, at)
+        return
+    method = words[0].text
+    if method in INTEGRAL:
+        resolution = _resolution(words, findings)
+        draft.defuzzifier = Defuzzifier(INTEGRAL[method], resolution, "midpoints")
+        _check_sets(draft, line.value, findings)
+    elif method in WEIGHTED:
+        kind = words[1].text if len(words) > 1 else "Automatic"
+        if kind not in TYPES:
+            findings.unknown("unknown-defuzzifier", "the type", words[1], TYPES)
+            return
+        settle_weighted(draft, WEIGHTED[method], kind, line.value, findings)
+    else:
+        findings.unknown("unknown-defuzzifier", "the method", words[0], (*INTEGRAL, *WEIGHTED))
+
+
+def _resolution(words: list[Word], findings: Findings) -> int:
+    if len(words) < 2:
+        return DEFAULT_RESOLUTION
+    value = number(words[1].text)
+    if value is None or not value.is_integer() or not 1 <= value <= MAX_RESOLUTION:
+        message = f"'{words[1].text[:40]}' is no resolution (1 to {MAX_RESOLUTION})"
+        findings.error("bad-resolution", message, words[1])
+        return DEFAULT_RESOLUTION
+    return int(value)
+
+
+def _check_sets(draft: Draft, at: Word, findings: Findings) -> None:
+    if any(term.shape.kind in VALUES for term in draft.terms):
+        message = (
+            f"'{draft.name}' has terms that are values, which fuzzylite integrates as if "
+            "they were sets; that cannot be carried"
+        )
+        findings.loss("value-as-set", message, at)
+
+
+def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Findings) -> None:
+    """Set a weighted defuzzifier, Takagi-Sugeno or Tsukamoto by `kind` or by the terms."""
+    kinds = {term.shape.kind for term in draft.terms}
+    if kind == "Automatic":
+        kind = "Tsukamoto" if kinds and kinds <= MONOTONIC else "TakagiSugeno"
+    if kind == "Tsukamoto":
+        if not kinds <= MONOTONIC:
+            message = f"'{draft.name}' has terms without an inverse, which Tsukamoto needs"
+            findings.error("not-monotonic", message, at)
+        if method == "weighted-sum":
+            message = "a weighted sum of Tsukamoto terms cannot be carried"
+            findings.loss("weighted-sum-of-tsukamoto", message, at)
+        draft.defuzzifier = Defuzzifier("tsukamoto")
+        return
+    if not kinds <= VALUES:
+        message = (
+            f"'{draft.name}' has sets where values are needed; fuzzylite takes the membership "
+            "of the firing strength, which cannot be carried"
+        )
+        findings.loss("set-as-value", message, at)
+    draft.defuzzifier = Defuzzifier(method)
+
+
+# --- The terms of fuzzylite: class names and the order of their numbers ---
+
+FLL_SHAPES = {
+    "Arc": "arc",
+    "Bell": "bell",
+    "Binary": "binary",
+    "Concave": "concave",
+    "Cosine": "cosine",
+    "Gaussian": "gaussian",
+    "GaussianProduct": "two-sided-gaussian",
+    "PiShape": "pi",
+    "Ramp": "ramp",
+    "Rectangle": "rectangle",
+    "SemiEllipse": "semi-ellipse",
+    "Sigmoid": "sigmoid",
+    "SigmoidDifference": "sigmoid-difference",
+    "SigmoidProduct": "sigmoid-product",
+    "Spike": "spike",
+    "SShape": "s",
+    "Trapezoid": "trapezoid",
+    "Triangle": "triangle",
+    "ZShape": "z",
+}
+"""Class name → kind of shape. The numbers stand in the same order but for two sigmoids."""
+
+FLL_NAMES = {kind: name for name, kind in FLL_SHAPES.items()}
+_TWO_SIGMOIDS = frozenset({"sigmoid-difference", "sigmoid-product"})
+CLASSES = (*FLL_SHAPES, "Constant", "Discrete", "Function", "Linear")
+
+
+def shape_of(
+    name: Word, parameters: list[Word], formula: Word, inputs: int, findings: Findings
+) -> Shape | None:
+    """Return the shape of a term.
+
+    Parameters
+    ----------
+    name : Word
+        The class, ``Triangle`` and so on.
+    parameters : list of Word
+        What follows it.
+    formula : Word
+        The same as one text, for ``Function``.
+    inputs : int
+        Number of inputs, which a ``Linear`` must match.
+    findings : Findings
+        Where faults go.
+    """
+    if name.text == "Function":
+        return formula_shape(formula, "fuzzylite", findings)
+    if name.text not in CLASSES:
+        findings.unknown("unknown-shape", "the term class", name, CLASSES)
+        return None
+    values = numbers(parameters, findings)
+    if values is None:
+        return None
+    if name.text == "Constant":
+        return make_shape("singleton", values, name, findings)
+    if name.text == "Linear":
+        return linear_shape(values, inputs, name, findings)
+    return _fuzzy(name, values, findings)
+
+
+def _fuzzy(name: Word, values: list[float], findings: Findings) -> Shape | None:
+    height = 1.0
+    if name.text == "Discrete":
+        if len(values) % 2:
+            height = values.pop()
+        return make_shape("points", values, name, findings, height=height, ties="last")
+    kind = FLL_SHAPES[name.text]
+    if len(values) == len(SHAPES[kind].parameters) + 1:
+        height = values.pop()
+    if kind in _TWO_SIGMOIDS and len(values) == 4:
+        values[2], values[3] = values[3], values[2]
+    if kind == "ramp" and len(values) == 2 and values[0] == values[1]:
+        findings.error("unordered-corners", "a Ramp from a number to itself is nowhere", name)
+        return None
+    return make_shape(kind, values, name, findings, height=height)
+
+
+def linear_shape(values: list[float], inputs: int, at: Word, findings: Findings) -> Shape | None:
+    """Return a linear consequent; a missing constant is 0."""
+    if len(values) == inputs:
+        values = [*values, 0.0]
+    if len(values) != inputs + 1:
+        message = (
+            f"a linear term needs a factor for each of the {inputs} inputs and a constant, "
+            f"not {len(values)} numbers"
+        )
+        findings.error("parameter-count", message, at)
+        return None
+    return make_shape("linear", values, at, findings)
+
+
+def formula_shape(formula: Word, dialect: str, findings: Findings) -> Shape | None:
+    """Return a formula, rewritten so that every reader takes it alike."""
+    try:
+        tree = read_formula(formula.text, dialect)
+    except FormulaError as fault:
+        findings.error("bad-formula", f"in '{formula.text[:60]}': {fault}", formula)
+        return None
+    return Shape("formula", (), 1.0, write_formula(without_constants(tree, set())))
+
+
+def term_text(shape: Shape, rename: dict[str, str]) -> str | None:
+    """Return class and numbers of a shape, or None where fuzzylite has no such class."""
+    if shape.kind == "formula":
+        tree = read_formula(shape.formula, "fuzzyarm")
+        return f"Function {fuzzylite_formula(write_formula(tree, rename))}"
+    values = list(shape.parameters)
+    if shape.kind in _TWO_SIGMOIDS:
+        values[2], values[3] = values[3], values[2]
+    if shape.kind in ("singleton", "linear"):
+        if shape.height != 1.0:
+            return None
+        name = "Constant" if shape.kind == "singleton" else "Linear"
+    else:
+        name = "Discrete" if shape.kind == "points" else FLL_NAMES[shape.kind]
+        if shape.height != 1.0:
+            values.append(shape.height)
+    return " ".join([name, *map(written, values)])
+
+
+def fuzzylite_formula(text: str) -> str:
+    """Return a canonical formula with the unary minus that fuzzylite knows."""
+    out: list[str] = []
+    for index, letter in enumerate(text):
+        before = text[:index].rstrip()[-1:]
+        following = text[index + 1 : index + 2]
+        unary = letter == "-" and before in ("", "(", ",", *"+-*/^%") and following != " "
+        out.append("~" if unary else letter)
+    return "".join(out)
+
+
+# --- Read FLL ---
 
 _SECTIONS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
 

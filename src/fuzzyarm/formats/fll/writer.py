@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
-from fuzzyarm.formats.draft import VALUES
-from fuzzyarm.formats.export import (
+from fuzzyarm.formats.findings import VALUES, Exported, Findings, written
+from fuzzyarm.formats.fll.reader import DEFAULT_RESOLUTION, INTEGRAL, term_text
+from fuzzyarm.formats.shapes import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS, fuzzylite_shape, reverse
+from fuzzyarm.formats.writing import (
     FUZZYLITE_WORDS,
     HEADER,
     Names,
@@ -13,15 +15,10 @@ from fuzzyarm.formats.export import (
     note_chaining,
     note_left_out,
     one_line,
+    rule_text,
+    said_rules,
 )
-from fuzzyarm.formats.fll.outputs import DEFAULT_RESOLUTION, INTEGRAL
-from fuzzyarm.formats.fll.terms import term_text
-from fuzzyarm.formats.fuzzylite_shapes import fuzzylite_shape
-from fuzzyarm.formats.fuzzylite_text import rule_text, said_rules
-from fuzzyarm.formats.imported import Exported, Findings
-from fuzzyarm.formats.norms import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS, reverse
-from fuzzyarm.formats.numerals import written
-from fuzzyarm.rulebase.model import Input, Output, RuleBase, RuleBlock, Term
+from fuzzyarm.model.rulebase import Input, Output, RuleBase, RuleBlock, Term
 
 _CONJUNCTIONS = reverse(FLL_CONJUNCTIONS)
 _DISJUNCTIONS = reverse(FLL_DISJUNCTIONS)

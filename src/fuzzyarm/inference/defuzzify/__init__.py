@@ -1,4 +1,5 @@
-"""Ways from a fuzzy output to a number, one to a module.
+"""Ways from a fuzzy output to a number.
 
-Each module has ``one`` (a single point, plain Python) and ``many`` (arrays of points).
+Each way has a function for a single point (``…_at_point``, plain Python) and one for arrays
+of points (``…_over_arrays``); :mod:`fuzzyarm.inference.defuzzify.dispatch` chooses.
 """

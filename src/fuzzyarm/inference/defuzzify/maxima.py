@@ -1,34 +1,41 @@
-"""Mean, smallest and largest of the places where an aggregate is greatest.
+"""The maxima and the bisector of an aggregate, exact or sampled.
 
-Exact: under ``aggregation max`` the places are level cuts of the strongest sets; under
-the others the greatest value is looked for at all corners, clipping edges and
-:data:`CANDIDATES` even places, which is exact for straight sets cut by min and within the
-spacing of the places otherwise. Sampled: over the samples; the mean is that of all of them.
+The last part is for outputs whose terms are numbers rather than sets.
 """
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Callable
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
-from fuzzyarm.inference.defuzzify.one_aggregate import (
+from fuzzyarm.inference.defuzzify.aggregate import (
     Fired,
     aggregate,
-    aggregate_sampled,
-    fold,
+    fold_at_point,
+    places,
+    sampled_aggregate_at_point,
 )
+from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves_at_point, noise_of, rule
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.profile import cut, peak
-from fuzzyarm.inference.sampling import places
-from fuzzyarm.rulebase.norms import TNORMS
+from fuzzyarm.model.membership import TNORMS
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.defuzzify.many_aggregate import Strengths
+    from fuzzyarm.inference.defuzzify.arrays import Strengths
 
     Array = NDArray[np.float64]
+
+
+# --- Mean, smallest and largest of the places where an aggregate is greatest ---
+#
+# Exact: under `aggregation max` the places are level cuts of the strongest sets; under
+# the others the greatest value is looked for at all corners, clipping edges and
+# `CANDIDATES` even places, which is exact for straight sets cut by min and within the
+# spacing of the places otherwise. Sampled: over the samples; the mean is that of all of them.
 
 SAME = 1e-12
 """Heights that differ by a smaller share than this are equally great."""
@@ -42,7 +49,7 @@ CLIPPING = frozenset({"min", "nilpotent"})
 Intervals = list[tuple[float, float]]
 
 
-def one(plan: OutputPlan, fired: Fired) -> float | None:
+def maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the exact place, or None where the aggregate is 0."""
     if plan.output.aggregation == "max":
         intervals = _strongest(plan, fired)
@@ -53,7 +60,7 @@ def one(plan: OutputPlan, fired: Fired) -> float | None:
 
 def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
     reached = []
-    for index, strength in fold(plan, fired).items():
+    for index, strength in fold_at_point(plan, fired).items():
         member = plan.members[index]
         top = peak(member.pieces)
         height = TNORMS[member.implication](strength, top)
@@ -114,7 +121,7 @@ def _choose(method: str, intervals: Intervals) -> float:
     return sum(spots) / len(spots)
 
 
-def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the exact places and the greatest strengths (0 where nothing fired).
 
     The level cuts of a point are few numbers of irregular count; they are taken point by
@@ -133,16 +140,16 @@ def many(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
             for (member, _), level in zip(entries, levels, strict=False)
             if level > 0.0
         ]
-        found = one(plan, fired) if fired else None
+        found = maxima_at_point(plan, fired) if fired else None
         if found is not None:
             value[row], top[row] = found, 1.0
     back = back.reshape(strengths.shape)
     return value[back], top[back]
 
 
-def one_sampled(plan: OutputPlan, fired: Fired) -> float | None:
+def sampled_maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the place among the samples, or None where all are 0."""
-    samples, heights = aggregate_sampled(plan, fired)
+    samples, heights = sampled_aggregate_at_point(plan, fired)
     return greatest_of(plan.output.defuzzifier.method, samples, heights)
 
 
@@ -157,11 +164,11 @@ def greatest_of(method: str, samples: list[float], heights: list[float]) -> floa
     return top[0] if method == "smallest-of-maximum" else top[-1]
 
 
-def many_sampled(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+def sampled_maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the places among the samples and the greatest heights (0: nothing fired)."""
-    from fuzzyarm.inference.defuzzify.many_aggregate import aggregate_sampled as sampled_many
+    from fuzzyarm.inference.defuzzify.arrays import sampled_aggregate_over_arrays
 
-    samples, heights = sampled_many(plan, strengths)
+    samples, heights = sampled_aggregate_over_arrays(plan, strengths)
     value, top = greatest_of_many(plan.output.defuzzifier.method, samples, heights)
     return value.reshape(strengths.shape), top.reshape(strengths.shape)
 
@@ -179,3 +186,212 @@ def greatest_of_many(method: str, samples: Array, heights: Array) -> tuple[Array
     else:
         value = samples[samples.size - 1 - among[:, ::-1].argmax(axis=1)]
     return value, top
+
+
+# --- The place that halves the area of an aggregate ---
+#
+# Where the halves are parted by a gap, the middle of the gap. Sampled, the first sample at
+# which the running sum of the heights reaches half of the total, as in MATLAB; an exact half
+# takes the middle towards the next sample. With `midpoints` the sample whose running sum
+# is nearest to half, or the mean of those that are equally near, as in fuzzylite.
+
+SAME_HALF = 1e-12
+"""Shares of the area closer to one half than this are one half."""
+
+STEPS = 60
+"""Halvings of a panel."""
+
+
+def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the exact bisector, or None where the aggregate has no area."""
+    function = aggregate(plan, fired)
+    noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
+    parts = leaves_at_point(function, edges_of(plan, fired), noise)
+    total = sum(part.area for part in parts)
+    if not total > 0.0:
+        return None
+    found = []
+    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
+        before = 0.0
+        for part in parts:
+            if before + part.area >= share * total:
+                found.append(_inside(function, part.x0, part.x1, share * total - before))
+                break
+            before += part.area
+        else:
+            found.append(parts[-1].x1)
+    return 0.5 * (found[0] + found[1])
+
+
+def _inside(function: Callable[[float], float], x0: float, x1: float, wanted: float) -> float:
+    a, b = x0, x1
+    for _ in range(STEPS):
+        middle = 0.5 * (a + b)
+        if rule(function, x0, middle, 0.0)[0] < wanted:
+            a = middle
+        else:
+            b = middle
+    return 0.5 * (a + b)
+
+
+def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+    """Return the exact bisectors and the areas (0 where nothing fired)."""
+    import numpy as np
+
+    from fuzzyarm.inference.defuzzify.arrays import leaves_over_arrays, panel_rule, sum_by_point
+
+    size = int(np.prod(strengths.shape))
+    entries = strengths.flat()
+    found = leaves_over_arrays(plan, entries, size)
+    order = np.lexsort((found.x0, found.point))
+    point, x0, x1, area = found.point[order], found.x0[order], found.x1[order], found.area[order]
+    total = sum_by_point(point, area, size)
+    first = np.searchsorted(point, np.arange(size))
+    last = np.append(first[1:], point.size) - 1
+    running = _running_sums(area, first, last)
+    value = np.zeros(size)
+    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
+        reached = running >= (share * total)[point]
+        place = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
+        place = np.minimum(place, last)
+        wanted = share * total - (running[place] - area[place])
+        a, b, own = x0[place].copy(), x1[place].copy(), np.arange(size)
+        for _ in range(STEPS):
+            middle = 0.5 * (a + b)
+            below = panel_rule(plan, entries, own, x0[place], middle, 0.0)[0] < wanted
+            a, b = np.where(below, middle, a), np.where(below, b, middle)
+        value += 0.5 * (0.5 * (a + b))
+    return value.reshape(strengths.shape), total.reshape(strengths.shape)
+
+
+def _running_sums(area: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> Array:
+    """Sum within each point's stretch, from its own zero (no digits lost to other points)."""
+    import numpy as np
+
+    running = np.empty_like(area)
+    for a, b in zip(first.tolist(), last.tolist(), strict=True):
+        np.cumsum(area[a : b + 1], out=running[a : b + 1])
+    return running
+
+
+def sampled_bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the bisector of the samples, or None where all are 0."""
+    samples, heights = sampled_aggregate_at_point(plan, fired)
+    sampling = plan.output.defuzzifier.sampling
+    if sampling == "trapezoid":
+        heights[0] *= 0.5
+        heights[-1] *= 0.5
+    return nearest_half(samples, heights) if sampling == "midpoints" else halve(samples, heights)
+
+
+def nearest_half(samples: list[float], heights: list[float]) -> float | None:
+    """Return the sample at which the running sum is nearest to half of the total."""
+    total = sum(heights)
+    if not total > 0.0:
+        return None
+    distances = [abs(running / total - 0.5) for running in accumulate(heights)]
+    enough = min(distances) + SAME_HALF
+    found = [y for y, far in zip(samples, distances, strict=True) if far <= enough]
+    return sum(found) / len(found)
+
+
+def halve(samples: list[float], heights: list[float]) -> float | None:
+    """Return the place at which the running sum of `heights` reaches half of the total."""
+    total = sum(heights)
+    if not total > 0.0:
+        return None
+    low_share, high_share = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
+    running, first = 0.0, None
+    for place, height in zip(samples, heights, strict=True):
+        running += height
+        if first is None and running >= low_share:
+            first = place
+        if running >= high_share:
+            return 0.5 * ((first if first is not None else place) + place)
+    return samples[-1]
+
+
+def sampled_bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+    """Return the bisectors of the samples and the sums (0 where nothing fired)."""
+    from fuzzyarm.inference.defuzzify.arrays import sample_weights, sampled_aggregate_over_arrays
+
+    samples, heights = sampled_aggregate_over_arrays(plan, strengths)
+    heights *= sample_weights(plan)
+    midpoints = plan.output.defuzzifier.sampling == "midpoints"
+    function = nearest_half_many if midpoints else halve_many
+    value, total = function(samples, heights)
+    return value.reshape(strengths.shape), total.reshape(strengths.shape)
+
+
+def nearest_half_many(samples: Array, heights: Array) -> tuple[Array, Array]:
+    """Return what :func:`nearest_half` does for each row of `heights`, and the totals."""
+    import numpy as np
+
+    running = np.cumsum(heights, axis=1)
+    total = running[:, -1].copy()
+    running /= np.where(total > 0.0, total, 1.0)[:, None]
+    distance = np.abs(running - 0.5)
+    among = distance <= distance.min(axis=1, keepdims=True) + SAME_HALF
+    return np.where(among, samples, 0.0).sum(axis=1) / among.sum(axis=1), total
+
+
+def halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
+    """Return what :func:`halve` does for each row of `heights`, and the totals."""
+    import numpy as np
+
+    running = np.cumsum(heights, axis=1)
+    total = running[:, -1]
+    value = np.zeros(total.size)
+    for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
+        value += 0.5 * samples[(running >= (share * total)[:, None]).argmax(axis=1)]
+    return value, total
+
+
+# --- Bisector and maxima of an output whose terms are numbers rather than sets ---
+
+
+def discrete_at_point(
+    plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]
+) -> float | None:
+    """Return the place, or None where no rule fired."""
+    spikes = sorted((value_of(member, w), w) for member, w in fold_at_point(plan, fired).items())
+    if not spikes:
+        return None
+    samples, heights = [y for y, _ in spikes], [w for _, w in spikes]
+    method = plan.output.defuzzifier.method
+    return (
+        halve(samples, heights) if method == "bisector" else greatest_of(method, samples, heights)
+    )
+
+
+def discrete_over_arrays(
+    plan: OutputPlan, strengths: Strengths, value_of: Callable[[int, Array], Array | float]
+) -> tuple[Array, Array]:
+    """Return the places and the greatest strengths (0 where nothing fired)."""
+    import numpy as np
+
+    from fuzzyarm.inference.defuzzify.arrays import fold_over_arrays
+
+    folded = fold_over_arrays(plan, list(strengths))
+    if not folded:
+        return np.zeros(strengths.shape), np.zeros(strengths.shape)
+    size = int(np.prod(strengths.shape))
+    places, heights = np.empty((size, len(folded))), np.empty((size, len(folded)))
+    for column, (member, strength) in enumerate(folded.items()):
+        value = value_of(member, strength)
+        places[:, column] = np.broadcast_to(value, strengths.shape).ravel()
+        heights[:, column] = np.broadcast_to(strength, strengths.shape).ravel()
+    order = np.argsort(places, axis=1, kind="stable")
+    places, heights = np.take_along_axis(places, order, 1), np.take_along_axis(heights, order, 1)
+    value = np.empty(size)
+    method = plan.output.defuzzifier.method
+    function = halve_many if method == "bisector" else greatest_of_many
+    # The order differs from point to point only where values depend on the inputs.
+    for row in range(size) if (places != places[0]).any() else [slice(None)]:
+        rows = slice(row, row + 1) if isinstance(row, int) else row
+        samples = places[rows][0]
+        args = (
+            (samples, heights[rows]) if method == "bisector" else (method, samples, heights[rows])
+        )
+        value[rows] = function(*args)[0]
+    return value.reshape(strengths.shape), heights.max(axis=1).reshape(strengths.shape)

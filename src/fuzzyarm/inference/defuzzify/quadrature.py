@@ -15,9 +15,9 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
-from fuzzyarm.inference.crossings import FORMS, gaps
-from fuzzyarm.inference.defuzzify.one_aggregate import Fired, fold
+from fuzzyarm.inference.defuzzify.aggregate import Fired, fold_at_point
 from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.inference.profile import FORMS, gaps
 
 NODES = (0.20929921790247888, 0.5917001814331423, 0.8717401485096066, 1.0)
 """Positive nodes of the eight-point rule on −1 … 1; exact to the 13th degree."""
@@ -81,11 +81,11 @@ def edges_of(plan: OutputPlan, fired: Fired) -> list[float]:
             for x0, y0, x1, y1, straight in member.pieces:
                 if straight and (y0 - level) * (y1 - level) < 0.0:
                     edges.add(x0 + (x1 - x0) * ((level - y0) / (y1 - y0)))
-    return sorted(edges | _crossings(plan, fired))
+    return sorted(edges | _crossings_at_point(plan, fired))
 
 
-def _crossings(plan: OutputPlan, fired: Fired) -> set[float]:
-    strengths = dict(fold(plan, fired)) if plan.stretches else {}
+def _crossings_at_point(plan: OutputPlan, fired: Fired) -> set[float]:
+    strengths = dict(fold_at_point(plan, fired)) if plan.stretches else {}
     forms = {
         member: FORMS[plan.members[member].implication](strength)
         for member, strength in strengths.items()
@@ -117,7 +117,9 @@ def rule(
     return half * area, half * (moment + (middle - centre) * area)
 
 
-def leaves(function: Callable[[float], float], edges: list[float], noise: float) -> list[Leaf]:
+def leaves_at_point(
+    function: Callable[[float], float], edges: list[float], noise: float
+) -> list[Leaf]:
     """Integrate one aggregate.
 
     Parameters

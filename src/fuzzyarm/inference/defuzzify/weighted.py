@@ -1,34 +1,46 @@
-"""Weighted average and weighted sum of numbers: constants, linear forms, peaks of sets.
+"""Averages and sums of numbers, and where a monotonic set reaches its firing strength.
 
-The strength of the rules that share a consequent is folded by the aggregation first, so
-``aggregation sum`` adds every rule by itself (Takagi and Sugeno), ``max`` takes the
-strongest. The centroid of singletons is the same average.
+For singletons, linear and formula consequents (Takagi and Sugeno) and for monotonic sets
+(Tsukamoto).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fuzzyarm.inference.defuzzify.one_aggregate import Fired, fold
-from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.inference.defuzzify.aggregate import Fired, fold_at_point
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.profile import bisect
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.defuzzify.many_aggregate import Strengths
+    from fuzzyarm.inference.defuzzify.arrays import Strengths
 
     Array = NDArray[np.float64]
 
 
-def one(plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]) -> float | None:
+# --- Weighted average and weighted sum of numbers: constants, linear forms, peaks of sets ---
+#
+# The strength of the rules that share a consequent is folded by the aggregation first, so
+# `aggregation sum` adds every rule by itself (Takagi and Sugeno), `max` takes the
+# strongest. The centroid of singletons is the same average.
+
+
+def weighted_at_point(
+    plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]
+) -> float | None:
     """Return the average (or sum), or None where no rule fired.
 
     `value_of` gives the number of a member at its folded strength.
     """
     total = weighted = 0.0
-    for member, strength in fold(plan, fired).items():
+    for member, strength in fold_at_point(plan, fired).items():
         total += strength
         weighted += strength * value_of(member, strength)
     if not total > 0.0:
@@ -36,16 +48,16 @@ def one(plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float])
     return weighted if plan.output.defuzzifier.method == "weighted-sum" else weighted / total
 
 
-def many(
+def weighted_over_arrays(
     plan: OutputPlan, strengths: Strengths, value_of: Callable[[int, Array], Array | float]
 ) -> tuple[Array, Array]:
     """Return the averages (or sums) and the sums of the strengths (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.many_aggregate import fold as fold_many
+    from fuzzyarm.inference.defuzzify.arrays import fold_over_arrays
 
     total, weighted = np.zeros(strengths.shape), np.zeros(strengths.shape)
-    for member, strength in fold_many(plan, list(strengths)).items():
+    for member, strength in fold_over_arrays(plan, list(strengths)).items():
         total += strength
         value = value_of(member, strength)
         # A consequent without a value where its rule does not fire (1/0) must not spoil the sum.
@@ -53,3 +65,109 @@ def many(
     if plan.output.defuzzifier.method == "weighted-sum":
         return weighted, total
     return np.divide(weighted, total, out=weighted, where=total > 0.0), total
+
+
+# --- The place where a monotonic set reaches the firing strength (Tsukamoto's consequents) ---
+
+
+def _ramp(w: float, zero: float, one: float) -> float:
+    return zero + w * (one - zero)
+
+
+def _sigmoid(w: float, inflection: float, slope: float) -> float:
+    if w <= 0.0 or w >= 1.0:
+        return math.copysign(math.inf, slope if w >= 1.0 else -slope)
+    return inflection + math.log(w / (1.0 - w)) / slope
+
+
+def _s(w: float, zero: float, one: float) -> float:
+    if w <= 0.5:
+        return zero + (one - zero) * math.sqrt(0.5 * w)
+    return one - (one - zero) * math.sqrt(0.5 * (1.0 - w))
+
+
+def _z(w: float, one: float, zero: float) -> float:
+    return _s(w, zero, one)
+
+
+def _concave(w: float, inflection: float, end: float) -> float:
+    if w <= 0.0:
+        return -math.inf if inflection <= end else math.inf
+    return 2.0 * end - inflection - (end - inflection) / w
+
+
+def _arc(w: float, zero: float, one: float) -> float:
+    return one + (zero - one) * math.sqrt(1.0 - w * w)
+
+
+INVERSES: dict[str, Callable[..., float]] = {
+    "ramp": _ramp,
+    "sigmoid": _sigmoid,
+    "s": _s,
+    "z": _z,
+    "concave": _concave,
+    "arc": _arc,
+}
+"""Place at which a shape has the degree w, called as ``inverse(w, *parameters)``."""
+
+
+def tsukamoto_at_point(plan: OutputPlan, member: Member, strength: float) -> float:
+    """Return where the set of `member` reaches `strength`; the nearest it has otherwise."""
+    shape = member.term.shape
+    if shape.kind in INVERSES and not member.hedges:
+        degree = min(1.0, strength / shape.height)
+        place = INVERSES[shape.kind](degree, *shape.parameters)
+        return place if math.isfinite(place) else _end(plan, place)
+    return _on_pieces(plan, member, strength)
+
+
+def _end(plan: OutputPlan, place: float) -> float:
+    return plan.output.high if place > 0.0 else plan.output.low
+
+
+def is_rising(plan: OutputPlan, member: Member) -> bool:
+    """Return whether a set rises over the range of its output; it must rise or fall.
+
+    Raises
+    ------
+    InferenceError
+        If it does neither.
+    """
+    values = [value for piece in member.pieces for value in (piece.y0, piece.y1)]
+    steps = [b - a for a, b in pairwise(values) if abs(b - a) > 1e-12]
+    if steps and (min(steps) > 0.0 or max(steps) < 0.0):
+        return steps[0] > 0.0
+    raise InferenceError(
+        f"'{plan.output.name} is {member.term.name}' neither rises nor falls over the range,"
+        " so tsukamoto finds no place for a firing strength"
+    )
+
+
+def _on_pieces(plan: OutputPlan, member: Member, strength: float) -> float:
+    pieces = member.pieces if is_rising(plan, member) else member.pieces[::-1]
+    for piece in pieces:
+        start, end = (piece.x0, piece.x1) if pieces is member.pieces else (piece.x1, piece.x0)
+        first, last = (piece.y0, piece.y1) if pieces is member.pieces else (piece.y1, piece.y0)
+        if first >= strength:
+            return start
+        if last >= strength:
+            if piece.straight:
+                return start + (end - start) * (strength - first) / (last - first)
+            return bisect(member.membership, piece.x0, piece.x1, strength)
+    return plan.output.high if pieces is member.pieces else plan.output.low
+
+
+def tsukamoto_over_arrays(plan: OutputPlan, member: Member, strength: Array) -> Array:
+    """Return where the set of `member` reaches each strength.
+
+    The equal strengths of a chunk are few or cheap to tell apart, and an inverse by
+    bisection has no array form that is not longer than it is fast: each distinct strength
+    is inverted once.
+    """
+    import numpy as np
+
+    distinct, back = np.unique(strength, return_inverse=True)
+    places = [
+        tsukamoto_at_point(plan, member, each) if each > 0.0 else 0.0 for each in distinct.tolist()
+    ]
+    return np.array(places)[back].reshape(strength.shape)

@@ -6,10 +6,8 @@ state, no window); :func:`save_figure` writes it.
 
 from __future__ import annotations
 
-from fuzzyarm.show.figures.inference import inference_figure
-from fuzzyarm.show.figures.memberships import memberships_figure
-from fuzzyarm.show.figures.overview import rulebase_figure
-from fuzzyarm.show.figures.save import FigureFileError, save_figure
+from fuzzyarm.show.figures.rulebase import inference_figure, memberships_figure, rulebase_figure
+from fuzzyarm.show.figures.style import FigureFileError, save_figure
 from fuzzyarm.show.figures.surface import surface_figure, table_figure
 
 __all__ = [

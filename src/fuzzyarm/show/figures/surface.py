@@ -7,18 +7,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.lut.numbers import column_of_numbers
-from fuzzyarm.rulebase.model import Output, RuleBase, Variable
+from fuzzyarm.model.rulebase import Output, RuleBase, Variable
+from fuzzyarm.show.drawing import scale_of
 from fuzzyarm.show.figures.style import COLOURS, axis_label, colour_map, new_figure, safe, tidy
-from fuzzyarm.show.scale import scale_of
-from fuzzyarm.show.terms import visible_range
-from fuzzyarm.show.words import number_words
+from fuzzyarm.show.rulebase import number_words, visible_range
+from fuzzyarm.text.numbers import column_of_numbers
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fuzzyarm.lut import LookupTable
+    from fuzzyarm.table import LookupTable
+
 
 _LINE = 601
 _PLANE = 121

@@ -1,0 +1,211 @@
+"""What a controller is, and sums of controllers.
+
+A controller of your own is a class with a ``torque`` method::
+
+    class Mine(Controller):
+        def torque(self, reference, state, clock):
+            e1 = reference.position[0] - state.position[0]
+            e2 = reference.position[1] - state.position[1]
+            return 80.0 * e1 - 9.0 * state.velocity[0], 60.0 * e2 - 7.0 * state.velocity[1]
+
+It adds to every other controller with ``+``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from fuzzyarm.controller.dispatch import law_torque
+from fuzzyarm.controller.law import Arithmetic, Block, Gain, GainError, Law, collect
+from fuzzyarm.plant.setting import Clock, Pair, Reference, State, pose_of
+
+
+class Controller:
+    """Base of all controllers: override :meth:`torque`, and :meth:`start` where you remember.
+
+    Attributes
+    ----------
+    name : str
+        Under which results are reported.
+    gains : dict of str to Gain
+        What ``--set`` may override; empty by default.
+    """
+
+    name = "own"
+
+    def start(self, single: bool = False) -> None:
+        """Forget everything; called once before each run."""
+
+    def prepare(self, arithmetic: Arithmetic) -> None:
+        """Start in the arithmetic of a run."""
+        self.start(arithmetic.single)
+
+    def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
+        """Return the torque of both joints, N m.
+
+        Called five times for each set point, every 0.6 ms.
+        """
+        message = f"{type(self).__name__} does not say what its torque is"
+        raise TypeError(message)
+
+    def parts(self) -> Iterator[Controller]:
+        """Iterate over the addends; a plain controller is its only one."""
+        yield self
+
+    @property
+    def gains(self) -> Mapping[str, Gain]:
+        """Gains by name."""
+        return {}
+
+    def with_gains(self, values: Mapping[str, Sequence[float]]) -> Controller:
+        """Return the controller with some gains replaced.
+
+        Raises
+        ------
+        GainError
+            If a name is unknown or a value out of sense.
+        """
+        for name in values:
+            raise unknown_gain(self, name)
+        return self
+
+    def __add__(self, other: Controller) -> Sum:
+        return Sum([*self.parts(), *other.parts()])
+
+
+class CompiledController(Controller):
+    """A law with its gains.
+
+    Parameters
+    ----------
+    law : Law
+        The algorithm.
+    gains : mapping of str to Gain, optional
+        Those of the law by default.
+    """
+
+    def __init__(self, law: Law, gains: Mapping[str, Gain] | None = None) -> None:
+        self.law = law
+        self.name = law.name
+        self._gains = dict(gains) if gains is not None else collect(law.gains)
+        self._block = self.block(Arithmetic())
+
+    @property
+    def gains(self) -> Mapping[str, Gain]:
+        """Gains by name."""
+        return self._gains
+
+    def with_gains(self, values: Mapping[str, Sequence[float]]) -> CompiledController:
+        """Return the controller with some gains replaced."""
+        changed = dict(self._gains)
+        for name, value in values.items():
+            if name not in changed:
+                raise unknown_gain(self, name)
+            changed[name] = changed[name].with_value(value)
+        return CompiledController(self.law, changed)
+
+    def with_origin(self, **values: Gain) -> CompiledController:
+        """Return the controller with whole gains, origin included, replaced."""
+        return CompiledController(self.law, {**self._gains, **values})
+
+    def block(self, arithmetic: Arithmetic) -> Block:
+        """Write constants and initial memory down for the loop."""
+        return Block(
+            self.law.kind,
+            self.law.pack(self._gains, arithmetic),
+            self.law.remember(self._gains, arithmetic),
+        )
+
+    def start(self, single: bool = False) -> None:
+        """Forget everything; called once before each run."""
+        self.prepare(Arithmetic(single))
+
+    def prepare(self, arithmetic: Arithmetic) -> None:
+        """Forget everything and count as a run does; called once before each run."""
+        self._block = self.block(arithmetic)
+
+    def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
+        """Run the kernel as plain Python."""
+        block = self._block
+        pose = pose_of(state.position)
+        return law_torque(
+            block.kind, reference, state, pose, clock, block.numbers, 0, block.memory, 0
+        )
+
+
+class Sum(Controller):
+    """Controllers whose torques add up.
+
+    Parameters
+    ----------
+    addends : sequence of Controller
+        In the order of their names.
+    name : str, optional
+        By default the names of the addends with plus signs between.
+    """
+
+    def __init__(self, addends: Sequence[Controller], name: str = "") -> None:
+        self.addends = tuple(addends)
+        self.name = name or "+".join(each.name for each in addends)
+
+    def parts(self) -> Iterator[Controller]:
+        """Iterate over the addends."""
+        for each in self.addends:
+            yield from each.parts()
+
+    @property
+    def gains(self) -> Mapping[str, Gain]:
+        """Gains of all addends; a name that two of them have is ``addend:name``."""
+        names = [name for each in self.addends for name in each.gains]
+        return {
+            name if names.count(name) == 1 else f"{each.name}:{name}": gain
+            for each in self.addends
+            for name, gain in each.gains.items()
+        }
+
+    def with_gains(self, values: Mapping[str, Sequence[float]]) -> Sum:
+        """Return the sum with some gains replaced.
+
+        A bare name goes to every addend that has it, ``addend:name`` to one.
+        """
+        for name in values:
+            owner, _, bare = name.rpartition(":")
+            if not any(bare in each.gains and owner in {"", each.name} for each in self.addends):
+                raise unknown_gain(self, name)
+        changed = []
+        for each in self.addends:
+            own = {}
+            for name, value in values.items():
+                owner, _, bare = name.rpartition(":")
+                if bare in each.gains and owner in {"", each.name}:
+                    own[bare] = value
+            changed.append(each.with_gains(own))
+        return Sum(changed, self.name)
+
+    def start(self, single: bool = False) -> None:
+        """Start every addend."""
+        self.prepare(Arithmetic(single))
+
+    def prepare(self, arithmetic: Arithmetic) -> None:
+        """Start every addend in the arithmetic of a run."""
+        for each in self.addends:
+            each.prepare(arithmetic)
+
+    def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
+        """Add the torques up."""
+        first = second = 0.0
+        for each in self.addends:
+            torque = each.torque(reference, state, clock)
+            first += torque[0]
+            second += torque[1]
+        return first, second
+
+
+def unknown_gain(controller: Controller, name: str) -> GainError:
+    """Describe a gain that `controller` does not have, with the nearest that it has."""
+    import difflib
+
+    near = difflib.get_close_matches(name, list(controller.gains), n=1, cutoff=0.4)
+    known = ", ".join(dict.fromkeys(key.split(".")[0] for key in controller.gains)) or "none"
+    hint = f"did you mean {near[0]}?" if near else f"its gains: {known}"
+    return GainError(f"{controller.name} has no gain '{name}'", name=name, hint=hint)

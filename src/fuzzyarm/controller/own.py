@@ -1,0 +1,158 @@
+"""Controllers in a Python file of the user's."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+
+from fuzzyarm.controller.catalogue import (
+    CATALOGUE,
+    Choice,
+    Start,
+    Variant,
+    controller,
+    entries_of,
+    require_taken,
+)
+from fuzzyarm.controller.controller import Controller, Sum
+from fuzzyarm.controller.sources import NONE_GIVEN, Sources
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.plant.setting import Clock, Pair, Reference, State
+
+
+class OwnControllerError(FuzzyarmError, RuntimeError):
+    """A controller in a user's file cannot be loaded or failed; `path` is the file."""
+
+    def __init__(self, message: str, *, path: str, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+        self.path = path
+
+
+def find_controller(
+    name: str,
+    *,
+    start: Start = "warm",
+    variant: Variant = "as-printed",
+    sources: Sources = NONE_GIVEN,
+) -> Controller:
+    """Make a controller from a name, a file, or a sum of both.
+
+    Parameters
+    ----------
+    name : str
+        Names of the catalogue, ``FILE.py`` or ``FILE.py:CLASS``, with plus signs between.
+    start, variant, sources
+        See :func:`fuzzyarm.controller.catalogue.controller`.
+
+    Raises
+    ------
+    UnknownControllerError
+        For a name that is none.
+    SourceError
+        If a rule base or a table does not serve, or nothing reads it.
+    OwnControllerError
+        For a file without a usable controller.
+    """
+    if name in CATALOGUE or ".py" not in name:
+        return controller(name, start=start, variant=variant, sources=sources)
+    words = [part.strip() for part in name.split("+")]
+    known = [entry for word in words if ".py" not in word for entry in entries_of(word)]
+    require_taken(name, known, sources)
+    choice = Choice(start, variant, sources)
+    parts = [
+        load_own(word) if ".py" in word else entries_of(word)[0].make(choice) for word in words
+    ]
+    return parts[0] if len(parts) == 1 else Sum(parts)
+
+
+def load_own(place: str) -> Controller:
+    """Load ``FILE.py`` or ``FILE.py:CLASS``; the file is executed.
+
+    Raises
+    ------
+    OwnControllerError
+        If the file cannot be read or run, or has no such controller.
+    """
+    path, _, wanted = place.partition(":")
+    module = _executed(path)
+    found = {
+        key: value
+        for key, value in vars(module).items()
+        if isinstance(value, type)
+        and issubclass(value, Controller)
+        and value.__module__ == module.__name__
+    }
+    if wanted and wanted not in found:
+        names = ", ".join(found) or "none"
+        raise OwnControllerError(
+            f"{path} has no controller '{wanted}'", path=path, hint=f"its controllers: {names}"
+        )
+    if not wanted and len(found) != 1:
+        hint = f"name one, as in {path}:{next(iter(found))}" if found else ""
+        message = f"{path} has {len(found) or 'no'} classes derived from Controller"
+        raise OwnControllerError(message, path=path, hint=hint)
+    made = _guarded(path, found[wanted] if wanted else next(iter(found.values())))
+    if made.name == Controller.name:
+        made.name = Path(path).stem
+    return Guarded(made, path)
+
+
+class Guarded(Controller):
+    """A user's controller whose exceptions become one clear sentence."""
+
+    def __init__(self, inner: Controller, path: str) -> None:
+        self.inner = inner
+        self.path = path
+        self.name = inner.name
+
+    def start(self, single: bool = False) -> None:
+        """Start the user's controller."""
+        try:
+            self.inner.start(single)
+        except Exception as error:
+            raise _failure(self.path, error) from error
+
+    def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
+        """Ask the user's controller."""
+        try:
+            first, second = self.inner.torque(reference, state, clock)
+            return float(first), float(second)
+        except Exception as error:
+            raise _failure(self.path, error) from error
+
+
+def _executed(path: str) -> ModuleType:
+    try:
+        source = Path(path).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise OwnControllerError(f"{path} is not UTF-8 text", path=path) from error
+    module = ModuleType(f"fuzzyarm_own_{Path(path).stem}")
+    module.__file__ = path
+    # dataclasses and others look the module of a class up.
+    sys.modules[module.__name__] = module
+    try:
+        exec(compile(source, path, "exec"), vars(module))
+    except Exception as error:
+        raise _failure(path, error) from error
+    return module
+
+
+def _guarded(path: str, kind: type[Controller]) -> Controller:
+    try:
+        return kind()
+    except Exception as error:
+        raise _failure(path, error) from error
+
+
+def _failure(path: str, error: Exception) -> OwnControllerError:
+    if isinstance(error, SyntaxError):
+        return OwnControllerError(f"{path}:{error.lineno}: {error.msg}", path=path)
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename == path
+    ]
+    place = f"{path}:{lines[-1]}" if lines else path
+    return OwnControllerError(f"{place}: {type(error).__name__}: {error}", path=path)

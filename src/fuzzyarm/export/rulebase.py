@@ -1,0 +1,354 @@
+"""The direct inference of one output of a rule base as a routine to export."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm import __version__
+from fuzzyarm.export.expression import (
+    CPrinter,
+    Function,
+    Number,
+    Select,
+    functions_of,
+    locals_of,
+    operations,
+    run,
+)
+from fuzzyarm.export.names import Names
+from fuzzyarm.export.numbers import C_TYPES, Precision, c_number, precision_named
+from fuzzyarm.export.program import Program, make_program
+from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
+from fuzzyarm.inference import infer
+from fuzzyarm.inference.profile import polyline
+from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.table.compiler import choose_output, defuzzifier_words
+
+_DENSE_POINTS = 60_000
+_VECTORS = 48
+
+LEAST = """TYPE NAME(TYPE a, TYPE b)
+{
+    return a < b ? a : b;
+}
+"""
+
+GREATEST = """TYPE NAME(TYPE a, TYPE b)
+{
+    return a > b ? a : b;
+}
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class DirectRoutine:
+    """One output of a rule base, inferred without a table.
+
+    Attributes
+    ----------
+    rulebase : RuleBase
+        The model.
+    name : str
+        The output.
+    precision : Precision
+        Types outside and inside.
+    program : Program
+        The arithmetic.
+    source : str
+        The file it comes from, for the head.
+    """
+
+    rulebase: RuleBase
+    name: str
+    precision: Precision
+    program: Program
+    source: str = ""
+
+    @property
+    def headers(self) -> Sequence[str]:
+        """Standard headers: one for the constant NAN, where an output may be without a value."""
+        expressions = [*(each.value for each in self.program.statements), self.program.result]
+        return ("math.h",) if any(_has_nan(each) for each in expressions) else ()
+
+    @property
+    def output(self) -> Argument:
+        """The result."""
+        output = self.rulebase.output(self.name)
+        return Argument(output.name, output.low, output.high, output.description)
+
+    @property
+    def arguments(self) -> Sequence[Argument]:
+        """The inputs, and the value to hold where the output holds."""
+        found = [Argument(v.name, v.low, v.high, v.description) for v in self.rulebase.inputs]
+        if self.program.holds:
+            output = self.rulebase.output(self.name)
+            words = "the last value, returned where no rule fires"
+            found.append(Argument(f"last {output.name}", output.low, output.high, words))
+        return found
+
+    @property
+    def kind(self) -> str:
+        """The C type of arguments and result."""
+        return self.precision.c_outside
+
+    def evaluate(self, *inputs: Any) -> NDArray[Any]:
+        """Return what the function returns, bit for bit.
+
+        Parameters
+        ----------
+        *inputs : array_like
+            The arguments in order, rounded to the outer type first.
+        """
+        outside, inside = self.precision.outside, self.precision.inside
+        with np.errstate(over="ignore"):
+            arrays = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
+        values = {
+            name: array.astype(inside)
+            for name, array in zip(self.program.given, arrays, strict=True)
+        }
+        result = run(self.program.statements, self.program.result, values, inside)
+        return np.broadcast_to(result, arrays[0].shape).astype(outside)
+
+    def literal(self, value: Any) -> str:
+        """Return an argument or a result as a C literal."""
+        return "NAN" if math.isnan(value) else c_number(value, self.precision.outside)
+
+    def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
+        """Return the statements of the function."""
+        inner, outer = self.precision.c_inside, self.precision.c_outside
+        program = self.program
+        helpers = {
+            "min": lambda: writer.helper("least", LEAST, TYPE=inner),
+            "max": lambda: writer.helper("greatest", GREATEST, TYPE=inner),
+        }
+        functions: dict[Function, str] = {}
+        printer = CPrinter(self.precision.inside, helpers, functions)
+        for function in functions_of(program.statements, program.result):
+            functions[function] = writer.helper(function.wanted, self._function(printer, function))
+        used = locals_of(program.result).union(
+            *(locals_of(statement.value) for statement in program.statements)
+        )
+        lines = []
+        for given, parameter in zip(program.given, parameters, strict=True):
+            cast = f"({inner})" if inner != outer else ""
+            if given in used:
+                lines.append(f"const {inner} {given} = {cast}{parameter};")
+            else:
+                lines.append(f"(void){parameter}; /* no rule that counts asks for it */")
+        lines += printer.statements(program.statements)
+        result = printer.expression(program.result, inner=inner != outer)
+        cast = f"({outer})" if inner != outer else ""
+        return [*lines, f"return {cast}{result};"]
+
+    def _function(self, printer: CPrinter, function: Function) -> str:
+        kind = C_TYPES[self.precision.inside]
+        lines = [f"    {line}" for line in printer.statements(function.statements)]
+        result = printer.expression(function.result)
+        head = f"{kind} NAME({kind} {function.parameter})"
+        return "\n".join([head, "{", *lines, f"    return {result};", "}", ""])
+
+    def cost(self) -> Cost:
+        """Return what one call takes."""
+        program = self.program
+        counted = operations(program.statements, program.result)
+        names = {statement.name for statement in program.statements}
+        size = np.dtype(self.precision.inside).itemsize
+        return Cost(tuple(sorted(counted.items())), size * (len(names) + len(program.given)))
+
+    def remarks(self) -> list[str]:
+        """Return what the head of the file says of inference, borders and arithmetic."""
+        output = self.rulebase.output(self.name)
+        fired = {
+            "error": "NaN where no rule fires",
+            "hold": "the last argument where no rule fires",
+        }
+        silent = fired.get(str(output.no_rule), f"{output.no_rule} where no rule fires")
+        blocks = "; ".join(
+            f"and {b.conjunction}, or {b.disjunction}, implication {b.implication}"
+            for b in self.rulebase.blocks
+        )
+        inside, outside = self.precision.c_inside, self.precision.c_outside
+        arithmetic = (
+            f"{inside} arithmetic"
+            if inside == outside
+            else f"{inside} arithmetic, the result rounded to {outside}"
+        )
+        return [
+            f"direct inference of {len(self.rulebase.rules)} rules: {blocks},"
+            f" aggregation {output.aggregation}, {defuzzifier_words(output)}",
+            *(_border_words(variable) for variable in self.rulebase.inputs),
+            "an input that is not a number (NaN) counts as the lower border",
+            f"the result is {silent}",
+            arithmetic,
+        ]
+
+    def provenance(self) -> Sequence[tuple[str, str]]:
+        """Return where the rule base comes from."""
+        from fuzzyarm.language import write
+
+        pairs = [("rulebase", self.rulebase.name)]
+        if self.source:
+            pairs.append(("source", self.source))
+        pairs.append(("sha256", hashlib.sha256(write(self.rulebase).encode()).hexdigest()))
+        return [*pairs, ("engine", f"fuzzyarm {__version__}")]
+
+    def accuracy(self) -> Accuracy:
+        """Return :attr:`measured`, as all routines do."""
+        return self.measured
+
+    @cached_property
+    def measured(self) -> Accuracy:
+        """Compare with the inference in double precision over a dense grid."""
+        mesh = np.ix_(*self._grid())
+        result = self.evaluate(*mesh, *self._held(mesh[0])).astype(np.float64)
+        truth = self.model(*mesh)
+        difference = np.abs(result - truth)[~np.isnan(truth)]
+        worst = float(difference.max()) if difference.size else 0.0
+        words = f"the inference of {self.name} in double precision"
+        return Accuracy(worst, int(difference.size), words)
+
+    def model(self, *inputs: NDArray[Any], held: float | None = None) -> NDArray[np.float64]:
+        """Return the inference of the engine in double precision, NaN where no rule fires.
+
+        Inputs outside a range that forbids it are clamped, as in the exported function.
+        """
+        named = {
+            variable.name: np.asarray(x, dtype=np.float64)
+            for variable, x in zip(self.rulebase.inputs, inputs, strict=True)
+        }
+        last = self._last() if held is None else held
+        holding = {o.name: last for o in self.rulebase.outputs if o.no_rule == "hold"}
+        found = infer(_forgiving(self.rulebase), named, held=holding)[self.name]
+        return np.broadcast_to(np.asarray(found), np.broadcast_shapes(*(x.shape for x in inputs)))
+
+    def _last(self) -> float:
+        output = self.rulebase.output(self.name)
+        return output.low if math.isfinite(output.low) else 0.0
+
+    def _held(self, like: NDArray[Any]) -> list[NDArray[Any]]:
+        return [np.full_like(like, self._last())] if self.program.holds else []
+
+    def _grid(self) -> list[NDArray[Any]]:
+        inputs = self.rulebase.inputs
+        count = max(3, round(_DENSE_POINTS ** (1.0 / len(inputs))))
+        return [self._axis_points(variable, count) for variable in inputs]
+
+    def _axis_points(self, variable: Input, count: int) -> NDArray[Any]:
+        """Return even points, the corners of the terms and their neighbours."""
+        corners = corners_of(variable)
+        low = variable.low if math.isfinite(variable.low) else corners[0]
+        high = variable.high if math.isfinite(variable.high) else corners[-1]
+        outside = self.precision.outside
+        kept = [x for x in corners if low <= x <= high][: max(3, count // 4)]
+        close = np.array(kept, dtype=outside)
+        around = [np.nextafter(close, outside(way)) for way in (-np.inf, np.inf)]
+        even = np.linspace(low, high, max(3, count - 3 * len(kept))).astype(outside)
+        return np.unique(np.concatenate([even, close, *around]))
+
+    def vectors(self) -> Vectors:
+        """Return corners with their neighbours and points between, mixed over the inputs."""
+        inputs = []
+        for k, variable in enumerate(self.rulebase.inputs):
+            points = self._axis_points(variable, 25)
+            stride = (1, 7, 11, 13, 17, 19, 23, 29)[k % 8]
+            inputs.append(points[(np.arange(_VECTORS) * stride + k) * 5 % points.size])
+        columns = [*inputs, *self._held(inputs[0])]
+        expected = self.evaluate(*columns)
+        known = ~np.isnan(expected)
+        if not known.any():
+            columns, expected = [c[:0] for c in columns], expected[:0]
+        else:
+            columns, expected = [c[known] for c in columns], expected[known]
+        step = float(np.finfo(self.precision.outside).eps)
+        output = self.rulebase.output(self.name)
+        ends = [abs(x) for x in (output.low, output.high) if math.isfinite(x)]
+        scale = max([*ends, *np.abs(expected).tolist(), 1e-30])
+        loose = 256.0 if self.precision.inside is np.float32 else 4.0
+        return Vectors(tuple(columns), expected, loose * step * scale)
+
+
+def direct_routine(
+    rulebase: RuleBase,
+    output: str | None = None,
+    precision: str = "mixed",
+    source: str | Path | None = None,
+) -> DirectRoutine:
+    """Prepare the direct inference of one output for export.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Straight terms; exact centroid or weighted average or sum.
+    output : str, optional
+        Which output; may be left out if there is only one.
+    precision : str
+        ``mixed``: float arguments and result, double between; ``float32``; ``float64``.
+    source : str or Path, optional
+        The file of the rule base, for the head.
+
+    Raises
+    ------
+    ExportError
+        If something of the rule base cannot be exported; the message names it.
+    """
+    target = choose_output(rulebase, output)
+    names = Names()
+    arguments = [variable.name for variable in rulebase.inputs]
+    if target.no_rule == "hold":
+        arguments.append(f"last {target.name}")
+    parameters = [names.new(argument) for argument in arguments]
+    program = make_program(rulebase, target.name, parameters)
+    types = precision_named(precision, arithmetic=True)
+    where = Path(source).name if source is not None else ""
+    return DirectRoutine(rulebase, target.name, types, program, where)
+
+
+def corners_of(variable: Input) -> list[float]:
+    """Return the corners of the straight terms of a variable, in order; its ends too."""
+    places = {x for x in (variable.low, variable.high) if math.isfinite(x)}
+    for term in variable.terms:
+        if SHAPES[term.shape.kind].piecewise_linear and term.shape.kind != "singleton":
+            places |= {x for x, _ in polyline(term.shape) if math.isfinite(x)}
+        elif term.shape.kind == "singleton":
+            places.add(term.shape.parameters[0])
+    return sorted(places) or [0.0]
+
+
+def _forgiving(rulebase: RuleBase) -> RuleBase:
+    """Return the rule base as the exported function takes it: it cannot raise."""
+    inputs = tuple(
+        replace(v, outside="clamp") if v.outside == "error" else v for v in rulebase.inputs
+    )
+    outputs = tuple(
+        replace(
+            output,
+            no_rule=math.nan if output.no_rule == "error" else output.no_rule,
+            outside="clamp" if output.outside == "error" else output.outside,
+        )
+        for output in rulebase.outputs
+    )
+    return replace(rulebase, inputs=inputs, outputs=outputs)
+
+
+def _border_words(variable: Input) -> str:
+    if variable.outside == "extend":
+        return f"{variable.name} is used as it is beyond its range"
+    if variable.outside == "error":
+        return f"{variable.name} beyond its range, an error in the model, takes the border here"
+    return f"{variable.name} beyond its range takes the border (saturation)"
+
+
+def _has_nan(expression: object) -> bool:
+    if isinstance(expression, Number):
+        return math.isnan(expression.value)
+    return isinstance(expression, Select) and (_has_nan(expression.yes) or _has_nan(expression.no))

@@ -1,0 +1,383 @@
+"""A lookup table in the numbers of a small machine: floating point, Q15 or Q7."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.export.numbers import ExportError, Precision, precision_named, rounded, rounded_down
+from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.table.axis import mode_named
+
+# --- A lookup table in floating point ---
+#
+# Its numbers as a machine holds them, and its arithmetic.
+
+MOST_AXES = 8
+"""Interpolation over more inputs would take more than 256 corners."""
+
+Reals = NDArray[np.floating]
+
+
+@dataclass(frozen=True, eq=False)
+class FloatTable:
+    """A table whose inputs, cells and result are floating-point numbers.
+
+    Attributes
+    ----------
+    table : LookupTable
+        What it stands for.
+    mode : str
+        ``bins``, ``nearest`` or ``linear``.
+    precision : Precision
+        Types outside and inside.
+    points : tuple of ndarray
+        For each axis the thresholds between the cells, rounded down to the type (so that
+        single precision decides as double precision does); with ``linear`` the levels.
+    values : ndarray
+        Flat, the last axis fastest.
+    """
+
+    table: LookupTable
+    mode: str
+    precision: Precision
+    points: tuple[Reals, ...]
+    values: Reals
+
+    @property
+    def linear(self) -> bool:
+        """Whether it interpolates."""
+        return self.mode == "linear"
+
+    def evaluate(self, *inputs: Any) -> Reals:
+        """Return what the exported function returns, bit for bit.
+
+        Parameters
+        ----------
+        *inputs : array_like
+            In the order of the axes; rounded to the outer type first.
+
+        Returns
+        -------
+        ndarray
+            Of the outer type. NaN counts as the lower border of its axis.
+        """
+        outside, inside = self.precision.outside, self.precision.inside
+        with np.errstate(over="ignore"):
+            given = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
+        columns = [x.astype(inside) for x in given]
+        result = self._interpolate(columns) if self.linear else self._pick(columns)
+        return result.astype(outside)
+
+    def _pick(self, columns: Sequence[Reals]) -> Reals:
+        index = np.zeros(columns[0].shape, dtype=np.intp)
+        for size, edges, x in zip(self.table.shape, self.points, columns, strict=True):
+            # NaN is greater than no threshold.
+            count = np.searchsorted(edges, np.where(np.isnan(x), -np.inf, x), side="left")
+            index = index * size + count
+        return np.asarray(self.values[index])
+
+    def _interpolate(self, columns: Sequence[Reals]) -> Reals:
+        base = np.zeros(columns[0].shape, dtype=np.intp)
+        shares: list[Reals] = []
+        steps: list[int] = []
+        stride = self.values.size
+        for levels, x in zip(self.points, columns, strict=True):
+            stride //= levels.size
+            if levels.size == 1:
+                continue
+            inside = np.where(x > levels[0], np.where(x < levels[-1], x, levels[-1]), levels[0])
+            i = np.searchsorted(levels[1:-1], inside, side="right")
+            shares.append((inside - levels[i]) / (levels[i + 1] - levels[i]))
+            steps.append(stride)
+            base = base + i * stride
+        return self._blend(base, shares, steps)
+
+    def _blend(self, index: NDArray[np.intp], shares: list[Reals], steps: list[int]) -> Reals:
+        if not shares:
+            return np.asarray(self.values[index])
+        near = self._blend(index, shares[1:], steps[1:])
+        far = self._blend(index + steps[0], shares[1:], steps[1:])
+        one = self.precision.inside(1.0)
+        return np.asarray((one - shares[0]) * near + shares[0] * far)
+
+
+def float_table(
+    table: LookupTable, mode: str | None = None, precision: str = "mixed"
+) -> FloatTable:
+    """Prepare a table for export in floating point.
+
+    Parameters
+    ----------
+    table : LookupTable
+        Any table.
+    mode : str, optional
+        The way to look up; the table's own by default.
+    precision : str
+        ``mixed``: float arguments and result, interpolation in double; ``float32``;
+        ``float64``.
+
+    Raises
+    ------
+    ExportError
+        If a number is too large for the type, or levels coincide in it.
+    """
+    chosen = table.default_mode if mode is None else mode_named(mode)
+    linear = chosen == "linear"
+    if linear and len(table.axes) > MOST_AXES:
+        raise ExportError(
+            f"the table has {len(table.axes)} inputs; interpolation is exported for at most"
+            f" {MOST_AXES}",
+            hint="export it with --mode nearest",
+        )
+    types = precision_named(precision, arithmetic=linear)
+    points = []
+    for axis in table.axes:
+        rounded((axis.levels[0], axis.levels[-1]), types.outside, f"axis '{axis.name}'")
+        if linear:
+            levels = rounded(axis.levels, types.inside, f"axis '{axis.name}'")
+            _require_distinct(levels, axis.name)
+            points.append(levels)
+        else:
+            edges = axis.thresholds(chosen)
+            points.append(rounded_down(edges, types.inside, f"axis '{axis.name}'"))
+    what = f"the table of '{table.output}'"
+    rounded(table.values, types.outside, what)
+    values = rounded(table.values.ravel(), types.inside, what)
+    return FloatTable(table, chosen, types, tuple(points), values)
+
+
+def _require_distinct(levels: Reals, name: str) -> None:
+    for a, b in pairwise(levels.tolist()):
+        if not a < b:
+            raise ExportError(
+                f"two levels of '{name}' are the same number ({a:g}) in single precision",
+                hint="export with --precision mixed or float64",
+            )
+
+
+# --- A lookup table in whole numbers: Q15 in int16, Q7 in int8, with 32-bit arithmetic ---
+#
+# A quantity v is held as a whole number r = 2^q (v - offset) / span, rounded to the nearest and
+# kept within -2^q … 2^q - 1. Offset is the middle and span half the width of its range, so
+# that a range of -6 … 6 has offset 0 and span 6. Both are chosen by the exporter and stated in
+# the exported file; everything between input and output is integer arithmetic, and
+# `FixedTable.evaluate` is the same arithmetic in Python.
+
+FORMATS = (15, 7)
+"""Fraction bits that are offered: Q15 in 16 bits, Q7 in 8."""
+
+SHARE_BITS = 15
+"""Fraction bits of the share between two levels, whatever the format."""
+
+ONE = 1 << SHARE_BITS
+
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """How a quantity becomes a whole number.
+
+    Attributes
+    ----------
+    offset : float
+        The quantity at 0.
+    span : float
+        How much quantity 2^bits steps are; positive.
+    bits : int
+        Fraction bits: 15 or 7.
+    """
+
+    offset: float
+    span: float
+    bits: int
+
+    @property
+    def low(self) -> int:
+        """The smallest whole number."""
+        return -(1 << self.bits)
+
+    @property
+    def high(self) -> int:
+        """The largest whole number."""
+        return (1 << self.bits) - 1
+
+    @property
+    def step(self) -> float:
+        """The quantity of one step."""
+        return self.span / (1 << self.bits)
+
+    def exact(self, value: float) -> Fraction:
+        """Return the place of `value` between the whole numbers, without rounding."""
+        return (Fraction(value) - Fraction(self.offset)) * (1 << self.bits) / Fraction(self.span)
+
+    def nearest(self, value: float) -> int:
+        """Return `value` as a whole number: the nearest one, ties to even, saturated."""
+        return min(max(round(self.exact(value)), self.low), self.high)
+
+    def below(self, value: float) -> int:
+        """Return the largest whole number whose quantity does not exceed `value`."""
+        return min(max(math.floor(self.exact(value)), self.low), self.high)
+
+    def quantity(self, numbers: Any) -> NDArray[np.float64]:
+        """Return what whole numbers stand for."""
+        return self.offset + np.asarray(numbers, dtype=np.float64) * self.step
+
+
+def scale_over(numbers: Sequence[float], bits: int) -> Scale:
+    """Return the scale whose range just holds all finite `numbers`."""
+    finite = [x for x in numbers if math.isfinite(x)]
+    low, high = min(finite), max(finite)
+    span = 0.5 * high - 0.5 * low
+    if not math.isfinite(span * 2.0):
+        raise ExportError(f"the range {low:g} .. {high:g} is too wide for fixed point")
+    return Scale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
+
+
+@dataclass(frozen=True, eq=False)
+class FixedTable:
+    """A table whose inputs, cells and result are whole numbers.
+
+    Attributes
+    ----------
+    table : LookupTable
+        What it stands for.
+    mode : str
+        ``bins``, ``nearest`` or ``linear``.
+    bits : int
+        15 or 7.
+    inputs : tuple of Scale
+        One for each axis.
+    output : Scale
+        Of the result.
+    points : tuple of ndarray of int64
+        For each axis the thresholds, rounded down; with ``linear`` the levels.
+    values : ndarray of int64
+        Flat, the last axis fastest.
+    """
+
+    table: LookupTable
+    mode: str
+    bits: int
+    inputs: tuple[Scale, ...]
+    output: Scale
+    points: tuple[Integers, ...]
+    values: Integers
+
+    @property
+    def linear(self) -> bool:
+        """Whether it interpolates."""
+        return self.mode == "linear"
+
+    def evaluate(self, *inputs: Any) -> Integers:
+        """Return what the exported function returns, bit for bit.
+
+        Parameters
+        ----------
+        *inputs : array_like of int
+            Whole numbers within the format, in the order of the axes.
+
+        Returns
+        -------
+        ndarray of int64
+            Whole numbers within the format.
+        """
+        columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
+        index = np.zeros(columns[0].shape, dtype=np.int64)
+        shares: list[Integers] = []
+        steps: list[int] = []
+        stride = self.values.size
+        for points, x, size in zip(self.points, columns, self.table.shape, strict=True):
+            stride //= size
+            if not self.linear:
+                index = index + stride * np.searchsorted(points, x, side="left")
+            elif size > 1:
+                inside = np.minimum(np.maximum(x, points[0]), points[-1])
+                i = np.searchsorted(points[1:-1], inside, side="right")
+                shares.append((inside - points[i]) * ONE // (points[i + 1] - points[i]))
+                steps.append(stride)
+                index = index + stride * i
+        return self._blend(index, shares, steps)
+
+    def _blend(self, index: Integers, shares: list[Integers], steps: list[int]) -> Integers:
+        if not shares:
+            return np.asarray(self.values[index])
+        near = self._blend(index, shares[1:], steps[1:])
+        far = self._blend(index + steps[0], shares[1:], steps[1:])
+        return near + part((far - near), shares[0])
+
+
+def part(difference: Integers, share: Integers) -> Integers:
+    """Return difference × share / 2^15, rounded to the nearest, ties away from zero.
+
+    Both signs alike, so that a table that is its own mirror image stays so.
+    """
+    product = difference * share
+    magnitude = (np.abs(product) + ONE // 2) // ONE
+    return np.asarray(np.where(product < 0, -magnitude, magnitude))
+
+
+def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> FixedTable:
+    """Prepare a table for export in fixed point.
+
+    Parameters
+    ----------
+    table : LookupTable
+        Any table.
+    bits : int
+        15 for int16, 7 for int8.
+    mode : str, optional
+        The way to look up; the table's own by default.
+
+    Raises
+    ------
+    ExportError
+        If levels that are interpolated between coincide in this format.
+    """
+    if bits not in FORMATS:
+        raise ExportError(f"no fixed-point format q{bits}", hint="there are q15 and q7")
+    chosen = table.default_mode if mode is None else mode_named(mode)
+    if chosen == "linear" and len(table.axes) > MOST_AXES:
+        raise ExportError(
+            f"the table has {len(table.axes)} inputs; interpolation is exported for at most"
+            f" {MOST_AXES}",
+            hint="export it with --mode nearest",
+        )
+    scales, points = [], []
+    for axis in table.axes:
+        scale = _input_scale(axis, chosen, bits)
+        scales.append(scale)
+        points.append(_points(axis, scale, chosen))
+    output = _output_scale(table, bits)
+    values = np.array([output.nearest(x) for x in table.values.ravel().tolist()], dtype=np.int64)
+    return FixedTable(table, chosen, bits, tuple(scales), output, tuple(points), values)
+
+
+def _input_scale(axis: Axis, mode: str, bits: int) -> Scale:
+    return scale_over((axis.low, axis.high, *axis.levels, *axis.thresholds(mode)), bits)
+
+
+def _output_scale(table: LookupTable, bits: int) -> Scale:
+    ends = () if table.low is None or table.high is None else (table.low, table.high)
+    return scale_over((*ends, float(table.values.min()), float(table.values.max())), bits)
+
+
+def _points(axis: Axis, scale: Scale, mode: str) -> Integers:
+    if mode != "linear":
+        return np.array([scale.below(x) for x in axis.thresholds(mode)], dtype=np.int64)
+    levels = np.array([scale.nearest(x) for x in axis.levels], dtype=np.int64)
+    for i in np.flatnonzero(np.diff(levels) <= 0).tolist():
+        raise ExportError(
+            f"the levels {axis.levels[i]:g} and {axis.levels[i + 1]:g} of '{axis.name}' are the"
+            f" same number in q{scale.bits}",
+            hint="take fewer levels" if scale.bits == max(FORMATS) else "take q15",
+        )
+    return levels

@@ -1,0 +1,421 @@
+"""What a reader or writer of a foreign format hands back, and what it collects on the way.
+
+:class:`Imported` and :class:`Exported` are the results, :class:`Findings` gathers what is
+found, a draft is a variable while its file is being read; numbers are read and written
+without loss.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from itertools import islice
+
+from fuzzyarm.model.rulebase import Consequent, Defuzzifier, Input, Output, RuleBase, Shape, Term
+from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, NOWHERE, Diagnostic, Related, Severity, Span
+from fuzzyarm.text.names import near_hint
+
+# --- What a reader or writer of a foreign format hands back, and how it collects findings ---
+
+MAX_CHARACTERS = 200_000
+"""Longest foreign text that is read: some hundred times the largest that people write."""
+
+MAX_FINDINGS = 300
+"""Most findings that one reading lists; the rest is counted."""
+
+MAX_HINTS = 20
+"""Findings that get a guess of what was meant (a guess costs time)."""
+
+MAX_CHOICES = 300
+"""Names that are compared for such a guess."""
+
+MAX_TERMS = 1_000
+MAX_VARIABLES = 200
+MAX_RULES = 10_000
+
+LOSSY_HINT = "--lossy goes on regardless"
+
+
+@dataclass(frozen=True, slots=True)
+class Imported:
+    """A foreign file, read.
+
+    Attributes
+    ----------
+    rulebase : RuleBase or None
+        None where any diagnostic is an error.
+    diagnostics : tuple of Diagnostic
+        Faults of the file and what could not be carried, in the order of the text.
+    producer : str
+        The program whose defaults were taken: ``fuzzylite``, ``jfuzzylogic``, ``matlab``,
+        ``octave`` or ``fuzzyarm``.
+    """
+
+    rulebase: RuleBase | None
+    diagnostics: tuple[Diagnostic, ...] = ()
+    producer: str = ""
+
+    @property
+    def errors(self) -> tuple[Diagnostic, ...]:
+        """The findings that keep the file from being used."""
+        return tuple(d for d in self.diagnostics if d.is_error)
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """A rule base, written in a foreign format.
+
+    Attributes
+    ----------
+    text : str or None
+        None where any diagnostic is an error.
+    diagnostics : tuple of Diagnostic
+        What the format cannot express.
+    """
+
+    text: str | None
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    @property
+    def errors(self) -> tuple[Diagnostic, ...]:
+        """The findings that kept the text from being written."""
+        return tuple(d for d in self.diagnostics if d.is_error)
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A piece of text and where it stood."""
+
+    text: str
+    span: Span = NOWHERE
+
+
+class Findings:
+    """Collects the diagnostics of one file.
+
+    Parameters
+    ----------
+    path : str
+        The file, as the caller named it.
+    lossy : bool
+        Whether a loss that changes numbers is a warning rather than an error.
+    """
+
+    def __init__(self, path: str = "", *, lossy: bool = False) -> None:
+        self.path = path
+        self.lossy = lossy
+        self._items: list[Diagnostic] = []
+        self._left_out = 0
+        self._errors = 0
+        self._hints = 0
+        self._full: set[str] = set()
+
+    @property
+    def failed(self) -> bool:
+        """Whether there was an error."""
+        return self._errors > 0
+
+    def error(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
+        """Record a fault that keeps the file from being used."""
+        self._add(name, message, at, Severity.ERROR, hint)
+
+    def loss(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
+        """Record what cannot be carried and changes numbers."""
+        severity = Severity.WARNING if self.lossy else Severity.ERROR
+        self._add(name, message, at, severity, hint or ("" if self.lossy else LOSSY_HINT))
+
+    def warn(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
+        """Record a doubt that changes no number."""
+        self._add(name, message, at, Severity.WARNING, hint)
+
+    def info(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
+        """Record a choice or a piece of text that was left out."""
+        self._add(name, message, at, Severity.INFO, hint)
+
+    def unknown(self, name: str, what: str, word: Word, choices: Iterable[str]) -> None:
+        """Record an error about a word that is none of `choices`, with a guess."""
+        hint, replacement = "", None
+        if self._hints < MAX_HINTS:
+            self._hints += 1
+            hint, replacement = near_hint(word.text, islice(choices, MAX_CHOICES))
+        message = f"{what} '{shortened(word.text)}' is not known"
+        self._add(name, message, word, Severity.ERROR, hint, replacement)
+
+    def room(self, count: int, most: int, what: str, at: Word | Span) -> bool:
+        """Whether one more than `count` is allowed; the first time it is not, say so."""
+        if count < most:
+            return True
+        if what not in self._full:
+            self._full.add(what)
+            self.error("too-many", f"more than {most} {what} are not read", at)
+        return False
+
+    def duplicate(self, name: str, message: str, at: Word | Span, first: Span) -> None:
+        """Record a warning that also points at the first of two."""
+        related = (Related("the first one", first),)
+        self._add(name, message, at, Severity.WARNING, "", None, related)
+
+    def _add(
+        self,
+        name: str,
+        message: str,
+        at: Word | Span,
+        severity: Severity,
+        hint: str,
+        replacement: str | None = None,
+        related: tuple[Related, ...] = (),
+    ) -> None:
+        span = at.span if isinstance(at, Word) else at
+        self._errors += severity is Severity.ERROR
+        if len(self._items) >= MAX_FINDINGS:
+            self._left_out += 1
+            return
+        self._items.append(
+            Diagnostic(name, message, span, severity, hint, replacement, self.path, related)
+        )
+
+    def all(self) -> tuple[Diagnostic, ...]:
+        """Return everything found, in the order of the text."""
+        found = sorted(self._items, key=lambda d: (d.span, d.name))
+        if self._left_out:
+            severity = Severity.ERROR if self.failed else Severity.INFO
+            message = f"{self._left_out} more findings are not listed"
+            found.append(Diagnostic("more-findings", message, NOWHERE, severity, path=self.path))
+        return tuple(found)
+
+
+def too_long(text: str, path: str) -> Imported | None:
+    """Return the refusal of a text of absurd length, or None."""
+    if len(text) <= MAX_CHARACTERS:
+        return None
+    findings = Findings(path)
+    message = f"the file has {len(text)} characters, more than the {MAX_CHARACTERS} that are read"
+    findings.error("too-long", message)
+    return Imported(None, findings.all())
+
+
+def shortened(text: str, length: int = 60) -> str:
+    """Return `text`, cut in the middle where it is longer than `length`."""
+    if len(text) <= length:
+        return text
+    half = (length - 1) // 2
+    return f"{text[:half]}…{text[-half:]}"
+
+
+# --- Numbers as the formats write them, in and out without loss ---
+
+_PLAIN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?\Z", re.ASCII)
+_SPECIAL = {
+    "nan": math.nan, "+nan": math.nan, "-nan": math.nan, "na": math.nan,
+    "inf": math.inf, "+inf": math.inf, "-inf": -math.inf,
+    "infinity": math.inf, "-infinity": -math.inf,
+}  # fmt: skip
+_FACTOR = re.compile(r"(pi|\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)", re.ASCII)
+
+
+def number(text: str) -> float | None:
+    """Return the value of `text`, or None where it is no number.
+
+    Besides decimal numbers: ``nan``, ``inf`` and products and quotients with ``pi`` as in
+    ``-pi/4`` or ``2*pi``, which people write into ``.fis`` files.
+    """
+    if _PLAIN.match(text):
+        return float(text.replace("d", "e").replace("D", "e"))
+    if len(text) > 60:
+        return None
+    lowered = text.lower()
+    if lowered in _SPECIAL:
+        return _SPECIAL[lowered]
+    return _product(lowered) if "pi" in lowered else None
+
+
+def _product(text: str) -> float | None:
+    sign = -1.0 if text.startswith("-") else 1.0
+    rest = text.lstrip("+-")
+    parts = re.split(r"([*/])", rest)
+    value = 1.0
+    operator = "*"
+    for index, part in enumerate(parts):
+        if index % 2:
+            operator = part
+            continue
+        if not _FACTOR.fullmatch(part):
+            return None
+        factor = math.pi if part == "pi" else float(part)
+        if operator == "/" and factor == 0.0:
+            return None
+        value = value * factor if operator == "*" else value / factor
+    return sign * value
+
+
+def numbers(words: list[Word], findings: Findings) -> list[float] | None:
+    """Return the values of `words`; None, with findings, where one is no number."""
+    values: list[float] = []
+    failed = False
+    for word in words:
+        value = number(word.text)
+        if value is None:
+            findings.error("not-a-number", f"'{word.text[:60]}' is not a number", word)
+            failed = True
+        else:
+            values.append(value)
+    return None if failed else values
+
+
+def written(value: float) -> str:
+    """Return the shortest text that reads back as exactly `value`."""
+    if math.isnan(value):
+        return "nan"
+    if math.isinf(value):
+        return "inf" if value > 0 else "-inf"
+    text = repr(float(value))
+    return text.removesuffix(".0")
+
+
+def all_written(values: tuple[float, ...]) -> str:
+    """Return the numbers with spaces between them."""
+    return " ".join(map(written, values))
+
+
+_THREE = re.compile(r"(?<![\w.])-?\d+\.\d{3}(?![\w.])", re.ASCII)
+_OTHER = re.compile(r"(?<![\w.])-?\d+\.(\d{1,2}|\d{4,})(?![\w.])", re.ASCII)
+
+
+def rounded(text: str) -> re.Match[str] | None:
+    """Return the first number that looks cut to three decimals, where all of them are.
+
+    fuzzylite prints three decimals unless told otherwise; a file with nothing but such
+    numbers may give other outputs than the program object it came from.
+    """
+    if _OTHER.search(text):
+        return None
+    return next((m for m in _THREE.finditer(text) if not m.group().endswith("0")), None)
+
+
+# --- A variable while its file is being read, and how it ends up in the model ---
+
+
+@dataclass(slots=True)
+class Draft:
+    """A variable in the making.
+
+    Attributes
+    ----------
+    word : Word
+        Its name and where that stands.
+    is_output : bool
+        Whether it is an output.
+    low, high : float
+        The range; infinite until the file says more.
+    terms : list of Term
+        In order; changed by :meth:`add` and :meth:`put`.
+    enabled : bool
+        False where the file switches the variable off.
+    """
+
+    word: Word
+    is_output: bool
+    low: float = -math.inf
+    high: float = math.inf
+    terms: list[Term] = field(default_factory=list)
+    description: str = ""
+    outside: str = "extend"
+    enabled: bool = True
+    aggregation: str = "sum"
+    defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
+    no_rule: float | str = math.nan
+    _index: dict[str, Term] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The name."""
+        return self.word.text
+
+    def term(self, name: str) -> Term | None:
+        """Return the term called `name`, or None."""
+        return self._index.get(name)
+
+    def add(self, term: Term) -> None:
+        """Add a term."""
+        self.terms.append(term)
+        self._index.setdefault(term.name, term)
+
+    def put(self, index: int, term: Term) -> None:
+        """Put a term in the place of one with the same name."""
+        self.terms[index] = term
+        self._index[term.name] = term
+
+    def input(self) -> Input:
+        """Return the finished input."""
+        return Input(
+            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
+            span=self.word.span,
+        )  # fmt: skip
+
+    def output(self) -> Output:
+        """Return the finished output."""
+        return Output(
+            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
+            span=self.word.span, aggregation=self.aggregation, defuzzifier=self.defuzzifier,
+            no_rule=self.no_rule,
+        )  # fmt: skip
+
+    def settle_range(self, findings: Findings) -> None:
+        """Widen a range without width, turn one that is the wrong way round."""
+        if math.isnan(self.low) or math.isnan(self.high):
+            findings.error("bad-range", f"the range of '{self.name}' has a nan", self.word)
+            self.low, self.high = -math.inf, math.inf
+        if self.low > self.high:
+            message = f"the range of '{self.name}' runs from {self.low} down to {self.high}"
+            findings.error("bad-range", message, self.word)
+            self.low, self.high = self.high, self.low
+        if self.low == self.high:
+            message = f"the range of '{self.name}' has no width; half a unit is added either side"
+            findings.warn("empty-range", message, self.word)
+            self.low, self.high = self.low - 0.5, self.high + 0.5
+        if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (self.low, self.high)):
+            message = f"the range of '{self.name}' goes beyond {MAX_MAGNITUDE:g}"
+            findings.error("bad-range", message, self.word)
+        if self.low == self.high:  # beyond 2**53 half a unit is nothing
+            self.high = math.nextafter(self.low, math.inf)
+
+
+def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep: str) -> None:
+    """Add a term; of two with one name keep the ``first`` or the ``last``, and say so."""
+    term = Term(word.text, shape, word.span)
+    earlier = draft.term(word.text)
+    if earlier is None:
+        if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
+            draft.add(term)
+        return
+    kept = "first" if keep == "first" else "last"
+    message = f"'{draft.name}' has two terms called '{word.text}'; the {kept} counts"
+    findings.duplicate("duplicate-term-name", message, word, earlier.span)
+    if keep == "last":
+        draft.put(draft.terms.index(earlier), term)
+
+
+def unique_name(name: str, taken: set[str]) -> str:
+    """Return `name`, or `name` with the first number that makes it unique."""
+    if name not in taken:
+        return name
+    number = 2
+    while f"{name}_{number}" in taken:
+        number += 1
+    return f"{name}_{number}"
+
+
+VALUES = frozenset({"singleton", "linear", "formula"})
+"""Kinds of shape that are a number rather than a set."""
+
+
+def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequent:
+    """Name the first term with the same value, for programs that aggregate by value."""
+    draft = variables.get(consequent.variable)
+    term = draft.term(consequent.term) if draft is not None else None
+    if draft is None or term is None or term.shape.kind not in VALUES:
+        return consequent
+    first = next(t for t in draft.terms if t.shape == term.shape)
+    return replace(consequent, term=first.name)

@@ -1,0 +1,133 @@
+"""The samples of an output, and its aggregate at one point of the inputs, in plain Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.inference.plan import OutputPlan, term_function
+from fuzzyarm.model.membership import SNORMS, TNORMS
+from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
+
+# --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
+
+
+def places(low: float, high: float, count: int, sampling: str) -> list[float]:
+    """Return the sample points over a range.
+
+    Parameters
+    ----------
+    low, high : float
+        The range.
+    count : int
+        Number of samples N.
+    sampling : str
+        ``endpoints`` and ``trapezoid``: N points with both ends; ``midpoints``: the
+        middles of N equal stretches; ``left``: their left ends.
+
+    Returns
+    -------
+    list of float
+        In order.
+
+    Raises
+    ------
+    InferenceError
+        If there are too few samples.
+    """
+    both_ends = sampling in {"endpoints", "trapezoid"}
+    if count < (2 if both_ends else 1):
+        raise InferenceError(f"a defuzzifier cannot work with {count} samples at {sampling}")
+    width = high - low
+    if both_ends:
+        return [low + width * (i / (count - 1)) for i in range(count - 1)] + [high]
+    shift = 0.5 if sampling == "midpoints" else 0.0
+    return [low + width * ((i + shift) / count) for i in range(count)]
+
+
+def weights(count: int, sampling: str) -> list[float]:
+    """Return the weight of each sample in a sum: 1, or ½ at the ends of ``trapezoid``."""
+    if sampling != "trapezoid":
+        return [1.0] * count
+    return [0.5, *[1.0] * (count - 2), 0.5]
+
+
+# --- The aggregate of one output at one point of the inputs, in plain Python ---
+
+Fired = Sequence[tuple[int, float]]
+"""(index of a member, firing strength above 0), in the order of the rules."""
+
+
+def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
+    """Return the aggregate as a function of the place in the output's range."""
+    norm = SNORMS[plan.output.aggregation]
+    parts = [
+        (TNORMS[plan.members[member].implication], strength, plan.members[member].membership)
+        for member, strength in fired
+    ]
+
+    def value(y: float) -> float:
+        total = 0.0
+        for implication, strength, membership in parts:
+            total = norm(total, implication(strength, membership(y)))
+        return total
+
+    return value
+
+
+class SampledSet(NamedTuple):
+    """A set at the samples of its output: the stretch that is not zero."""
+
+    first: int
+    heights: tuple[float, ...]
+
+
+@lru_cache(maxsize=512)
+def sampled_set(
+    shape: Shape,
+    hedges: tuple[Hedge, ...],
+    low: float,
+    high: float,
+    defuzzifier: Defuzzifier,
+) -> SampledSet:
+    """Return a set at the samples of a defuzzifier; the last few are remembered."""
+    function = term_function(shape, hedges)
+    heights = [function(y) for y in sample_places(low, high, defuzzifier)]
+    inside = [i for i, height in enumerate(heights) if height > 0.0]
+    if not inside:
+        return SampledSet(0, ())
+    return SampledSet(inside[0], tuple(heights[inside[0] : inside[-1] + 1]))
+
+
+def sample_places(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:
+    """Return where a sampled defuzzifier looks."""
+    assert defuzzifier.resolution is not None
+    return places(low, high, defuzzifier.resolution, defuzzifier.sampling)
+
+
+def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]:
+    """Return the samples of an output and the aggregate there."""
+    output = plan.output
+    samples = sample_places(output.low, output.high, output.defuzzifier)
+    norm = SNORMS[output.aggregation]
+    total = [0.0] * len(samples)
+    for member, strength in fired:
+        term, hedges, implication = plan.members[member][:3]
+        first, heights = sampled_set(
+            term.shape, hedges, output.low, output.high, output.defuzzifier
+        )
+        cut = TNORMS[implication]
+        for i, height in enumerate(heights, first):
+            total[i] = norm(total[i], cut(strength, height))
+    return samples, total
+
+
+def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
+    """Return one strength for each member: those of its rules under the aggregation."""
+    norm = SNORMS[plan.output.aggregation]
+    folded: dict[int, float] = {}
+    for member, strength in fired:
+        folded[member] = norm(folded[member], strength) if member in folded else strength
+    return folded

@@ -1,0 +1,214 @@
+"""From the fired rules of one output to its number, at one point or over arrays.
+
+The rarer defuzzifiers are imported where they are used: a check has to start at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from fuzzyarm.inference.defuzzify.aggregate import Fired
+from fuzzyarm.inference.defuzzify.centroid import (
+    closed_centroid_at_point,
+    closed_centroid_over_arrays,
+    integrated_centroid_at_point,
+    integrated_centroid_over_arrays,
+    sampled_centroid_at_point,
+    sampled_centroid_over_arrays,
+)
+from fuzzyarm.inference.defuzzify.weighted import (
+    tsukamoto_at_point,
+    tsukamoto_over_arrays,
+    weighted_at_point,
+    weighted_over_arrays,
+)
+from fuzzyarm.inference.plan import WEIGHTED, Member, OutputPlan
+from fuzzyarm.model.formula import evaluate
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fuzzyarm.inference.defuzzify.arrays import Strengths
+
+    Array = NDArray[np.float64]
+
+
+# --- At one point ---
+
+
+def defuzzify_at_point(
+    plan: OutputPlan, fired: Fired, values: Mapping[str, float], inputs: tuple[str, ...]
+) -> float | None:
+    """Return the crisp value of an output.
+
+    Parameters
+    ----------
+    plan : OutputPlan
+        The output.
+    fired : sequence of (int, float)
+        Member and firing strength of the rules that fired.
+    values : mapping of str to float
+        Inputs and earlier outputs, for consequents that depend on them.
+    inputs : tuple of str
+        Names of the inputs, in the order of linear coefficients.
+
+    Returns
+    -------
+    float or None
+        None where the aggregate has no area.
+    """
+    method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
+    if plan.discrete:
+        value_of = _values_at_point(plan, values, inputs)
+        if method == "centroid" or method in WEIGHTED:
+            return weighted_at_point(plan, fired, value_of)
+        from fuzzyarm.inference.defuzzify.maxima import discrete_at_point
+
+        return discrete_at_point(plan, fired, value_of)
+    if method == "centroid":
+        return _centroid_at_point(plan, fired)
+    from fuzzyarm.inference.defuzzify.maxima import (
+        bisector_at_point,
+        maxima_at_point,
+        sampled_bisector_at_point,
+        sampled_maxima_at_point,
+    )
+
+    exact = resolution is None
+    if method == "bisector":
+        return bisector_at_point(plan, fired) if exact else sampled_bisector_at_point(plan, fired)
+    return maxima_at_point(plan, fired) if exact else sampled_maxima_at_point(plan, fired)
+
+
+def _centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+    exact = plan.output.defuzzifier.resolution is None
+    if exact and plan.closed is not None:
+        return closed_centroid_at_point(plan, fired)
+    if not exact:
+        return sampled_centroid_at_point(plan, fired)
+    return integrated_centroid_at_point(plan, fired)
+
+
+def _values_at_point(
+    plan: OutputPlan, values: Mapping[str, float], inputs: tuple[str, ...]
+) -> Callable[[int, float], float]:
+    def value_of(index: int, strength: float) -> float:
+        member = plan.members[index]
+        if member.value is not None:
+            return member.value
+        if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+            return tsukamoto_at_point(plan, member, strength)
+        return consequent_value(member, values, inputs)
+
+    return value_of
+
+
+def consequent_value(member: Member, values: Mapping[str, float], inputs: tuple[str, ...]) -> float:
+    """Return the number of a linear or formula consequent."""
+    if member.formula is not None:
+        return member.term.shape.height * evaluate(member.formula, values)
+    *coefficients, constant = member.term.shape.parameters
+    for coefficient, name in zip(coefficients, inputs, strict=True):
+        constant += coefficient * values[name]
+    return constant
+
+
+# --- Over arrays ---
+
+
+def defuzzify_over_arrays(
+    plan: OutputPlan,
+    strengths: Strengths,
+    values: Mapping[str, Array],
+    inputs: tuple[str, ...],
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the crisp values of an output over a chunk of points.
+
+    Parameters
+    ----------
+    plan : OutputPlan
+        The output.
+    strengths : Strengths
+        Of its members.
+    values : mapping of str to ndarray
+        Inputs and earlier outputs, for consequents that depend on them.
+    inputs : tuple of str
+        Names of the inputs, in the order of linear coefficients.
+
+    Returns
+    -------
+    (ndarray of float64, ndarray of bool)
+        Values, and where there is one; both of the shape of the chunk.
+    """
+    import numpy as np
+
+    from fuzzyarm.inference.defuzzify.maxima import (
+        bisector_over_arrays,
+        discrete_over_arrays,
+        maxima_over_arrays,
+        sampled_bisector_over_arrays,
+        sampled_maxima_over_arrays,
+    )
+
+    method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
+    if not len(strengths):
+        return np.zeros(strengths.shape), np.zeros(strengths.shape, dtype=bool)
+    if plan.discrete:
+        value_of = _values_over_arrays(plan, values, inputs)
+        average = method == "centroid" or method in WEIGHTED
+        many = weighted_over_arrays if average else discrete_over_arrays
+        value, weight = many(plan, strengths, value_of)
+    elif method == "centroid":
+        value, weight = _centroid_over_arrays(plan, strengths)
+    elif method == "bisector":
+        exact = resolution is None
+        value, weight = (bisector_over_arrays if exact else sampled_bisector_over_arrays)(
+            plan, strengths
+        )
+    else:
+        exact = resolution is None
+        value, weight = (maxima_over_arrays if exact else sampled_maxima_over_arrays)(
+            plan, strengths
+        )
+    return value, weight > 0.0
+
+
+def _centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
+    if plan.output.defuzzifier.resolution is not None:
+        return sampled_centroid_over_arrays(plan, strengths)
+    if plan.closed is not None:
+        return closed_centroid_over_arrays(plan, strengths)
+    return integrated_centroid_over_arrays(plan, strengths)
+
+
+def _values_over_arrays(
+    plan: OutputPlan, values: Mapping[str, Array], inputs: tuple[str, ...]
+) -> Callable[[int, Array], Array | float]:
+    def value_of(index: int, strength: Array) -> Array | float:
+        member = plan.members[index]
+        if member.value is not None:
+            return member.value
+        if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
+            return tsukamoto_over_arrays(plan, member, strength)
+        return consequent_values(member, values, inputs)
+
+    return value_of
+
+
+def consequent_values(
+    member: Member, values: Mapping[str, Array], inputs: tuple[str, ...]
+) -> Array:
+    """Return the numbers of a linear or formula consequent."""
+    import numpy as np
+
+    from fuzzyarm.inference.membership import evaluate_arrays
+
+    if member.formula is not None:
+        return member.term.shape.height * evaluate_arrays(member.formula, values)
+    *coefficients, constant = member.term.shape.parameters
+    total = np.asarray(constant)
+    for coefficient, name in zip(coefficients, inputs, strict=True):
+        total = total + coefficient * values[name]
+    return total

@@ -1,0 +1,313 @@
+"""The callable that :func:`fuzzyarm.compiled` returns."""
+
+from __future__ import annotations
+
+import functools
+import struct
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.inference.arrays import blocks, infer_arrays, into_range, part_of, working_shape
+from fuzzyarm.inference.infer import holds_arrays, infer, merged
+from fuzzyarm.inference.kernel.layout import Block, Curved, Layout, NotCovered, lay_out, make_block
+from fuzzyarm.inference.kernel.point import sweep
+from fuzzyarm.inference.membership import membership
+from fuzzyarm.inference.plan import plan, term_function
+from fuzzyarm.inference.point import check_names
+from fuzzyarm.kernels import build, jit_wanted
+from fuzzyarm.model.rulebase import RuleBase
+
+CHUNK = 8192
+"""Points that go through the kernel together: their inputs and outputs stay in the cache."""
+
+POINTS_PER_PROGRAM = 32
+"""Wanted in a chunk, as a mean, where there are many programs …"""
+
+LONGEST_CHUNK = 1 << 17
+"""… but no longer than this."""
+
+
+@functools.cache
+def machine(*, compiled: bool) -> Callable[..., int]:
+    """Return the kernel as machine code (or as it stands), made once in a process."""
+    kernel = build(sweep, compiled=compiled)
+    return kernel if compiled else np.errstate(divide="ignore", invalid="ignore")(kernel)
+
+
+class Compiled:
+    """A rule base ready to be evaluated fast; call it like :func:`fuzzyarm.infer`.
+
+    Attributes
+    ----------
+    rulebase : RuleBase
+        As given.
+    kernel : str
+        ``"numba"``; ``"python"`` where FUZZYARM_JIT=0 asks for it; ``"numpy"`` where the
+        kernel does not cover the rule base, which then goes through :func:`infer`.
+    reason : str
+        What the kernel does not cover; empty where it does.
+    """
+
+    __slots__ = ("_engine", "_names", "_one", "_only", "_outputs", "kernel", "reason", "rulebase")
+
+    def __init__(self, rulebase: RuleBase) -> None:
+        self.rulebase = rulebase
+        self.kernel = "numba" if jit_wanted() else "python"
+        self.reason = ""
+        self._names = tuple(variable.name for variable in rulebase.inputs)
+        self._outputs = tuple(output.name for output in rulebase.outputs)
+        self._engine: _Engine | None = None
+        self._one: Callable[..., tuple[float, ...] | None] = lambda *_: None
+        self._only = self._outputs[0] if len(self._outputs) == 1 else None
+        try:
+            layout = lay_out(plan(rulebase))
+        except NotCovered as error:
+            self.kernel, self.reason = "numpy", str(error)
+        else:
+            self._engine = _Engine(rulebase, layout, compiled=self.kernel == "numba")
+            self._one = self._engine.one
+
+    def __repr__(self) -> str:
+        why = f": {self.reason}" if self.reason else ""
+        return f"<compiled {self.rulebase.name!r}, kernel {self.kernel}{why}>"
+
+    def at(self, *values: float) -> tuple[float, ...]:
+        """Evaluate one point: the shortest way.
+
+        Parameters
+        ----------
+        *values : float
+            The inputs in their order.
+
+        Returns
+        -------
+        tuple of float
+            The outputs in their order.
+        """
+        if len(values) == len(self._names):
+            found = self._one(*values)
+            if found is not None:
+                return found
+        return tuple(infer(self.rulebase, self._by_name(values)).values())  # type: ignore[arg-type]
+
+    def __call__(
+        self,
+        *values: Any,
+        held: Mapping[str, float] | None = None,
+        **named: Any,
+    ) -> dict[str, Any]:
+        """Evaluate the rule base.
+
+        Parameters
+        ----------
+        *values : float, array_like or mapping
+            The inputs in their order, or one mapping of them by name.
+        held : mapping of str to float, optional
+            Last values of outputs that hold where no rule fires.
+        **named : float or array_like
+            Inputs by name. Arrays broadcast against each other.
+
+        Returns
+        -------
+        dict of str to float or ndarray of float64
+            What :func:`fuzzyarm.infer` returns, and it raises the same errors.
+        """
+        if not values and tuple(named) == self._names:  # the thin path
+            for value in named.values():
+                if type(value) is not float:
+                    break
+            else:
+                found = self._one(*named.values())
+                if found is not None:
+                    if self._only is not None:
+                        return {self._only: found[0]}
+                    return dict(zip(self._outputs, found, strict=True))
+        return self._general(merged(self._mapping(values), named), held)
+
+    def _general(
+        self, given: Mapping[str, Any], held: Mapping[str, float] | None
+    ) -> dict[str, Any]:
+        if self._engine is None or given.keys() != set(self._names):
+            return infer(self.rulebase, given, held=held)
+        if held:
+            check_names(held, self._outputs, what="output")
+        if holds_arrays(given):
+            return dict(self._engine.many(given, held))
+        try:
+            found = self._one(*(float(given[name]) for name in self._names))
+        except (TypeError, ValueError, OverflowError):
+            found = None
+        if found is None:
+            return infer(self.rulebase, given, held=held)
+        return dict(zip(self._outputs, found, strict=True))
+
+    def _mapping(self, values: tuple[Any, ...]) -> Mapping[str, Any] | None:
+        if len(values) == 1 and (values[0] is None or isinstance(values[0], Mapping)):
+            return values[0]
+        return self._by_name(values)
+
+    def _by_name(self, values: tuple[Any, ...]) -> dict[str, Any]:
+        if len(values) > len(self._names):
+            raise TypeError(f"{len(values)} inputs are given, there are {len(self._names)}")
+        return dict(zip(self._names, values, strict=False))
+
+
+class _Engine:
+    """The kernel with the numbers of one rule base."""
+
+    def __init__(self, rulebase: RuleBase, layout: Layout, *, compiled: bool) -> None:
+        self.rulebase = rulebase
+        self._layout = layout
+        self._kernel = machine(compiled=compiled)
+        names = [variable.name for variable in rulebase.inputs]
+        self._curved: list[tuple[int, Curved, Callable[[float], float]]] = [
+            (names.index(each.variable), each, term_function(each.shape, each.hedges))
+            for each in layout.curved
+        ]
+        wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
+        self._chunk = max(CHUNK, wanted, layout.samples)
+        self._large: list[Block] = []
+        self.one = self._point_function(make_block(layout, 1))
+
+    def _point_function(self, first: Block) -> Callable[..., tuple[float, ...] | None]:
+        """Return a function of floats that returns the outputs, None where one has no value.
+
+        Evaluations at the same time, in several threads, take a block each.
+        """
+        gap = f"{first.columns.strides[0] - 8}x"
+        start = first.numbers.ctypes.data
+        inputs, outputs = len(first.columns), len(first.results)
+        pack = struct.Struct("=" + f"d{gap}" * inputs).pack_into
+        unpack = struct.Struct("=" + f"d{gap}" * outputs).unpack_from
+        x_at, y_at = first.columns.ctypes.data - start, first.results.ctypes.data - start
+        kernel, template = self._kernel, first.numbers
+        free: list[tuple[NDArray[np.float64], memoryview]] = []
+        take, give = free.pop, free.append
+
+        def one(*values: float) -> tuple[float, ...] | None:
+            try:
+                room = take()
+            except IndexError:
+                block = template.copy()
+                room = block, memoryview(block).cast("B")  # type: ignore[arg-type]
+            pack(room[1], x_at, *values)
+            missing = kernel(room[0])
+            found: tuple[float, ...] = unpack(room[1], y_at)
+            give(room)
+            return None if missing else found
+
+        if not self._curved:
+            return one
+        bounds = [
+            (each.low, each.high) if each.outside == "clamp" else (-np.inf, np.inf)
+            for each in self.rulebase.inputs
+        ]
+
+        def with_curved(*values: float) -> tuple[float, ...] | None:
+            degrees = []
+            for i, _, function in self._curved:
+                low, high = bounds[i]
+                value = min(max(values[i], low), high)
+                if not -np.inf < value < np.inf:
+                    return None
+                degrees.append(function(value))
+            return one(*values, *degrees)
+
+        return with_curved
+
+    def many(
+        self, given: Mapping[str, Any], held: Mapping[str, float] | None
+    ) -> dict[str, NDArray[np.float64]]:
+        """Evaluate arrays of points."""
+        arrays = {each.name: np.asarray(given[each.name]) for each in self.rulebase.inputs}
+        if any(array.dtype.kind not in "fiub" for array in arrays.values()):
+            return infer_arrays(self.rulebase, given, held)  # which says what is wrong
+        try:
+            shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        except ValueError:
+            return infer_arrays(self.rulebase, given, held)
+        working = working_shape(arrays, shape)
+        size = int(np.prod(shape))
+        results = np.empty((len(self.rulebase.outputs), *working))
+        missing = self._fill(arrays, working, results) if size else 0
+        if missing:
+            self._complete(arrays, working, results, held)
+        names = [output.name for output in self.rulebase.outputs]
+        return {n: result.reshape(shape) for n, result in zip(names, results, strict=True)}
+
+    def _fill(
+        self,
+        arrays: Mapping[str, NDArray[Any]],
+        working: tuple[int, ...],
+        results: NDArray[np.float64],
+    ) -> int:
+        try:
+            block = self._large.pop()
+        except IndexError:
+            block = make_block(self._layout, self._chunk)
+        missing = 0
+        for part in blocks(working, block.columns.shape[1]):
+            shape = tuple(each.stop - each.start for each in part)
+            count = int(np.prod(shape))
+            block.points[0] = count
+            values = [part_of(array, working, part) for array in arrays.values()]
+            for column, value in zip(block.columns, values, strict=False):
+                column[:count].reshape(shape)[...] = value
+            for column, (i, each, _) in zip(
+                block.columns[len(values) :], self._curved, strict=True
+            ):
+                proper = into_range(self.rulebase.inputs[i], np.asarray(values[i], dtype=float))
+                column[:count].reshape(shape)[...] = membership(each.shape, proper, each.hedges)
+            missing += self._kernel(block.numbers)
+            results[:, *part] = block.results[:, :count].reshape(-1, *shape)
+        self._large.append(block)
+        return missing
+
+    def _complete(
+        self,
+        arrays: Mapping[str, NDArray[Any]],
+        working: tuple[int, ...],
+        results: NDArray[np.float64],
+        held: Mapping[str, float] | None,
+    ) -> None:
+        """Let the engine for arrays settle points without an ordinary value."""
+        where = np.isnan(results).any(axis=0)
+        left = {name: np.broadcast_to(a, working)[where] for name, a in arrays.items()}
+        found = infer_arrays(self.rulebase, left, held)
+        for result, values in zip(results, found.values(), strict=True):
+            result[where] = values
+
+
+def compiled(rulebase: RuleBase) -> Compiled:
+    """Make a rule base ready to be evaluated fast.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Any model.
+
+    Returns
+    -------
+    Compiled
+        A callable with the inputs, results and errors of :func:`fuzzyarm.infer`. Machine
+        code does the work where it covers the model, see its `kernel` and `reason`. The
+        machine code is the same for all models: it is made once, and kept on disk.
+
+    Raises
+    ------
+    InferenceError
+        For a model that cannot be evaluated.
+
+    Examples
+    --------
+    >>> fast = compiled(rulebase)                              # doctest: +SKIP
+    >>> fast(e=1.3, ce=-2.2)                                   # doctest: +SKIP
+    {'u': -1.0677966101694918}
+    >>> fast.at(1.3, -2.2)                                     # doctest: +SKIP
+    (-1.0677966101694918,)
+    >>> fast(e=axis[:, None], ce=axis[None, :])                # doctest: +SKIP
+    """
+    return Compiled(rulebase)

@@ -1,0 +1,64 @@
+"""The language of ``.frb`` files: model, reading, canonical printing, checks.
+
+Only the standard library is used here, so importing it is instant.
+"""
+
+from fuzzyarm.language.reading import Parsed, format_text, load_rulebase, parse, read_text
+from fuzzyarm.language.writer import write
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Defuzzifier,
+    Expectation,
+    Expression,
+    Hedge,
+    Hedged,
+    Input,
+    Is,
+    Lookup,
+    LookupAxis,
+    Or,
+    Outcome,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+    Variable,
+)
+from fuzzyarm.text.diagnostic import Diagnostic, Related, RuleBaseError, Severity, Span
+
+__all__ = [
+    "And",
+    "Consequent",
+    "Defuzzifier",
+    "Diagnostic",
+    "Expectation",
+    "Expression",
+    "Hedge",
+    "Hedged",
+    "Input",
+    "Is",
+    "Lookup",
+    "LookupAxis",
+    "Or",
+    "Outcome",
+    "Output",
+    "Parsed",
+    "Related",
+    "Rule",
+    "RuleBase",
+    "RuleBaseError",
+    "RuleBlock",
+    "Severity",
+    "Shape",
+    "Span",
+    "Term",
+    "Variable",
+    "format_text",
+    "load_rulebase",
+    "parse",
+    "read_text",
+    "write",
+]

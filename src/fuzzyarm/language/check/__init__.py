@@ -1,0 +1,5 @@
+"""Checks that know fuzzy control: what is allowed but probably not meant."""
+
+from fuzzyarm.language.check.registry import CHECKS, Check, check
+
+__all__ = ["CHECKS", "Check", "check"]

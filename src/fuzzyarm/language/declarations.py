@@ -1,0 +1,537 @@
+"""Give declarations their meaning: variables, terms, shapes, settings; and the scope of names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TypedDict
+
+from fuzzyarm.language.nodes import (
+    BlockNode,
+    EvenTermsNode,
+    InferenceNode,
+    SettingNode,
+    ShapeNode,
+    TermNode,
+    VariableNode,
+    Word,
+)
+from fuzzyarm.language.printer import name_text
+from fuzzyarm.model.formula import CONSTANTS, FormulaError, names, parse_formula
+from fuzzyarm.model.rulebase import Defuzzifier, Shape, Term
+from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.text.diagnostic import (
+    MAX_DIAGNOSTICS,
+    MAX_INPUTS,
+    MAX_MAGNITUDE,
+    MAX_OUTPUTS,
+    MAX_TERMS,
+    MIN_WIDTH,
+    Diagnostic,
+    Related,
+    Severity,
+    Span,
+)
+from fuzzyarm.text.names import near_hint
+
+# --- The names in scope, and the findings ---
+
+_MOST_HINTS = 200
+"""Findings beyond these are told without a guess at what was meant."""
+
+
+@dataclass(slots=True)
+class Draft:
+    """A variable under construction."""
+
+    node: VariableNode
+    terms: dict[str, Term] = field(default_factory=dict)
+    spread: set[str] = field(default_factory=set)
+    outside: str = "clamp"
+    aggregation: str = "max"
+    defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
+    no_rule: float | str = "error"
+
+    @property
+    def name(self) -> str:
+        """Name of the variable."""
+        return self.node.name.text
+
+    @property
+    def is_input(self) -> bool:
+        """Whether it is an input."""
+        return self.node.role == "input"
+
+
+@dataclass(slots=True)
+class Scope:
+    """The variables of a file by name, and the findings so far."""
+
+    drafts: dict[str, Draft] = field(default_factory=dict)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    broken_variables: bool = False
+    full: set[str] = field(default_factory=set)
+
+    @property
+    def overflows(self) -> bool:
+        """Whether there are more findings than one run reports: looking on is useless."""
+        return len(self.diagnostics) > MAX_DIAGNOSTICS
+
+    def report(
+        self,
+        name: str,
+        message: str,
+        span: Span,
+        *,
+        hint: str = "",
+        replacement: str | None = None,
+        severity: Severity = Severity.ERROR,
+        related: tuple[Related, ...] = (),
+    ) -> None:
+        """Add a finding."""
+        self.diagnostics.append(
+            Diagnostic(name, message, span, severity, hint, replacement, related=related)
+        )
+
+    def variable(self, word: Word, role: str = "") -> Draft | None:
+        """Return the variable called by `word`; report it where there is none of that role."""
+        draft = self.drafts.get(word.text)
+        if draft is None:
+            # A broken `input` line is reported once, not at every use of its name.
+            if not self.broken_variables:
+                self._unknown("unknown-variable", "variable", word, self.names(role))
+            return None
+        if role and draft.node.role != role:
+            article = "an input" if draft.is_input else "an output"
+            self.report(
+                f"not-an-{role}",
+                f"'{word.text}' is {article}, not an {role}",
+                word.span,
+                related=(Related(f"'{word.text}' is declared here", draft.node.name.span),),
+            )
+            return None
+        return draft
+
+    def term(self, draft: Draft | None, word: Word) -> Term | None:
+        """Return the term of `draft` called by `word`; report it where there is none."""
+        if draft is None:
+            return None
+        term = draft.terms.get(word.text)
+        if term is None:
+            self._unknown("unknown-term", f"term of '{draft.name}'", word, draft.terms)
+        return term
+
+    def names(self, role: str = "") -> list[str]:
+        """Return the names of the variables of `role`, or of all."""
+        return [name for name, draft in self.drafts.items() if role in ("", draft.node.role)]
+
+    def _unknown(self, name: str, what: str, word: Word, choices: Iterable[str]) -> None:
+        options = list(choices)
+        hint, replacement = "", None
+        if len(self.diagnostics) < _MOST_HINTS:
+            hint, replacement = near_hint(word.text, options)
+        if not hint and options:
+            shown = ", ".join(options[:10]) + (", …" if len(options) > 10 else "")
+            hint = f"there are {shown}"
+        self.report(
+            name, f"no {what} is called '{word.text}'", word.span, hint=hint,
+            replacement=None if replacement is None else name_text(replacement),
+        )  # fmt: skip
+
+
+# --- Shapes ---
+
+
+def elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shape | None:
+    """Return the shape that `node` means, or None after a report."""
+    height = node.height.value if node.height else 1.0
+    if not 0.0 < height <= 1.0:
+        assert node.height is not None
+        scope.report("bad-height", "a height must be above 0 and at most 1", node.height.span)
+        return None
+    kind = node.kind.text
+    if not SHAPES[kind].fuzzy and draft is not None and draft.is_input:
+        scope.report(
+            "not-a-fuzzy-set",
+            f"'{kind}' is a value, not a set: it cannot be a term of the input '{draft.name}'",
+            node.kind.span,
+        )
+        return None
+    if kind == "linear":
+        return _linear(node, scope)
+    if kind == "formula":
+        return _formula(node, scope)
+    parameters = tuple(figure.value for figure in node.figures)
+    fault = shape_fault(kind, parameters)
+    if fault is not None:
+        index, message = fault
+        scope.report("bad-shape", message, node.figures[index].span)
+        return None
+    return Shape(kind, parameters, height)
+
+
+def shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    """Return what is wrong with the numbers of a shape, and which of them; None if nothing is.
+
+    Parameters
+    ----------
+    kind : str
+        A key of SHAPES.
+    parameters : tuple of float
+        As many as the kind takes.
+
+    Returns
+    -------
+    tuple of (int, str) or None
+        Index of the number at fault and one sentence.
+    """
+    return (
+        _infinite_fault(kind, parameters)
+        or _order_fault(kind, parameters)
+        or _size_fault(kind, parameters)
+    )
+
+
+def _infinite_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    for i, value in enumerate(parameters):
+        if math.isnan(value):
+            return i, f"a {kind} cannot have the number nan"
+        shoulder = kind in ("trapezoid", "rectangle") or (kind, i) == ("binary", 1)
+        if math.isinf(value) and not shoulder:
+            return i, f"a {kind} cannot have an infinite number here"
+        if MAX_MAGNITUDE < abs(value) < math.inf:
+            return i, f"a {kind} cannot have numbers beyond {MAX_MAGNITUDE:g}"
+    return None
+
+
+def _order_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    stride = 2 if kind == "points" else 1
+    if not SHAPES[kind].ordered and kind != "points":
+        return None
+    for i in range(stride, len(parameters), stride):
+        if parameters[i] < parameters[i - stride]:
+            return i, f"the numbers of a {kind} must not decrease"
+        if stride == 2 and i >= 4 and parameters[i] == parameters[i - 4]:
+            return i, "at most two points may share an x"
+    return None
+
+
+def _size_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    if kind == "points":
+        for i in range(1, len(parameters), 2):
+            if not 0.0 <= parameters[i] <= 1.0:
+                return i, "a membership must lie between 0 and 1"
+    info = SHAPES[kind]
+    for i, parameter in enumerate(info.parameters):
+        if parameter in info.positive and not parameters[i] > 0.0:
+            return i, f"the {parameter.replace('_', ' ')} of a {kind} must be above 0"
+        if parameter in info.positive and parameters[i] < MIN_WIDTH:
+            return i, f"the {parameter.replace('_', ' ')} of a {kind} is below {MIN_WIDTH:g}"
+    if kind in ("bell", "spike") and parameters[1] == 0.0:
+        return 1, f"the width of a {kind} must not be 0"
+    if kind in ("bell", "spike") and abs(parameters[1]) < MIN_WIDTH:
+        return 1, f"the width of a {kind} is below {MIN_WIDTH:g}"
+    return None
+
+
+def _linear(node: ShapeNode, scope: Scope) -> Shape | None:
+    inputs = scope.names("input")
+    coefficients = dict.fromkeys(inputs, 0.0)
+    constant = 0.0
+    for part in node.parts:
+        if part.variable is None:
+            constant += part.factor
+        elif scope.variable(part.variable, "input") is not None:
+            coefficients[part.variable.text] += part.factor
+    return Shape("linear", (*coefficients.values(), constant))
+
+
+def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
+    try:
+        tree = parse_formula(node.formula)
+    except FormulaError as error:
+        scope.report("bad-formula", error.message, node.formula_span)
+        return None
+    for name in sorted(names(tree)):
+        if name not in scope.drafts and name not in CONSTANTS and name != "x":
+            hint, _ = near_hint(name, scope.drafts)
+            scope.report(
+                "unknown-variable",
+                f"the formula uses '{name}', which is no variable",
+                node.formula_span,
+                hint=hint,
+            )
+    return Shape("formula", formula=node.formula)
+
+
+# --- Variables and terms ---
+
+_LIMITS = {"input": MAX_INPUTS, "output": MAX_OUTPUTS}
+
+
+def declare_variable(node: VariableNode, scope: Scope) -> None:
+    """Add the variable of `node` to `scope`."""
+    known = scope.drafts.get(node.name.text)
+    if known is not None:
+        scope.report(
+            "duplicate-variable",
+            f"'{node.name.text}' is declared twice",
+            node.name.span,
+            related=(Related("first here", known.node.name.span),),
+        )
+        return
+    if len(scope.names(node.role)) == _LIMITS[node.role]:
+        if node.role not in scope.full:
+            scope.report(
+                "too-many-variables",
+                f"more than {_LIMITS[node.role]} {node.role}s",
+                node.name.span,
+            )
+        scope.full.add(node.role)
+        scope.broken_variables = True
+        return
+    low, high = range_of(node)
+    if node.low is not None and node.high is not None and not low < high:
+        scope.report(
+            "bad-range",
+            f"the range of '{node.name.text}' must go from a lower to a higher number",
+            node.low.span.to(node.high.span),
+        )
+    elif node.low is not None and node.high is not None:
+        fault = range_fault(node.low.value, node.high.value)
+        if fault is not None:
+            span = node.low.span.to(node.high.span)
+            scope.report("bad-range", f"the range of '{node.name.text}' {fault}", span)
+    scope.drafts[node.name.text] = Draft(node)
+
+
+def range_fault(low: float, high: float) -> str | None:
+    """Return what makes the range from `low` to `high` absurd, or None."""
+    if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (low, high)):
+        return f"goes beyond {MAX_MAGNITUDE:g}"
+    if high - low < MIN_WIDTH:
+        return f"is narrower than {MIN_WIDTH:g}"
+    return None
+
+
+def range_of(node: VariableNode) -> tuple[float, float]:
+    """Return the range of a variable; 0 to 1 where the file's could not be read."""
+    if node.low is None or node.high is None:
+        return 0.0, 1.0
+    return node.low.value, node.high.value
+
+
+def add_term(node: TermNode, scope: Scope) -> None:
+    """Add the explicit term of `node` to its variable."""
+    draft = scope.variable(node.variable)
+    shape = None if node.shape is None else elaborate_shape(node.shape, draft, scope)
+    if draft is not None:
+        # A term with a bad shape keeps its place, so that its uses are no mistakes too.
+        _add(draft, node.name, shape or Shape("singleton", (range_of(draft.node)[0],)), scope)
+
+
+def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
+    """Spread the terms of `node` evenly over the range of each of its variables."""
+    for word in node.variables:
+        draft = scope.variable(word)
+        if draft is None:
+            continue
+        low, high = range_of(draft.node)
+        if not (math.isfinite(low) and math.isfinite(high)):
+            scope.report(
+                "bad-range", f"'{draft.name}' has no finite range to spread over", word.span
+            )
+            continue
+        if len(node.names) < 2 and node.family.text != "singletons":
+            scope.report(
+                "too-few-terms", "evenly spaced terms need two names at least", node.names[0].span
+            )
+            continue
+        if node.family.text == "singletons" and draft.is_input:
+            scope.report(
+                "singleton-input",
+                f"singletons would leave the input '{draft.name}' uncovered between them",
+                node.family.span,
+            )
+        for name, shape in zip(node.names, _even_shapes(node, low, high), strict=True):
+            _add(draft, name, shape, scope, spread=True)
+
+
+def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]:
+    """Return `count` shapes of `family` with peaks spread evenly from `low` to `high`.
+
+    Triangles have their feet under the neighbouring peaks, gaussians cross their
+    neighbours at one half, singletons stand at the peaks. A single shape stands in the middle.
+    """
+    if count == 1:
+        return [Shape("singleton", (0.5 * (low + high),))]
+    step = (high - low) / (count - 1)
+    peaks = [low + (high - low) * i / (count - 1) for i in range(count)]
+    if family == "singletons":
+        return [Shape("singleton", (peak,)) for peak in peaks]
+    if family == "gaussians":
+        deviation = step / (2.0 * math.sqrt(2.0 * math.log(2.0)))
+        return [Shape("gaussian", (peak, deviation)) for peak in peaks]
+    # Feet are the neighbours' peaks to the last bit, so that memberships add up to one.
+    feet = [low - step, *peaks, high + step]
+    return [Shape("triangle", (feet[i], feet[i + 1], feet[i + 2])) for i in range(count)]
+
+
+def _even_shapes(node: EvenTermsNode, low: float, high: float) -> list[Shape]:
+    return even_shapes(node.family.text, len(node.names), low, high)
+
+
+def _add(draft: Draft, name: Word, shape: Shape, scope: Scope, *, spread: bool = False) -> None:
+    known = draft.terms.get(name.text)
+    if known is not None and (name.text in draft.spread) != spread:
+        # A `term` line replaces the shape that `terms` spread, whichever comes first.
+        if not spread:
+            draft.terms[name.text] = Term(name.text, shape, name.span)
+            draft.spread.discard(name.text)
+        return
+    if known is not None:
+        scope.report(
+            "duplicate-term",
+            f"'{draft.name}' has two terms called '{name.text}'",
+            name.span,
+            related=(Related("first here", known.span),),
+        )
+        return
+    if len(draft.terms) > MAX_TERMS:
+        return
+    if len(draft.terms) == MAX_TERMS:
+        scope.report("too-many-terms", f"'{draft.name}' has more than {MAX_TERMS} terms", name.span)
+    draft.terms[name.text] = Term(name.text, shape, name.span)
+    if spread:
+        draft.spread.add(name.text)
+
+
+# --- Settings of `inference` and `block` ---
+
+BLOCK_KEYS = ("and", "or", "implication", "threshold")
+"""Settings that belong to rules; all others belong to variables."""
+
+_MAX_SAMPLES = 1_000_000
+
+
+class Norms(TypedDict, total=False):
+    """What a block of rules is evaluated by; see RuleBlock."""
+
+    conjunction: str
+    disjunction: str
+    implication: str
+    threshold: float
+
+
+def apply_inference(node: InferenceNode, scope: Scope, norms: Norms) -> None:
+    """Apply an ``inference`` line: to all variables and blocks, or to the variable it names."""
+    drafts = list(scope.drafts.values())
+    if node.target is not None:
+        draft = scope.variable(node.target)
+        drafts = [] if draft is None else [draft]
+    _report_repeated(node.settings, scope)
+    for setting in node.settings:
+        if setting.key.text in BLOCK_KEYS:
+            if node.target is not None:
+                scope.report(
+                    "misplaced-setting",
+                    f"'{setting.key.text}' belongs to rules, not to the variable"
+                    f" '{node.target.text}'",
+                    setting.key.span,
+                    hint="set it on a line of its own without a name, or on a block",
+                )
+            else:
+                _set_norm(setting, scope, norms)
+            continue
+        for draft in drafts:
+            _apply(setting, draft, scope, named=node.target is not None)
+
+
+def block_norms(node: BlockNode, scope: Scope, norms: Norms) -> Norms:
+    """Return the norms of a block: those of the file, overridden by its own."""
+    own = norms.copy()
+    _report_repeated(node.settings, scope)
+    for setting in node.settings:
+        if setting.key.text in BLOCK_KEYS:
+            _set_norm(setting, scope, own)
+        else:
+            scope.report(
+                "misplaced-setting",
+                f"'{setting.key.text}' belongs to an output, not to a block",
+                setting.key.span,
+                hint="write it on an inference line",
+            )
+    return own
+
+
+def _set_norm(setting: SettingNode, scope: Scope, norms: Norms) -> None:
+    if setting.figure is not None:
+        if not 0.0 <= setting.figure.value < 1.0:
+            scope.report(
+                "bad-threshold", "a threshold must be at least 0 and below 1", setting.figure.span
+            )
+        norms["threshold"] = setting.figure.value
+    elif setting.value is not None:
+        key = setting.key.text
+        if key == "and":
+            norms["conjunction"] = setting.value.text
+        elif key == "or":
+            norms["disjunction"] = setting.value.text
+        else:
+            norms["implication"] = setting.value.text
+
+
+def _report_repeated(settings: tuple[SettingNode, ...], scope: Scope) -> None:
+    seen: set[str] = set()
+    for setting in settings:
+        if setting.key.text in seen:
+            scope.report(
+                "duplicate-setting", f"'{setting.key.text}' is set twice", setting.key.span
+            )
+        seen.add(setting.key.text)
+
+
+def _apply(setting: SettingNode, draft: Draft, scope: Scope, *, named: bool) -> None:
+    key = setting.key.text
+    if key == "outside":
+        assert setting.value is not None
+        draft.outside = setting.value.text
+    elif draft.is_input:
+        if named:
+            scope.report(
+                "misplaced-setting",
+                f"'{key}' belongs to an output; '{draft.name}' is an input",
+                setting.key.span,
+            )
+    elif key == "aggregation":
+        assert setting.value is not None
+        draft.aggregation = setting.value.text
+    elif key == "no-rule":
+        if setting.value is not None:
+            draft.no_rule = setting.value.text
+        elif setting.figure is not None:
+            draft.no_rule = setting.figure.value
+    else:
+        draft.defuzzifier = _defuzzifier(setting, scope)
+
+
+def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
+    assert setting.value is not None
+    method = setting.value.text
+    if setting.resolution is None:
+        return Defuzzifier(method)
+    samples = setting.resolution.value
+    if method in ("weighted-average", "weighted-sum", "tsukamoto"):
+        scope.report(
+            "misplaced-setting", f"{method} takes no number of samples", setting.resolution.span
+        )
+    elif samples != int(samples) or not 2 <= samples <= _MAX_SAMPLES:
+        scope.report(
+            "bad-resolution",
+            f"the number of samples must be a whole number from 2 to {_MAX_SAMPLES:,}",
+            setting.resolution.span,
+        )
+        return Defuzzifier(method)
+    sampling = setting.sampling.text if setting.sampling else "endpoints"
+    return Defuzzifier(method, int(samples), sampling)

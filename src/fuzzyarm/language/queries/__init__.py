@@ -1,0 +1,53 @@
+"""Questions that an editor asks of a text: what stands here, where else, what could stand here.
+
+Pure functions over a :class:`Reading`, without numerics and without any protocol: the
+language server, the studio and the tests share them. Lines and columns count from 1.
+"""
+
+from fuzzyarm.language.queries.completion import Candidate, complete
+from fuzzyarm.language.queries.fixes import Edit, Fix, apply_edits, fixes
+from fuzzyarm.language.queries.hover import Hover, hover
+from fuzzyarm.language.queries.outline import (
+    COLOURS,
+    Coloured,
+    Fold,
+    Symbol,
+    coloured,
+    folds,
+    symbols,
+)
+from fuzzyarm.language.queries.reading import Kind, Occurrence, Reading, read
+from fuzzyarm.language.queries.references import (
+    RenameError,
+    definitions,
+    occurrence_at,
+    references,
+    rename,
+)
+
+__all__ = [
+    "COLOURS",
+    "Candidate",
+    "Coloured",
+    "Edit",
+    "Fix",
+    "Fold",
+    "Hover",
+    "Kind",
+    "Occurrence",
+    "Reading",
+    "RenameError",
+    "Symbol",
+    "apply_edits",
+    "coloured",
+    "complete",
+    "definitions",
+    "fixes",
+    "folds",
+    "hover",
+    "occurrence_at",
+    "read",
+    "references",
+    "rename",
+    "symbols",
+]

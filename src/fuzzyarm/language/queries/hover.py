@@ -1,0 +1,238 @@
+"""What a word means, in Markdown, with a small drawing of a term."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from fuzzyarm.language.check.terms import gaps_of
+from fuzzyarm.language.nodes import CellNode, GridNode
+from fuzzyarm.language.printer import expression_text, figure_text, name_text, proposition_text
+from fuzzyarm.language.queries.completion import HEDGE_EFFECTS, term_detail
+from fuzzyarm.language.queries.reading import Kind, Occurrence, Reading, contains
+from fuzzyarm.language.queries.references import occurrence_at, references
+from fuzzyarm.language.tokens import HEDGE_WORDS, STATEMENTS
+from fuzzyarm.language.writer import rule_node
+from fuzzyarm.model.membership import FUNCTIONS, membership
+from fuzzyarm.model.rulebase import Input, Rule, Shape, Variable
+from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES, corner_points
+from fuzzyarm.text.diagnostic import Span
+from fuzzyarm.text.numbers import number_text
+
+# --- A membership function as a small drawing in text, three lines high ---
+
+_EIGHTHS = " ▁▂▃▄▅▆▇█"
+WIDTH = 41
+ROWS = 3
+
+
+def picture(shape: Shape, variable: Variable) -> str:
+    """Return `shape` over the range of `variable`, with the ends of the range below.
+
+    Empty for the values of Takagi and Sugeno, which have no membership.
+    """
+    if shape.kind not in FUNCTIONS:
+        return ""
+    low, high = shown_range(variable)
+    step = (high - low) / (WIDTH - 1)
+    degrees = [_highest(shape, low + i * step, step) for i in range(WIDTH)]
+    lines = []
+    for row in range(ROWS - 1, -1, -1):
+        levels = [min(8, max(0, round(8 * (ROWS * d - row)))) for d in degrees]
+        lines.append("".join(_EIGHTHS[level] for level in levels).rstrip())
+    left, right = f"{low:g}", f"{high:g}"
+    middle = f"{0.5 * (low + high):g}"
+    axis = left + middle.center(WIDTH - len(left) - len(right)) + right
+    return "\n".join([*lines, "─" * WIDTH, axis])
+
+
+def _highest(shape: Shape, x: float, step: float) -> float:
+    # A peak between two columns must not be lost, and a singleton has no width at all.
+    inside = [c for c in corner_points(shape) if abs(c - x) <= 0.5 * step]
+    return max(membership(shape, place) for place in (x, *inside))
+
+
+def shown_range(variable: Variable) -> tuple[float, float]:
+    """Return the range of `variable`; where it is unbounded, the stretch its terms mark."""
+    places = [x for term in variable.terms for x in corner_points(term.shape)]
+    ends = [x for x in (variable.low, variable.high) if math.isfinite(x)]
+    known = [*places, *ends] or [0.0]
+    low = variable.low if math.isfinite(variable.low) else min(known) - 1.0
+    high = variable.high if math.isfinite(variable.high) else max(known) + 1.0
+    return (low, high) if low < high else (low, low + 1.0)
+
+
+# --- Rules in words ---
+
+
+def rule_sentence(rule: Rule) -> str:
+    """Return a rule as one ``if … then …`` sentence, wherever it stood."""
+    node = rule_node(rule)
+    consequents = " and ".join(map(proposition_text, node.consequents))
+    weight = f" with {figure_text(node.weight)}" if node.weight else ""
+    return f"if {expression_text(node.antecedent)} then {consequents}{weight}"
+
+
+# --- What a word means, in Markdown ---
+
+_SETTING_HELP = {
+    "and": "how the parts of an antecedent that are joined by `and` become one degree",
+    "or": "how the parts of an antecedent that are joined by `or` become one degree",
+    "implication": "how the strength of a rule cuts the set of its consequent",
+    "aggregation": "how the cut sets of several rules become one",
+    "defuzzifier": "how the aggregated set becomes a number",
+    "outside": "what happens to a value outside the range: clamp, extend or error",
+    "no-rule": "the value where no rule fires: error, hold or a number",
+    "exact": "the integral itself, without samples",
+    "levels": "the sample points of the lookup table",
+    "bins": "thresholds between neighbouring levels",
+    "round": "the step that the values of the lookup table are rounded to",
+    "mirrored": "the same numbers with a minus sign too",
+    "when": "a condition that is added to every rule of the grid",
+    "with": "the weight of the rule",
+    "within": "the tolerance of an expectation",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Hover:
+    """An explanation.
+
+    Attributes
+    ----------
+    markdown : str
+        What to show.
+    span : Span
+        The text it is about.
+    """
+
+    markdown: str
+    span: Span
+
+
+def hover(reading: Reading, line: int, column: int) -> Hover | None:
+    """Return what stands at a place, or None where nothing does."""
+    cell = _cell_at(reading, line, column)
+    if cell is not None:
+        return _of_cell(reading, *cell)
+    occurrence = occurrence_at(reading, line, column)
+    if occurrence is not None:
+        text = _of_occurrence(reading, occurrence)
+        return Hover(text, occurrence.span) if text else None
+    return _of_word(reading, line, column)
+
+
+def _cell_at(reading: Reading, line: int, column: int) -> tuple[GridNode, int, CellNode] | None:
+    for statement in reading.document.statements:
+        node = statement.node
+        if not isinstance(node, GridNode):
+            continue
+        for row in node.rows:
+            if row.label.span.line != line:
+                continue
+            for index, cell in enumerate(row.cells):
+                if contains(cell.span, line, column):
+                    return node, index, cell
+    return None
+
+
+def _of_cell(reading: Reading, grid: GridNode, index: int, cell: CellNode) -> Hover:
+    rule = next((r for r in reading.model.rules if r.span == cell.span), None)
+    if rule is None:
+        row = next(r for r in grid.rows if r.label.span.line == cell.span.line)
+        where = f"{grid.column.text} is {grid.columns[index].text}"
+        if grid.row is not None:
+            where = f"{grid.row.text} is {row.label.text} and {where}"
+        what = "no rule for" if cell.term is None else "this cell cannot be read:"
+        return Hover(f"{what} {where}", cell.span)
+    return Hover(_rule_markdown(reading, rule), cell.span)
+
+
+def _rule_markdown(reading: Reading, rule: Rule) -> str:
+    parts = [f"**{rule_sentence(rule)}**"]
+    for consequent in rule.consequents:
+        variable = reading.variable(consequent.variable)
+        if variable is not None:
+            parts.append(_term_markdown(variable, consequent.term))
+    return "\n\n".join(parts)
+
+
+def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
+    if occurrence.kind is Kind.VARIABLE:
+        variable = reading.variable(occurrence.name)
+        return "" if variable is None else _variable_markdown(variable)
+    if occurrence.kind is Kind.TERM:
+        parts = []
+        for owner in occurrence.owners:
+            variable = reading.variable(owner)
+            if variable is not None and any(t.name == occurrence.name for t in variable.terms):
+                parts.append(_term_markdown(variable, occurrence.name))
+        uses = sum(not o.is_definition for o in references(reading, occurrence))
+        if parts:
+            parts.append(f"used {uses} time{'s' if uses != 1 else ''}")
+        return "\n\n".join(parts)
+    if occurrence.kind is Kind.BLOCK:
+        block = next((b for b in reading.model.blocks if b.name == occurrence.name), None)
+        if block is None:
+            return f"block **{occurrence.name}**"
+        return (
+            f"block **{occurrence.name}**: {len(block.rules)} rules, and {block.conjunction}, "
+            f"or {block.disjunction}, implication {block.implication}"
+        )
+    model = reading.model
+    sizes = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {len(model.rules)} rules"
+    return f"**{occurrence.name}** {model.description}\n\n{sizes}".strip()
+
+
+def _term_markdown(variable: Variable, name: str) -> str:
+    term = variable.term(name)
+    shape = term.shape
+    numbers = term_detail(variable, name)
+    if shape.kind == "formula":
+        numbers = f'formula "{shape.formula}"'
+    height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
+    text = f"`{name_text(name)}` of `{name_text(variable.name)}`: `{numbers}{height}`"
+    named = SHAPES[shape.kind].parameters
+    if named and len(named) == len(shape.parameters):
+        pairs = zip(named, shape.parameters, strict=True)
+        text += "  \n" + ", ".join(f"{key.replace('_', ' ')} {x:.6g}" for key, x in pairs)
+    drawing = picture(shape, variable)
+    return f"{text}\n\n```text\n{drawing}\n```" if drawing else text
+
+
+def _variable_markdown(variable: Variable) -> str:
+    role = "input" if isinstance(variable, Input) else "output"
+    low, high = number_text(variable.low), number_text(variable.high)
+    lines = [f"{role} **{variable.name}** `{low} .. {high}`"]
+    if variable.description:
+        lines[0] += f" {variable.description}"
+    names = ", ".join(term.name for term in variable.terms)
+    lines.append(f"terms: {names}" if names else "no terms yet")
+    if isinstance(variable, Input) and variable.terms:
+        gaps = [finding.message for finding in gaps_of(variable)]
+        lines.append("; ".join(gaps) if gaps else "every value is covered by a term")
+    lines.append(f"outside the range: {variable.outside}")
+    return "\n\n".join(lines)
+
+
+def _of_word(reading: Reading, line: int, column: int) -> Hover | None:
+    token = reading.token_at(line, column)
+    if token is None or token.kind != "name":
+        return None
+    text = token.text
+    first = reading.tokens_of(line)[0] is token
+    if first and text in STATEMENTS:
+        words = STATEMENTS[text]
+    elif text in SHAPES:
+        kind = SHAPES[text]
+        numbers = " ".join(kind.parameters)
+        words = f"`{text} {numbers}`  \n{kind.summary}" if numbers else kind.summary
+    elif text in EVEN_SHAPES:
+        words = f"evenly spread terms: {EVEN_SHAPES[text]}"
+    elif text in HEDGE_WORDS:
+        words = f"hedge: {HEDGE_EFFECTS[HEDGE_WORDS[text]]}"
+    elif text in _SETTING_HELP:
+        words = _SETTING_HELP[text]
+    else:
+        return None
+    return Hover(f"**{text}**: {words}", token.span)

@@ -1,0 +1,173 @@
+"""Read a rule base from text, which never fails, or from a file, which may; format a text."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+
+from fuzzyarm.language.meaning import elaborate
+from fuzzyarm.language.nodes import Document
+from fuzzyarm.language.parser import ParseMemory, parse_document
+from fuzzyarm.language.printer import print_document
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import (
+    MAX_CHARACTERS,
+    MAX_DIAGNOSTICS,
+    Diagnostic,
+    RuleBaseError,
+    Span,
+)
+
+# --- Reading ---
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """What a text says.
+
+    Attributes
+    ----------
+    document : Document
+        The syntax tree.
+    partial : RuleBase
+        What the sound statements mean, whatever the others are like.
+    diagnostics : tuple of Diagnostic
+        Every mistake, in the order of the text.
+    """
+
+    document: Document
+    partial: RuleBase
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def rulebase(self) -> RuleBase | None:
+        """The rule base, or None if any diagnostic is an error."""
+        return None if any(d.is_error for d in self.diagnostics) else self.partial
+
+
+def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) -> Parsed:
+    """Read `text` as a rule base; never raises.
+
+    Parameters
+    ----------
+    text : str
+        Any text at all.
+    path : str
+        Name of the file, for the diagnostics.
+    memory : ParseMemory, optional
+        What is known of an earlier version of the text; makes reading quicker.
+
+    Returns
+    -------
+    Parsed
+        The rule base where there is no error, and every mistake in order.
+    """
+    document = parse_document(text, memory)
+    too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
+    partial, findings = elaborate(document, memory)
+    found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
+    # One slip in a line shared by several variables is one finding.
+    once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(found)}
+    found = sorted(once.values(), key=lambda diagnostic: diagnostic.span)
+    return Parsed(document, partial, tuple(_limited(found, path)))
+
+
+def _limited(found: list[Diagnostic], path: str) -> list[Diagnostic]:
+    shown = [replace(diagnostic, path=path) for diagnostic in found[:MAX_DIAGNOSTICS]]
+    if len(found) > MAX_DIAGNOSTICS:
+        shown.append(
+            Diagnostic(
+                "too-many-mistakes",
+                f"there are more than {MAX_DIAGNOSTICS:,} findings; the others are not shown",
+                found[MAX_DIAGNOSTICS].span,
+                path=path,
+            )
+        )
+    return shown
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Return the text of a UTF-8 file, without a byte order mark.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    RuleBaseError
+        If it is too large or no UTF-8; the diagnostic points at the first bad byte.
+    """
+    name = os.fspath(path)
+    with open(path, "rb") as file:
+        data = file.read(4 * MAX_CHARACTERS + 1)
+    if len(data) > 4 * MAX_CHARACTERS:
+        message = f"the file is larger than {4 * MAX_CHARACTERS:,} bytes"
+        raise RuleBaseError([Diagnostic("file-too-large", message, path=name)])
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line = before.count(b"\n") + 1
+        column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8-sig", "replace")) + 1
+        raise RuleBaseError(
+            [
+                Diagnostic(
+                    "not-utf-8",
+                    f"the byte 0x{data[error.start]:02x} is no UTF-8 text",
+                    Span(line, column, line, column + 1),
+                    hint="save the file as UTF-8",
+                    path=name,
+                )
+            ]
+        ) from None
+
+
+def text_to_show(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file for showing places in it, whatever its bytes.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    """
+    with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
+        return file.read()
+
+
+def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
+    """Return the rule base in the ``.frb`` file at `path`.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    RuleBaseError
+        If it has mistakes; `diagnostics` has all of them.
+    """
+    parsed = parse(read_text(path), os.fspath(path))
+    if parsed.rulebase is None:
+        raise RuleBaseError(parsed.diagnostics)
+    return parsed.rulebase
+
+
+# --- Formatting ---
+
+
+def format_text(text: str, path: str = "<text>") -> str:
+    """Return `text` in canonical form; formatting the result again changes nothing.
+
+    Parameters
+    ----------
+    text : str
+        A rule base without errors.
+    path : str
+        Name of the file, for the diagnostics.
+
+    Raises
+    ------
+    RuleBaseError
+        If `text` has mistakes: what is not understood is not rewritten.
+    """
+    parsed = parse(text, path)
+    if parsed.rulebase is None:
+        raise RuleBaseError(parsed.diagnostics)
+    return print_document(parsed.document)

@@ -1,0 +1,417 @@
+"""Write a RuleBase as canonical text: the way back from meaning to syntax, grids found again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from math import isfinite
+
+from fuzzyarm.language.declarations import even_shapes
+from fuzzyarm.language.meaning import UNNAMED
+from fuzzyarm.language.nodes import (
+    BlockNode,
+    CellNode,
+    Document,
+    EvenTermsNode,
+    ExpectNode,
+    ExpressionNode,
+    Figure,
+    GridNode,
+    Heading,
+    HedgedNode,
+    HedgeNode,
+    InferenceNode,
+    JunctionNode,
+    LinearPart,
+    LookupItem,
+    LookupNode,
+    OutcomeNode,
+    PropositionNode,
+    RowNode,
+    RuleNode,
+    SettingNode,
+    ShapeNode,
+    Statement,
+    StatementNode,
+    TermNode,
+    Trivia,
+    VariableNode,
+    Word,
+)
+from fuzzyarm.language.printer import print_document
+from fuzzyarm.model.rulebase import (
+    And,
+    Defuzzifier,
+    Expectation,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Lookup,
+    LookupAxis,
+    Or,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Variable,
+)
+from fuzzyarm.text.numbers import even_levels
+
+# --- Finding the grids in a flat list of rules, without changing their order ---
+
+_FEWEST = 4
+
+
+@dataclass(slots=True)
+class GridRun:
+    """Consecutive rules that fill a grid row by row.
+
+    `rest` is what the antecedents have in common beyond row and column (``when …``).
+    """
+
+    output: str
+    row: str
+    column: str
+    rest: tuple[Expression, ...]
+    rows: list[str] = field(default_factory=list)
+    columns: list[str] = field(default_factory=list)
+    cells: dict[tuple[str, str], Rule] = field(default_factory=dict)
+    rules: list[Rule] = field(default_factory=list)
+    last: tuple[int, int] = (-1, -1)
+
+
+def split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | GridRun]:
+    """Return `rules` in order, with each run that reads back from a grid as a GridRun."""
+    order = {
+        (variable.name, term.name): i
+        for variable in (*rulebase.inputs, *rulebase.outputs)
+        for i, term in enumerate(variable.terms)
+    }
+    pieces: list[Rule | GridRun] = []
+    run: GridRun | None = None
+    for rule in rules:
+        cell = _as_cell(rule)
+        if run is not None and cell is not None and _fits(run, rule, cell, order):
+            _add(run, rule, cell, order)
+            continue
+        if run is not None:
+            pieces += _finished(run, order)
+            run = None
+        if cell is None:
+            pieces.append(rule)
+        else:
+            row, column, rest = cell
+            run = GridRun(rule.consequents[0].variable, row.variable, column.variable, rest)
+            _add(run, rule, cell, order)
+    if run is not None:
+        pieces += _finished(run, order)
+    return pieces
+
+
+_Cell = tuple[Is, Is, tuple[Expression, ...]]
+
+
+def _as_cell(rule: Rule) -> _Cell | None:
+    antecedent = rule.antecedent
+    if not isinstance(antecedent, And) or len(rule.consequents) != 1:
+        return None
+    if rule.consequents[0].hedges or len(antecedent.operands) < 2:
+        return None
+    row, column, *rest = antecedent.operands
+    if not isinstance(row, Is) or not isinstance(column, Is) or row.hedges or column.hedges:
+        return None
+    # One And as the only condition would be flattened on the way back.
+    if row.variable == column.variable or (len(rest) == 1 and isinstance(rest[0], And)):
+        return None
+    return row, column, tuple(rest)
+
+
+def _position(cell: _Cell, order: dict[tuple[str, str], int]) -> tuple[int, int]:
+    row, column, _ = cell
+    return order[row.variable, row.term], order[column.variable, column.term]
+
+
+def _fits(run: GridRun, rule: Rule, cell: _Cell, order: dict[tuple[str, str], int]) -> bool:
+    row, column, rest = cell
+    return (
+        rule.consequents[0].variable == run.output
+        and (row.variable, column.variable, rest) == (run.row, run.column, run.rest)
+        and _position(cell, order) > run.last
+    )
+
+
+def _add(run: GridRun, rule: Rule, cell: _Cell, order: dict[tuple[str, str], int]) -> None:
+    row, column, _ = cell
+    if row.term not in run.rows:
+        run.rows.append(row.term)
+    if column.term not in run.columns:
+        run.columns.append(column.term)
+    run.cells[row.term, column.term] = rule
+    run.rules.append(rule)
+    run.last = _position(cell, order)
+
+
+def _finished(run: GridRun, order: dict[tuple[str, str], int]) -> list[Rule | GridRun]:
+    if len(run.rules) < _FEWEST or 2 * len(run.rules) < len(run.rows) * len(run.columns):
+        return list(run.rules)
+    run.columns.sort(key=lambda term: order[run.column, term])
+    return [run]
+
+
+# --- From the model to the syntax tree ---
+
+
+def write(rulebase: RuleBase) -> str:
+    """Return canonical text that parses to `rulebase` again.
+
+    Rules that fill a grid in order are written as a grid, all others as ``rule`` lines.
+    Every setting is written out, so that the text depends on no default.
+    """
+    statements: list[Statement] = []
+    for section in _sections(rulebase):
+        for i, node in enumerate(section):
+            blank = ("",) if i == 0 and statements else ()
+            statements.append(Statement(node, Trivia(blank)))
+    return print_document(Document(tuple(statements)))
+
+
+def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
+    yield [Heading(Word(rulebase.name or UNNAMED), rulebase.description or None)]
+    yield [_variable("input", variable) for variable in rulebase.inputs] + [
+        _variable("output", variable) for variable in rulebase.outputs
+    ]
+    yield from _terms(rulebase)
+    yield list(_inference(rulebase))
+    for block in rulebase.blocks:
+        yield list(_block(block, rulebase))
+    if rulebase.lookup is not None:
+        yield [_lookup(rulebase.lookup)]
+    yield [_expectation(expectation) for expectation in rulebase.expectations]
+
+
+def _variable(role: str, variable: Variable) -> VariableNode:
+    return VariableNode(
+        role,
+        Word(variable.name),
+        Figure(variable.low),
+        Figure(variable.high),
+        variable.description or None,
+    )
+
+
+def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
+    """Yield the terms; a family that is evenly spaced is one line for all that share it."""
+    shared: dict[tuple[str, tuple[str, ...]], list[Variable]] = {}
+    others: list[Variable] = []
+    for variable in (*rulebase.inputs, *rulebase.outputs):
+        family = _even_family(variable)
+        if family is None:
+            others.append(variable)
+        else:
+            names = tuple(term.name for term in variable.terms)
+            shared.setdefault((family, names), []).append(variable)
+    yield [
+        EvenTermsNode(
+            tuple(Word(variable.name) for variable in variables),
+            Word(family),
+            tuple(map(Word, names)),
+        )
+        for (family, names), variables in shared.items()
+    ]
+    for variable in others:
+        yield [
+            TermNode(Word(variable.name), Word(term.name), _shape(term.shape, rulebase))
+            for term in variable.terms
+        ]
+
+
+def _even_family(variable: Variable) -> str | None:
+    count = len(variable.terms)
+    if count < 2 or not (isfinite(variable.low) and isfinite(variable.high)):
+        return None
+    shapes = [term.shape for term in variable.terms]
+    families = ["triangles", "gaussians"]
+    if isinstance(variable, Output):
+        families.append("singletons")
+    for family in families:
+        if shapes == even_shapes(family, count, variable.low, variable.high):
+            return family
+    return None
+
+
+def _shape(shape: Shape, rulebase: RuleBase) -> ShapeNode:
+    kind = Word(shape.kind)
+    height = None if shape.height == 1.0 else Figure(shape.height)
+    if shape.kind == "linear":
+        names = [variable.name for variable in rulebase.inputs]
+        *factors, constant = shape.parameters
+        parts = [
+            LinearPart(factor, Word(name))
+            for factor, name in zip(factors, names, strict=True)
+            if factor != 0.0
+        ]
+        if constant != 0.0 or not parts:
+            parts.append(LinearPart(constant, None))
+        return ShapeNode(kind, parts=tuple(parts), height=height)
+    if shape.kind == "formula":
+        return ShapeNode(kind, formula=shape.formula, height=height)
+    return ShapeNode(kind, tuple(map(Figure, shape.parameters)), height=height)
+
+
+def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
+    first = rulebase.blocks[0] if rulebase.blocks else RuleBlock()
+    yield InferenceNode(None, _norms(first, first))
+    for variable in rulebase.inputs:
+        yield InferenceNode(Word(variable.name), (_choice("outside", variable.outside),))
+    for output in rulebase.outputs:
+        yield InferenceNode(Word(output.name), _output_settings(output))
+
+
+def _norms(block: RuleBlock, first: RuleBlock) -> tuple[SettingNode, ...]:
+    norms = (
+        _choice("and", block.conjunction),
+        _choice("or", block.disjunction),
+        _choice("implication", block.implication),
+    )
+    if block.threshold == 0.0 and first.threshold == 0.0:
+        return norms  # the default; else it is said, since a block inherits the file's
+    return (*norms, SettingNode(Word("threshold"), figure=Figure(block.threshold)))
+
+
+def _choice(key: str, value: str) -> SettingNode:
+    return SettingNode(Word(key), Word(value))
+
+
+def _output_settings(output: Output) -> tuple[SettingNode, ...]:
+    if isinstance(output.no_rule, str):
+        no_rule = _choice("no-rule", output.no_rule)
+    else:
+        no_rule = SettingNode(Word("no-rule"), figure=Figure(output.no_rule))
+    return (
+        _choice("aggregation", output.aggregation),
+        _defuzzifier(output.defuzzifier),
+        no_rule,
+        _choice("outside", output.outside),
+    )
+
+
+def _defuzzifier(defuzzifier: Defuzzifier) -> SettingNode:
+    key, method = Word("defuzzifier"), Word(defuzzifier.method)
+    if defuzzifier.resolution is None:
+        weighted = defuzzifier.method in ("weighted-average", "weighted-sum", "tsukamoto")
+        return SettingNode(key, method, exact=not weighted)
+    return SettingNode(
+        key,
+        method,
+        resolution=Figure(float(defuzzifier.resolution)),
+        sampling=Word(defuzzifier.sampling),
+    )
+
+
+def _block(block: RuleBlock, rulebase: RuleBase) -> Iterator[StatementNode]:
+    first = rulebase.blocks[0]
+    if block.name or block is not first:
+        same = _norms(block, first) == _norms(first, first)
+        yield BlockNode(Word(block.name), () if same else _norms(block, first))
+    for piece in split_into_grids(block.rules, rulebase):
+        yield rule_node(piece) if isinstance(piece, Rule) else _grid(piece)
+
+
+def rule_node(rule: Rule) -> RuleNode:
+    """Return a rule as it would be written."""
+    consequents = tuple(
+        PropositionNode(Word(c.variable), _hedges(c.hedges), Word(c.term)) for c in rule.consequents
+    )
+    weight = None if rule.weight == 1.0 else Figure(rule.weight)
+    return RuleNode(_expression(rule.antecedent), consequents, weight)
+
+
+def _grid(run: GridRun) -> GridNode:
+    rows = tuple(
+        RowNode(Word(label), tuple(_cell(run, label, column) for column in run.columns))
+        for label in run.rows
+    )
+    condition = None
+    if len(run.rest) == 1:
+        condition = _expression(run.rest[0])
+    elif run.rest:
+        condition = JunctionNode("and", tuple(map(_expression, run.rest)))
+    return GridNode(
+        Word(run.output),
+        condition,
+        Word(run.row),
+        Word(run.column),
+        tuple(map(Word, run.columns)),
+        rows,
+    )
+
+
+def _cell(run: GridRun, row: str, column: str) -> CellNode:
+    rule = run.cells.get((row, column))
+    if rule is None:
+        return CellNode(None, None)
+    weight = None if rule.weight == 1.0 else Figure(rule.weight)
+    return CellNode(Word(rule.consequents[0].term), weight)
+
+
+def _expression(expression: Expression) -> ExpressionNode:
+    if isinstance(expression, Is):
+        return PropositionNode(
+            Word(expression.variable), _hedges(expression.hedges), Word(expression.term)
+        )
+    if isinstance(expression, Hedged):
+        return HedgedNode(_hedges(expression.hedges), _expression(expression.operand))
+    word = "or" if isinstance(expression, Or) else "and"
+    return JunctionNode(word, tuple(map(_expression, expression.operands)))
+
+
+def _hedges(hedges: tuple[Hedge, ...]) -> tuple[HedgeNode, ...]:
+    return tuple(
+        HedgeNode(Word(h.name), None if h.exponent is None else Figure(h.exponent)) for h in hedges
+    )
+
+
+def _lookup(lookup: Lookup) -> LookupNode:
+    items = []
+    for axis in lookup.axes:
+        items.append(_levels(axis))
+        if axis.bins is not None:
+            form, bins = _bins(axis.bins)
+            items.append(LookupItem(Word("bins"), Word(axis.variable), form, bins))
+    if lookup.round is not None:
+        items.append(LookupItem(Word("round"), None, "list", (Figure(lookup.round),)))
+    return LookupNode(tuple(items))
+
+
+def _levels(axis: LookupAxis) -> LookupItem:
+    levels = axis.levels
+    key, word = Word("levels"), Word(axis.variable)
+    if len(levels) > 2 and even_levels(levels[0], levels[-1], len(levels) - 1) == levels:
+        figures = (levels[0], levels[-1], float(len(levels)))
+        return LookupItem(key, word, "count", tuple(map(Figure, figures)))
+    return LookupItem(key, word, "list", tuple(map(Figure, levels)))
+
+
+def _bins(bins: tuple[float, ...]) -> tuple[str, tuple[Figure, ...]]:
+    half = len(bins) // 2
+    mirrored = len(bins) % 2 == 0 and all(-a == b for a, b in zip(bins, bins[::-1], strict=True))
+    if mirrored and half and bins[half] > 0.0 and all(a < b for a, b in pairwise(bins)):
+        return "mirrored", tuple(map(Figure, bins[half:]))
+    return "list", tuple(map(Figure, bins))
+
+
+def _expectation(expectation: Expectation) -> ExpectNode:
+    inputs = tuple((Word(name), Figure(value)) for name, value in expectation.inputs)
+    outcomes = tuple(
+        OutcomeNode(
+            Word(o.variable),
+            o.relation,
+            Figure(o.value),
+            None if o.other is None else Figure(o.other),
+        )
+        for o in expectation.outcomes
+    )
+    return ExpectNode(inputs, outcomes)

@@ -1,0 +1,1 @@
+"""Controllers that learn: training along a trajectory."""

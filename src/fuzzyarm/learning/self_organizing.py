@@ -1,0 +1,129 @@
+"""Train self-organizing control along a trajectory, and watch its tables grow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.controller import CompiledController
+from fuzzyarm.controller.law import Arithmetic
+from fuzzyarm.controller.self_organizing import Learned, learned
+from fuzzyarm.kernels import jit_wanted
+from fuzzyarm.loop.loop import rms
+from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms, flat
+from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.plant.trajectory import Schedule, Trajectory
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Training at some moment.
+
+    Attributes
+    ----------
+    passage : int
+        Of the trajectory, counted from 1.
+    time : float
+        In that pass, s.
+    points : int
+        Set points since the start of the training.
+    learned : Learned
+        The tables, and the visits since the start of the training.
+    errors : ndarray, shape (n, 2)
+        Of this pass so far, degrees.
+    complete : bool
+        Whether the pass is over.
+    diverged : float or None
+        When the run was stopped because it had diverged, s; the training ends there.
+    """
+
+    passage: int
+    time: float
+    points: int
+    learned: Learned
+    errors: Vector
+    complete: bool
+    diverged: float | None
+
+    @property
+    def rms(self) -> Vector:
+        """Root mean square error of each joint in this pass so far, degrees."""
+        return rms(self.errors)
+
+
+def train(
+    controller: CompiledController,
+    trajectory: Trajectory,
+    shape: tuple[int, int],
+    *,
+    passes: int = 1,
+    every: int | None = None,
+    payload: bool = False,
+    arms: Schedule | None = None,
+    conventions: Conventions = PLAIN,
+    options: Options | None = None,
+) -> Iterator[Snapshot]:
+    """Run self-organizing control again and again; the arm begins each pass at rest.
+
+    Parameters
+    ----------
+    controller : CompiledController
+        Of the law of self-organizing control.
+    trajectory : Trajectory
+        What to follow.
+    shape : tuple of int
+        Rows and columns of its tables.
+    passes : int, optional
+        How often.
+    every : int, optional
+        Set points from one snapshot to the next; by default one snapshot for each pass.
+    payload, arms, conventions, options
+        See :func:`fuzzyarm.loop.run.simulate`.
+
+    Yields
+    ------
+    Snapshot
+        The last one of each pass is complete.
+    """
+    options = options or Options()
+    arms = checked_arms(trajectory, arms, payload=payload, conventions=conventions)
+    arithmetic = Arithmetic(conventions.single, conventions.pi)
+    compiled = jit_wanted() if options.compiled is None else options.compiled
+    program = Program(controller, arithmetic)
+    loop = program.loop(compiled)
+    course = Course(trajectory, arms, conventions, options, as_array=compiled)
+    kinds = flat(program.program, np.int64, as_array=compiled)
+    numbers = flat(program.numbers, as_array=compiled)
+    delay = int(controller.gains["delay"].value[0])
+    memory = program.memory
+    count = len(course.points.time)
+    step = every or count
+    for passage in range(1, passes + 1):
+        record = Record(course, memory)
+        for place in range(1 + 2 * delay):
+            record.memory[place] = program.memory[place]  # no cell is responsible yet
+        errors = np.zeros((0, 2))
+        for begin in range(0, count, step):
+            end = min(begin + step, count)
+            setting = course.setting._replace(seed=options.seed + begin + count * (passage - 1))
+            with np.errstate(all="ignore"):
+                loop(*course.stretch(begin, end), setting, kinds, numbers, *record.outputs)
+            errors = np.concatenate([errors, record.degrees(course)])
+            stopped = int(record.progress[1]) >= 0
+            yield Snapshot(
+                passage,
+                float(course.points.time[end - 1]),
+                end + count * (passage - 1),
+                learned([float(each) for each in record.memory], delay, shape),
+                errors,
+                end == count or stopped,
+                float(course.points.time[begin + int(record.progress[1])]) if stopped else None,
+            )
+            if stopped:
+                return
+        memory = record.memory

@@ -1,0 +1,363 @@
+"""What a rule base *means*: plain frozen data, free of text and of numerics.
+
+Everything above works on these classes. They compare by meaning: where a rule or a
+term stood in a file (its `span`) takes no part in equality.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+CONJUNCTIONS = (
+    "min", "product", "bounded", "drastic", "hamacher", "einstein", "nilpotent",
+)  # fmt: skip
+"""T-norms by the names the language uses (bounded is Łukasiewicz's)."""
+
+DISJUNCTIONS = (
+    "max", "probor", "bounded", "drastic", "hamacher", "einstein", "nilpotent", "sum",
+    "normalized",
+)  # fmt: skip
+"""S-norms, in the order of their duals; ``sum`` and ``normalized`` are for aggregation."""
+
+SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
+"""How a sampled defuzzifier spreads N points over the range of an output."""
+
+HEDGES = (
+    "not", "very", "somewhat", "extremely", "intensify", "seldom", "any", "power",
+)  # fmt: skip
+"""Hedges by name; ``more-or-less`` is read as ``somewhat``. Only ``power`` has a number."""
+
+DEFUZZIFIERS = (
+    "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
+    "weighted-average", "weighted-sum", "tsukamoto",
+)  # fmt: skip
+"""Ways from a fuzzy output (or a list of fired consequents) to a number."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """The membership function of a term, or the value of a consequent.
+
+    Attributes
+    ----------
+    kind : str
+        A key of :data:`fuzzyarm.model.shapes.SHAPES`.
+    parameters : tuple of float
+        Its numbers in the order of the registry. For ``points``: x1, y1, x2, y2, …;
+        for ``linear``: one coefficient for each input in order, then the constant.
+    height : float
+        Factor on the whole function, 1 as a rule.
+    formula : str
+        The text of a ``formula``; empty otherwise.
+    """
+
+    kind: str
+    parameters: tuple[float, ...] = ()
+    height: float = 1.0
+    formula: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """A named fuzzy set (or consequent value) of one variable."""
+
+    name: str
+    shape: Shape
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Defuzzifier:
+    """How a fuzzy output becomes a number.
+
+    Attributes
+    ----------
+    method : str
+        One of :data:`DEFUZZIFIERS`.
+    resolution : int or None
+        None for the exact integral; else the number of samples N.
+    sampling : str
+        One of :data:`SAMPLINGS`; without meaning where `resolution` is None.
+    """
+
+    method: str = "centroid"
+    resolution: int | None = None
+    sampling: str = "endpoints"
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """What inputs and outputs have in common: a name, a range and its terms.
+
+    Attributes
+    ----------
+    name : str
+        Any text; names that are no identifiers stand in single quotes in a file.
+    low, high : float
+        The range (universe of discourse), ``low < high``; infinite where unbounded.
+    terms : tuple of Term
+        In the order of the file.
+    description : str
+        Free text.
+    outside : str
+        What happens to a value outside the range: ``clamp``, ``extend`` (use as it is)
+        or ``error``.
+    """
+
+    name: str
+    low: float
+    high: float
+    terms: tuple[Term, ...] = ()
+    description: str = ""
+    outside: str = "clamp"
+    span: Span = field(default=NOWHERE, compare=False)
+
+    def term(self, name: str) -> Term:
+        """Return the term called `name`; raise KeyError where there is none."""
+        for term in self.terms:
+            if term.name == name:
+                return term
+        raise KeyError(name)
+
+
+@dataclass(frozen=True, slots=True)
+class Input(Variable):
+    """An input variable."""
+
+
+@dataclass(frozen=True, slots=True)
+class Output(Variable):
+    """An output variable and the way to its crisp value.
+
+    Attributes
+    ----------
+    aggregation : str
+        How the clipped sets of several rules become one: one of :data:`DISJUNCTIONS`.
+    defuzzifier : Defuzzifier
+        The way from the aggregate to a number.
+    no_rule : float or str
+        The value where no rule fires; ``"error"`` to raise, ``"hold"`` to keep the value
+        that the caller passes as the last one.
+    """
+
+    aggregation: str = "max"
+    defuzzifier: Defuzzifier = Defuzzifier()
+    no_rule: float | str = "error"
+
+
+@dataclass(frozen=True, slots=True)
+class Hedge:
+    """A modifier of a membership: ``very`` (square), ``power(1.3)``, ``not`` and so on.
+
+    Attributes
+    ----------
+    name : str
+        One of :data:`HEDGES`.
+    exponent : float or None
+        The number of ``power``; None for the others.
+    """
+
+    name: str
+    exponent: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Is:
+    """The proposition *variable is [hedges] term*; the hedge next to the term acts first."""
+
+    variable: str
+    term: str
+    hedges: tuple[Hedge, ...] = ()
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class And:
+    """A conjunction of two or more expressions, taken from left to right."""
+
+    operands: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Or:
+    """A disjunction of two or more expressions, taken from left to right."""
+
+    operands: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Hedged:
+    """Hedges on a whole expression: ``not (…)``, ``very (…)``."""
+
+    hedges: tuple[Hedge, ...]
+    operand: Expression
+
+
+Expression = Is | And | Or | Hedged
+
+
+@dataclass(frozen=True, slots=True)
+class Consequent:
+    """*output is [hedges] term*; the hedges modify the output set."""
+
+    variable: str
+    term: str
+    hedges: tuple[Hedge, ...] = ()
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One rule: where its antecedent holds, its consequents are asserted.
+
+    Attributes
+    ----------
+    antecedent : Expression
+        Its truth, times `weight`, is the firing strength.
+    consequents : tuple of Consequent
+        One or more.
+    weight : float
+        Factor on the truth of the antecedent, 0 to 1 as a rule.
+    span : Span
+        The grid cell or the ``rule`` statement.
+    in_grid : bool
+        Whether it stood in a grid; no part of the meaning.
+    """
+
+    antecedent: Expression
+    consequents: tuple[Consequent, ...]
+    weight: float = 1.0
+    span: Span = field(default=NOWHERE, compare=False)
+    in_grid: bool = field(default=False, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class RuleBlock:
+    """Rules that share their norms. Blocks are evaluated in order.
+
+    A later block may use an output of an earlier one as an input (chaining).
+
+    Attributes
+    ----------
+    rules : tuple of Rule
+        In order.
+    name : str
+        Free; empty where a file has one block.
+    conjunction, disjunction, implication : str
+        Names of norms.
+    threshold : float
+        A rule fires only where its firing strength is greater than this.
+    """
+
+    rules: tuple[Rule, ...] = ()
+    name: str = ""
+    conjunction: str = "min"
+    disjunction: str = "max"
+    implication: str = "min"
+    threshold: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class LookupAxis:
+    """How one input is sampled by `compile` and found again at run time.
+
+    Attributes
+    ----------
+    variable : str
+        The input.
+    levels : tuple of float
+        Increasing sample points.
+    bins : tuple of float or None
+        Increasing thresholds between neighbouring levels, one fewer than levels; an input
+        equal to a threshold belongs to the lower cell. None: the nearest level.
+    """
+
+    variable: str
+    levels: tuple[float, ...]
+    bins: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Lookup:
+    """The ``lookup`` settings of a file."""
+
+    axes: tuple[LookupAxis, ...] = ()
+    round: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What an ``expect`` line says of one output.
+
+    Attributes
+    ----------
+    variable : str
+        The output.
+    relation : str
+        ``=``, ``<``, ``<=``, ``>``, ``>=`` or ``in``.
+    value : float
+        The right side; the lower end of ``in``.
+    other : float or None
+        The tolerance of ``=`` (None: 1e-9 of the output's range); the upper end of ``in``.
+    """
+
+    variable: str
+    relation: str
+    value: float
+    other: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """An ``expect`` line: every input by name, and what must then hold."""
+
+    inputs: tuple[tuple[str, float], ...]
+    outcomes: tuple[Outcome, ...]
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class RuleBase:
+    """A whole fuzzy system: variables, rules, and how the rules are evaluated."""
+
+    name: str
+    inputs: tuple[Input, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    blocks: tuple[RuleBlock, ...] = ()
+    description: str = ""
+    lookup: Lookup | None = None
+    expectations: tuple[Expectation, ...] = ()
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules of all blocks, in order."""
+        return tuple(rule for block in self.blocks for rule in block.rules)
+
+    def variable(self, name: str) -> Input | Output:
+        """Return the input or output called `name`; raise KeyError where there is none."""
+        variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
+        for variable in variables:
+            if variable.name == name:
+                return variable
+        raise KeyError(name)
+
+    def output(self, name: str) -> Output:
+        """Return the output called `name`; raise KeyError where there is none."""
+        for output in self.outputs:
+            if output.name == name:
+                return output
+        raise KeyError(name)
+
+
+def propositions(expression: Expression) -> Iterator[Is]:
+    """Yield every proposition in `expression`, from left to right."""
+    if isinstance(expression, Is):
+        yield expression
+    elif isinstance(expression, Hedged):
+        yield from propositions(expression.operand)
+    else:
+        for operand in expression.operands:
+            yield from propositions(operand)

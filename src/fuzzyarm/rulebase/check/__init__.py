@@ -1,5 +1,0 @@
-"""Checks that know fuzzy control: what is allowed but probably not meant."""
-
-from fuzzyarm.rulebase.check.registry import CHECKS, Check, check
-
-__all__ = ["CHECKS", "Check", "check"]

@@ -1,1 +1,0 @@
-"""From the syntax tree, or from a RuleBase, to canonical text."""

@@ -1,1 +1,0 @@
-"""The language as text: tokens, statements and the syntax tree."""

@@ -1,0 +1,246 @@
+"""The differences between two rule bases or two tables, drawn in the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.model.rulebase import And, Expression, Is, Or, Rule, RuleBase, Variable
+from fuzzyarm.show.rulebase import (
+    expression_words,
+    name_words,
+    number_words,
+    rule_words,
+    shape_words,
+)
+from fuzzyarm.show.table import table_grids
+from fuzzyarm.text.numbers import number_text
+
+if TYPE_CHECKING:
+    from rich.console import Group, RenderableType
+
+    from fuzzyarm.table.diff import CellChange, TableDiff
+
+
+# --- The differences between two rule bases: rule by rule, term by term, setting by setting ---
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One difference.
+
+    Attributes
+    ----------
+    kind : str
+        ``changed``, ``added`` or ``removed``.
+    what : str
+        Where: the antecedent of a rule, the name of a term, a setting.
+    before, after : str
+        In words; empty for what was added or removed.
+    """
+
+    kind: str
+    what: str
+    before: str
+    after: str
+
+    def __str__(self) -> str:
+        if self.kind == "changed":
+            return f"{self.what}: {self.before} -> {self.after}"
+        return f"{self.what}: {self.before or self.after}"
+
+
+@dataclass(frozen=True, slots=True)
+class RuleBaseDiff:
+    """Everything that differs in meaning; the order of rules and comments do not count."""
+
+    rules: tuple[Change, ...]
+    terms: tuple[Change, ...]
+    settings: tuple[Change, ...]
+
+    @property
+    def same(self) -> bool:
+        """Whether both mean the same."""
+        return not (self.rules or self.terms or self.settings)
+
+
+def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
+    """Return what differs from `before` to `after`."""
+    return RuleBaseDiff(
+        tuple(_changes(_rules(before), _rules(after))),
+        tuple(_changes(_terms(before), _terms(after))),
+        tuple(_changes(_settings(before), _settings(after))),
+    )
+
+
+def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
+    """Return the differences as a list with ``~``, ``+`` and ``-`` in front."""
+    from rich.console import Group
+    from rich.text import Text
+
+    if diff.same:
+        return Group(Text("the rule bases mean the same"))
+    marks = {"changed": ("~", "yellow"), "added": ("+", "green"), "removed": ("-", "red")}
+    lines = []
+    for title, changes in (
+        ("rules", diff.rules),
+        ("terms", diff.terms),
+        ("settings", diff.settings),
+    ):
+        if changes:
+            lines.append(Text(f"{title}: {_counts(changes)}", "bold"))
+        for change in changes:
+            mark, style = marks[change.kind]
+            lines.append(Text.assemble((f"  {mark} ", style), str(change)))
+    return Group(*lines)
+
+
+def _counts(changes: tuple[Change, ...]) -> str:
+    kinds = ("changed", "added", "removed")
+    numbers = [(sum(c.kind == kind for c in changes), kind) for kind in kinds]
+    return ", ".join(f"{number} {kind}" for number, kind in numbers if number)
+
+
+def _changes(before: dict[str, str], after: dict[str, str]) -> Iterator[Change]:
+    for what, text in before.items():
+        if what not in after:
+            yield Change("removed", what, text, "")
+        elif after[what] != text:
+            yield Change("changed", what, text, after[what])
+    for what, text in after.items():
+        if what not in before:
+            yield Change("added", what, "", text)
+
+
+def _rules(rulebase: RuleBase) -> dict[str, str]:
+    """Return antecedent → what follows; the order of ``and`` and of the rules does not count."""
+    rules: dict[str, list[str]] = {}
+    for block in rulebase.blocks:
+        for rule in block.rules:
+            place = f"{block.name}: " if block.name else ""
+            key = f"{place}if {expression_words(_sorted(rule.antecedent, rulebase))}"
+            rules.setdefault(key, []).append(_result(rule))
+    return {key: ", ".join(sorted(results)) for key, results in rules.items()}
+
+
+def _result(rule: Rule) -> str:
+    return rule_words(rule).rpartition(" then ")[2]
+
+
+def _sorted(expression: Expression, rulebase: RuleBase) -> Expression:
+    """Put the propositions of a conjunction into the order of the inputs."""
+    if not isinstance(expression, (And, Or)):
+        return expression
+    names = [variable.name for variable in rulebase.inputs]
+
+    def place(operand: Expression) -> tuple[int, str]:
+        known = isinstance(operand, Is) and operand.variable in names
+        first = names.index(operand.variable) if known and isinstance(operand, Is) else len(names)
+        return first, expression_words(operand)
+
+    operands = sorted((_sorted(operand, rulebase) for operand in expression.operands), key=place)
+    return type(expression)(tuple(operands))
+
+
+def _terms(rulebase: RuleBase) -> dict[str, str]:
+    variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
+    return {
+        f"{name_words(variable.name)} {name_words(term.name)}": shape_words(term.shape, rulebase)
+        for variable in variables
+        for term in variable.terms
+    }
+
+
+def _settings(rulebase: RuleBase) -> dict[str, str]:
+    settings = {"name": rulebase.name}
+    for role, variables in (("input", rulebase.inputs), ("output", rulebase.outputs)):
+        for variable in variables:
+            span = f"{number_words(variable.low, 12)} .. {number_words(variable.high, 12)}"
+            settings[f"{role} {variable.name}"] = f"{span}, outside {variable.outside}"
+    for output in rulebase.outputs:
+        way = output.defuzzifier
+        samples = f"({way.resolution}, {way.sampling})" if way.resolution else " exact"
+        settings[f"defuzzifier {output.name}"] = f"{way.method}{samples}"
+        settings[f"aggregation {output.name}"] = output.aggregation
+        settings[f"no-rule {output.name}"] = str(output.no_rule)
+    for k, block in enumerate(rulebase.blocks):
+        label = block.name or str(k + 1)
+        norms = f"and {block.conjunction}, or {block.disjunction}, implication {block.implication}"
+        settings[f"block {label}"] = norms
+    settings["lookup"] = "none" if rulebase.lookup is None else _lookup_words(rulebase)
+    return settings
+
+
+def _lookup_words(rulebase: RuleBase) -> str:
+    from fuzzyarm.text.numbers import short_bins, short_levels
+
+    assert rulebase.lookup is not None
+    parts = []
+    for axis in rulebase.lookup.axes:
+        bins = f" bins {short_bins(axis.bins)}" if axis.bins else ""
+        parts.append(f"{name_words(axis.variable)} {short_levels(axis.levels)}{bins}")
+    if rulebase.lookup.round:
+        parts.append(f"round {number_words(rulebase.lookup.round)}")
+    return "; ".join(parts)
+
+
+# --- The differences between two tables: which cells changed, from what to what ---
+
+MOST_LISTED = 400
+"""More changed cells than this are counted, not listed."""
+
+
+def table_diff_view(diff: TableDiff) -> Group:
+    """Return what changed: a summary, the header, a grid of the changes, and each cell."""
+    from rich.console import Group
+    from rich.text import Text
+
+    parts: list[RenderableType] = [Text(summary_words(diff), "bold")]
+    if diff.transposed:
+        order = ", ".join(map(name_words, diff.before.names))
+        parts.append(Text(f"the second table has its inputs in another order than {order}"))
+    parts += [Text(f"{what}: {a} -> {b}") for what, a, b in diff.header]
+    if diff.changes:
+        parts += [Text(), Text("after - before"), *change_grids(diff), Text()]
+        parts += [Text(change_words(diff, change)) for change in diff.changes[:MOST_LISTED]]
+        rest = len(diff.changes) - MOST_LISTED
+        if rest > 0:
+            parts.append(Text(f"and {rest} more cells"))
+    return Group(*parts)
+
+
+def summary_words(diff: TableDiff) -> str:
+    """Return the outcome of the comparison in one sentence."""
+    if not diff.comparable:
+        return "the tables cannot be compared cell by cell: their inputs or levels differ"
+    count, size = len(diff.changes), diff.before.values.size
+    if not count:
+        return f"all {size} cells are equal"
+    largest = max(diff.changes, key=lambda change: abs(change.after - change.before))
+    return (
+        f"{count} of {size} cells changed, by up to "
+        f"{number_words(abs(largest.after - largest.before), 4)}"
+    )
+
+
+def change_words(diff: TableDiff, change: CellChange) -> str:
+    """Return one changed cell as ``e = 1, ce = -2: 0.5 -> 0.7``."""
+    place = ", ".join(
+        f"{name_words(name)} = {number_words(level)}"
+        for name, level in zip(diff.before.names, change.levels, strict=True)
+    )
+    return f"{place}: {number_text(change.before)} -> {number_text(change.after)}"
+
+
+def change_grids(diff: TableDiff) -> list[RenderableType]:
+    """Return heat grids of *after - before*; an unchanged cell is a dot."""
+    difference: Any = diff.after.values - diff.before.values
+    return table_grids(diff.before, difference, text=_change_text)
+
+
+def _change_text(x: float) -> str:
+    if x == 0:
+        return "."
+    text = number_words(x, 3)
+    return text if x < 0 else f"+{text}"

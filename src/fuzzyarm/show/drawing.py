@@ -1,0 +1,264 @@
+"""What drawings in the terminal are made of: console, colour scales, heat grids, curves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import IO, TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions, RenderableType
+    from rich.measure import Measurement
+    from rich.text import Text
+
+
+# --- The console that drawings are made for ---
+
+
+def make_console(file: IO[str] | None = None, **options: Any) -> Console:
+    """Return a rich console that leaves numbers and brackets as they are.
+
+    Where the output is no terminal it has no colours and is 80 columns wide, unless the
+    environment (COLUMNS, FORCE_COLOR, NO_COLOR) says otherwise.
+
+    Parameters
+    ----------
+    file : file, optional
+        Where to write; the standard output by default.
+    **options
+        Passed on to :class:`rich.console.Console`.
+    """
+    from rich.console import Console
+
+    settings: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
+    return Console(file=file, **(settings | options))
+
+
+def plain_text(drawing: RenderableType, width: int = 80) -> str:
+    """Return a drawing as text without colours, for logs, hovers and reports."""
+    import io
+
+    out = io.StringIO()
+    console = make_console(out, width=width, no_color=True, force_terminal=False)
+    console.print(drawing)
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+
+
+# --- A grid of texts, coloured by numbers: for rules, tables, visits and differences ---
+
+Cell = tuple[str, str]
+"""The text of a cell and its style."""
+
+
+@dataclass(frozen=True)
+class HeatGrid:
+    r"""Rows and columns with labels.
+
+    Where the terminal is too narrow, the columns go on in further bands below: nothing is
+    cut off. Without colours the texts say everything.
+
+    Attributes
+    ----------
+    corner : str
+        What the rows and the columns are, as ``e \ ce``.
+    columns, rows : sequence of str
+        The labels.
+    cells : sequence of sequence of (str, str)
+        Text and style, row by row.
+    """
+
+    corner: str
+    columns: Sequence[str]
+    rows: Sequence[str]
+    cells: Sequence[Sequence[Cell]]
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+        left, widths = self._left(), self._widths()
+        room = options.max_width - left
+        # A space on either side of a text looks better, one in front of it is enough.
+        gap = 2 if sum(widths) + 2 * len(widths) <= room else 1
+        for k, (start, stop) in enumerate(_bands([w + gap for w in widths], room)):
+            if k:
+                yield _line([])
+            span = range(start, stop)
+            parts = [(_padded(self.corner, left), "bold")]
+            parts += [(_boxed(self.columns[j], widths[j], gap), "bold") for j in span]
+            yield _line(parts)
+            for label, row in zip(self.rows, self.cells, strict=True):
+                parts = [(_padded(label, left), "bold")]
+                parts += [(_boxed(row[j][0], widths[j], gap), row[j][1]) for j in span]
+                yield _line(parts)
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        from rich.measure import Measurement
+
+        left, widths = self._left(), self._widths()
+        least = left + 1 + max(widths, default=0)
+        most = left + sum(widths) + 2 * len(widths)
+        return Measurement(min(least, options.max_width), min(most, options.max_width))
+
+    def _left(self) -> int:
+        return max(map(_width, (self.corner, *self.rows)))
+
+    def _widths(self) -> list[int]:
+        return [
+            max([_width(label), *(_width(row[j][0]) for row in self.cells)])
+            for j, label in enumerate(self.columns)
+        ]
+
+
+def _boxed(text: str, width: int, gap: int) -> str:
+    return " " + _padded(text, width) + " " * (gap - 1)
+
+
+def _bands(widths: Sequence[int], room: int) -> Iterator[tuple[int, int]]:
+    """Yield the stretches of columns that fit next to each other."""
+    start, used = 0, 0
+    for j, width in enumerate(widths):
+        if j > start and used + width > room:
+            yield start, j
+            start, used = j, 0
+        used += width
+    yield start, len(widths)
+
+
+def _padded(text: str, width: int) -> str:
+    return " " * (width - _width(text)) + text
+
+
+def _width(text: str) -> int:
+    from rich.cells import cell_len
+
+    return cell_len(text)
+
+
+def _line(parts: Sequence[Cell]) -> Text:
+    from rich.text import Text
+
+    text = Text(no_wrap=True, overflow="ignore", end="\n")
+    for part, style in parts:
+        text.append(part, style)
+    return text
+
+
+# --- From a number to a colour: one scale for terminals and, by its name, for figures ---
+#
+# Both scales are safe for colour-blind eyes: blue to red through near-white for values with
+# a sign, dark blue to yellow for those without.
+
+_DIVERGING = ((33, 102, 172), (146, 197, 222), (247, 247, 247), (244, 165, 130), (178, 24, 43))
+_SEQUENTIAL = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """A stretch of numbers spread over colours.
+
+    Attributes
+    ----------
+    low, high : float
+        The ends; numbers beyond take the colour of the end.
+    diverging : bool
+        Whether zero is the neutral middle.
+    """
+
+    low: float
+    high: float
+    diverging: bool
+
+    def share(self, value: float) -> float:
+        """Return where `value` lies, 0 at `low` and 1 at `high`."""
+        if self.high <= self.low:
+            return 0.5
+        return min(1.0, max(0.0, (value - self.low) / (self.high - self.low)))
+
+    def colour(self, value: float) -> tuple[int, int, int]:
+        """Return red, green and blue, 0 to 255."""
+        stops = self.stops
+        place = self.share(value) * (len(stops) - 1)
+        i = min(int(place), len(stops) - 2)
+        part = place - i
+        red, green, blue = (
+            round(a + part * (b - a)) for a, b in zip(stops[i], stops[i + 1], strict=True)
+        )
+        return red, green, blue
+
+    def ink(self, value: float) -> str:
+        """Return ``black`` or ``white``, whichever is readable on the colour of `value`."""
+        red, green, blue = self.colour(value)
+        return "black" if 0.299 * red + 0.587 * green + 0.114 * blue > 140 else "white"
+
+    def style(self, value: float) -> str:
+        """Return the terminal style of a cell with `value`."""
+        red, green, blue = self.colour(value)
+        return f"{self.ink(value)} on #{red:02x}{green:02x}{blue:02x}"
+
+    @property
+    def stops(self) -> tuple[tuple[int, int, int], ...]:
+        """The colours at even distances from `low` to `high`."""
+        return _DIVERGING if self.diverging else _SEQUENTIAL
+
+
+def scale_of(values: Iterable[float], low: float | None = None, high: float | None = None) -> Scale:
+    """Return the scale for `values`: diverging and symmetric if they have both signs.
+
+    Parameters
+    ----------
+    values : iterable of float
+        What will be coloured; numbers that are not finite are passed over.
+    low, high : float, optional
+        The range of the variable, which widens the scale where it is finite.
+    """
+    ends = [x for x in (*values, low, high) if x is not None and math.isfinite(x)]
+    if not ends:
+        return Scale(0.0, 1.0, diverging=False)
+    least, most = min(ends), max(ends)
+    if least < 0.0 < most:
+        reach = max(-least, most)
+        return Scale(-reach, reach, diverging=True)
+    return Scale(least, most, diverging=False)
+
+
+# --- Curves of straight lines as a row of blocks ---
+
+Curve = Sequence[tuple[float, float]]
+
+_BLOCKS = " ▁▂▃▄▅▆▇█"
+
+
+def block(height: float) -> str:
+    """Return the block for a height of 0 to 1; anything above one hundredth shows."""
+    if height <= 0.01:
+        return " "
+    return _BLOCKS[max(1, min(8, round(8 * height)))]
+
+
+def curve_blocks(curve: Curve, low: float, high: float, width: int) -> str:
+    """Return the largest height of `curve` within each of `width` equal stretches."""
+    step = (high - low) / (width - 1)
+    edges = [low + (i - 0.5) * step for i in range(width + 1)]
+    return "".join(block(_largest(curve, a, b)) for a, b in pairwise(edges))
+
+
+def marker(value: float, low: float, high: float, width: int, mark: str = "^") -> str:
+    """Return a line with `mark` where `value` lies between `low` and `high`."""
+    place = round((value - low) / (high - low) * (width - 1))
+    return " " * max(0, min(width - 1, place)) + mark
+
+
+def height_at(curve: Curve, x: float) -> float:
+    """Return the height of `curve` at `x`: the larger at a vertical edge, 0 outside."""
+    heights = [0.0]
+    for (x0, y0), (x1, y1) in pairwise(curve):
+        if x0 <= x <= x1:
+            heights += [y0, y1] if x1 == x0 else [y0 + (y1 - y0) * (x - x0) / (x1 - x0)]
+    return max(heights)
+
+
+def _largest(curve: Curve, start: float, end: float) -> float:
+    # The middle decides, so that a falling edge looks the same as a rising one;
+    # corners in the stretch are added so that no peak is missed.
+    inside = [y for x, y in curve if start <= x < end]
+    return max([height_at(curve, 0.5 * (start + end)), *inside])

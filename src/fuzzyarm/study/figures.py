@@ -1,0 +1,277 @@
+"""Figures of the study: error profiles of runs, chapters, all controllers beside each other."""
+
+from __future__ import annotations
+
+import errno
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.controller.catalogue import CATALOGUE
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.loop.run import Run
+from fuzzyarm.study.published import RMS_PLACES, PublishedRow
+from fuzzyarm.study.reproduce import Beyond, Reproduced
+from fuzzyarm.text.files import write_atomically
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+# --- Figures of error profiles: the tracking error of both links over time ---
+
+COLOURS = ("#1b6ca8", "#d1495b")
+"""Of link 1 and link 2; told apart in grey, too, by the dashes of the second."""
+
+
+def draw_profiles(runs: Sequence[Run], title: str) -> Figure:
+    """Draw the error profiles of some runs side by side.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+        One panel for each.
+    title : str
+        Above all panels.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(5.2 * len(runs), 3.4), layout="constrained")
+    panels = figure.subplots(1, len(runs), squeeze=False)[0]
+    for panel, run in zip(panels, runs, strict=True):
+        for link, style in ((0, "-"), (1, "--")):
+            panel.plot(
+                run.time,
+                run.errors[:, link],
+                style,
+                color=COLOURS[link],
+                linewidth=1.0,
+                label=f"link {link + 1}, RMS {run.rms[link]:.4f}°",
+            )
+        panel.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+        stopped = f", diverged at {run.diverged:.2f} s" if run.diverged is not None else ""
+        panel.set_title(f"{run.trajectory}{stopped}", fontsize=10)
+        panel.set_xlabel("time, s")
+        panel.set_ylabel("position error, degrees")
+        panel.legend(fontsize=8, frameon=False)
+        panel.spines[["top", "right"]].set_visible(False)
+    figure.suptitle(title, fontsize=11)
+    return figure
+
+
+class FigureFormatError(FuzzyarmError, ValueError):
+    """Figures are not drawn in the format of this `suffix`."""
+
+    def __init__(self, suffix: str) -> None:
+        super().__init__(f"no figure format '{suffix}'", hint=f"one of {', '.join(FORMATS)}")
+        self.suffix = suffix
+
+
+FORMATS = ("png", "svg", "pdf", "jpg", "webp")
+"""In which figures are written."""
+
+
+def figure_format(path: str | Path) -> str:
+    """Return the format that the suffix of `path` asks for.
+
+    Raises
+    ------
+    FigureFormatError
+        If it is none of :data:`FORMATS`.
+    FileNotFoundError
+        If the folder is not there.
+    """
+    suffix = Path(path).suffix.lstrip(".").lower()
+    if suffix not in FORMATS:
+        raise FigureFormatError(suffix)
+    folder = Path(path).parent
+    if not folder.is_dir():
+        raise FileNotFoundError(errno.ENOENT, "no such folder", str(folder))
+    return suffix
+
+
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure in the format of its suffix, whole or not at all.
+
+    Raises
+    ------
+    FigureFormatError, FileNotFoundError
+        See :func:`figure_format`.
+    """
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=figure_format(path), dpi=130)
+    write_atomically(path, buffer.getvalue())
+
+
+# --- Figures of many rows: chapters, and all controllers beside each other ---
+
+SUMMARY = "7"
+"""The chapter that only repeats rows of the others."""
+
+FAMILIES = {
+    "4": ("conventional", "#3b6ea5"),
+    "5": ("adaptive", "#2f8f6b"),
+    "6": ("fuzzy", "#c8553d"),
+}
+"""Chapter: what its controllers are, and their colour."""
+
+OWN_COLOUR = "#6a3d9a"
+"""Of the controller that the study does not have."""
+
+ACROSS = 3
+"""Rows side by side in the figure of a chapter."""
+
+
+def chapter_of(row: PublishedRow) -> str:
+    """Return the chapter that a row belongs to; those of the summary go by their controller."""
+    first = row.table[0]
+    if first != SUMMARY:
+        return first
+    if CATALOGUE[row.controller].takes:
+        return "6"
+    return "5" if row.controller.partition("+")[0] in {"acdid", "mrac", "dac"} else "4"
+
+
+def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
+    """Draw small error profiles of rows, first and second trajectory side by side.
+
+    Parameters
+    ----------
+    results : sequence of Reproduced
+        One pair of panels for each.
+    title : str
+        Above all.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.ticker import MaxNLocator
+
+    lines = -(-len(results) // ACROSS)
+    figure = Figure(figsize=(5.4 * ACROSS, 1.75 * lines + 0.9), layout="constrained")
+    panels = figure.subplots(lines, 2 * ACROSS, squeeze=False)
+    for panel in panels.flat:
+        panel.set_visible(False)
+    for index, result in enumerate(results):
+        line, place = divmod(index, ACROSS)
+        for side, run in enumerate(result.runs):
+            panel = panels[line][2 * place + side]
+            panel.set_visible(True)
+            for link, style in ((0, "-"), (1, "--")):
+                panel.plot(run.time, run.errors[:, link], style, color=COLOURS[link], linewidth=0.7)
+            panel.axhline(0.0, color="0.6", linewidth=0.5, zorder=0)
+            panel.spines[["top", "right"]].set_visible(False)
+            panel.tick_params(labelsize=7)
+            panel.margins(x=0.0)
+            panel.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+            if side == 0:
+                row = result.published
+                variant = "" if result.variant == "as-printed" else f", {result.variant}"
+                panel.set_title(f"{row.table} {row.row}{variant}", fontsize=8.5, loc="left")
+                panel.set_ylabel("error, °", fontsize=7)
+            else:
+                panel.set_title(run.trajectory, fontsize=7, loc="right", color="0.4")
+            if line == lines - 1:
+                panel.set_xlabel("time, s", fontsize=7)
+    figure.suptitle(title, fontsize=12)
+    figure.legend(
+        handles=[
+            Line2D([], [], linestyle="-", color=COLOURS[0], label="link 1"),
+            Line2D([], [], linestyle="--", color=COLOURS[1], label="link 2"),
+        ],
+        loc="outside upper right",
+        ncols=2,
+        fontsize=9,
+        frameon=False,
+    )
+    return figure
+
+
+HEADINGS = ("link 1, {first}", "link 2, {first}", "link 1, {second}", "link 2, {second}")
+
+
+def draw_overview(results: Sequence[Reproduced], beyond: Beyond | None = None) -> Figure:
+    """Draw the RMS errors of all rows: published rings, reproduced dots, bands of chance.
+
+    Parameters
+    ----------
+    results : sequence of Reproduced
+        Rows on the same pair of trajectories, in the order of the table.
+    beyond : Beyond, optional
+        A controller that was not published, below them.
+    """
+    from matplotlib.figure import Figure
+
+    chosen = [result for result in results if result.variant == "as-printed"]
+    figure = Figure(figsize=(13.0, 1.9 + 0.24 * len(chosen)), layout="constrained")
+    panels: Any = figure.subplots(1, 4, sharey=True, squeeze=False)[0]
+    first, second = chosen[0].published.trajectories
+    for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
+        for height, result in enumerate(chosen):
+            _mark(panel, -height, result, place)
+        if beyond is not None:
+            line = -len(chosen)
+            panel.axhline(line, color="0.94", linewidth=0.7, zorder=0)
+            panel.plot(beyond.figures[place], line, "D", color=OWN_COLOUR, markersize=5.5)
+            panel.axvline(beyond.figures[place], color=OWN_COLOUR, linewidth=0.6, linestyle=":")
+        panel.set_xscale("log")
+        panel.xaxis.set_major_formatter("{x:g}")
+        panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
+        panel.set_xlabel("RMS error, degrees", fontsize=9)
+        panel.grid(axis="x", color="0.9", linewidth=0.7)
+        panel.set_axisbelow(True)
+        panel.spines[["top", "right", "left"]].set_visible(False)
+        panel.tick_params(axis="y", length=0)
+    names = [result.published.row for result in chosen]
+    colours = [FAMILIES[chapter_of(result.published)][1] for result in chosen]
+    if beyond is not None:
+        names.append(beyond.name)
+        colours.append(OWN_COLOUR)
+    panels[0].set_yticks([-height for height in range(len(names))])
+    panels[0].set_yticklabels(names, fontsize=9)
+    panels[0].set_ylim(-len(names) + 0.4, 0.6)
+    for label, colour in zip(panels[0].get_yticklabels(), colours, strict=True):
+        label.set_color(colour)
+    _key(figure, chosen, beyond)
+    return figure
+
+
+def _mark(panel: Axes, height: float, result: Reproduced, place: int) -> None:
+    colour = FAMILIES[chapter_of(result.published)][1]
+    panel.axhline(height, color="0.94", linewidth=0.7, zorder=0)
+    ensemble = result.ensemble
+    if ensemble is not None:
+        ends = [ensemble.lowest[place], ensemble.highest[place]]
+        panel.plot(ends, [height, height], color=colour, alpha=0.35, linewidth=5.0, zorder=1)
+    panel.plot(result.figures[place], height, "o", color=colour, markersize=4.0, zorder=3)
+    wanted = result.published.figures[place]
+    panel.plot(wanted, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
+
+
+def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Beyond | None) -> None:
+    from matplotlib.lines import Line2D
+
+    ring: dict[str, Any] = {"marker": "o", "linestyle": "none"}
+    found = {chapter_of(result.published) for result in chosen}
+    entries = [
+        Line2D([], [], color="black", fillstyle="none", markersize=8.5, label="published", **ring),
+        Line2D([], [], color="0.3", markersize=4.0, label="reproduced", **ring),
+    ]
+    if any(result.ensemble is not None for result in chosen):
+        label = "spread when the last bit is disturbed"
+        entries.append(Line2D([], [], color="0.3", alpha=0.35, linewidth=5.0, label=label))
+    for chapter, (name, colour) in FAMILIES.items():
+        if chapter in found:
+            entries.append(Line2D([], [], color=colour, markersize=4.0, label=name, **ring))
+    if beyond is not None:
+        own: dict[str, Any] = {
+            "marker": "D",
+            "color": OWN_COLOUR,
+            "markersize": 5.5,
+            "linestyle": "none",
+        }
+        entries.append(Line2D([], [], label="beyond the study", **own))
+    figure.legend(
+        handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
+    )

@@ -1,0 +1,296 @@
+"""Sample a rule base on a grid of levels: the compile step."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm import __version__
+from fuzzyarm.model.rulebase import Input, Output, RuleBase
+from fuzzyarm.table.axis import Axis, TableError
+from fuzzyarm.table.table import LookupTable
+from fuzzyarm.text.diagnostic import MAX_LEVELS
+from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.numbers import evenly, number_text
+
+DEFAULT_LEVELS = 13
+"""Even levels of an input for which neither the file nor the caller asks for others."""
+
+MAX_CELLS = 32_000_000
+"""Most cells of a table: 256 MB."""
+
+_LARGE = 1_000_000
+"""Cells from which loading machine code takes less time than it saves."""
+
+Engine = Callable[[Any], Mapping[str, Any]]
+"""From a mapping of inputs to a mapping of outputs."""
+
+_SLAB = 262_144
+"""Cells that are evaluated at a time."""
+
+Levels = int | Sequence[float]
+"""A number of even levels over the range of the input, or the levels themselves."""
+
+
+def compile_table(
+    rulebase: RuleBase,
+    output: str | None = None,
+    *,
+    levels: Levels | Mapping[str, Levels] | None = None,
+    rounding: float | None = None,
+    mode: str | None = None,
+    source: str | Path | None = None,
+    date: str | None = None,
+) -> LookupTable:
+    """Sample one output of a rule base.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Its ``lookup`` settings say the levels, bins and rounding; an input without any gets
+        13 even levels over its range.
+    output : str, optional
+        The output to sample; may be left out if there is only one.
+    levels : int, sequence of float, or mapping of name to either, optional
+        Levels instead of those of the file; their inputs lose the bins of the file.
+    rounding : float, optional
+        Round the values to multiples of this step, ties to the even multiple; the file's
+        by default. 0 for none.
+    mode : str, optional
+        The lookup mode that the table is meant for.
+    source : str or Path, optional
+        The file of the rule base; its name (not its folder) goes into the provenance.
+    date : str, optional
+        Goes into the provenance; left out by default so that compiling is reproducible.
+
+    Returns
+    -------
+    LookupTable
+        Axes in the order of the rule base's inputs.
+
+    Raises
+    ------
+    TableError
+        If the output is unknown or not named, an input is unbounded without levels, or the
+        table would be larger than `MAX_CELLS`.
+    FuzzyarmError
+        What the inference raises, for instance where no rule fires.
+    """
+    target = choose_output(rulebase, output)
+    axes = choose_axes(rulebase, levels)
+    cells = math.prod(len(axis.levels) for axis in axes)
+    if cells > MAX_CELLS:
+        raise TableError(f"the table would have {cells:,} cells; at most {MAX_CELLS:,} are made")
+    if rounding is None:
+        rounding = rulebase.lookup.round if rulebase.lookup else None
+    values = sample(rulebase, target.name, axes, rounding or None)
+    values.setflags(write=False)
+    return LookupTable(
+        axes,
+        target.name,
+        values,
+        low=target.low,
+        high=target.high,
+        description=target.description,
+        rounding=rounding or None,
+        mode=mode,
+        provenance=tuple(describe(rulebase, target, axes, levels, source, date).items()),
+    )
+
+
+def choose_output(rulebase: RuleBase, name: str | None) -> Output:
+    """Return the output called `name`, or the only one."""
+    names = [output.name for output in rulebase.outputs]
+    listed = ", ".join(names)
+    if name is None:
+        if len(names) == 1:
+            return rulebase.outputs[0]
+        raise TableError(
+            f"'{rulebase.name}' has {len(names)} outputs: name one of {listed}"
+            if names
+            else f"'{rulebase.name}' has no outputs"
+        )
+    if name in names:
+        return rulebase.output(name)
+    hint, _ = near_hint(name, names)
+    raise TableError(f"'{rulebase.name}' has no output '{name}'", hint=hint or f"it has {listed}")
+
+
+def choose_axes(
+    rulebase: RuleBase, levels: Levels | Mapping[str, Levels] | None = None
+) -> tuple[Axis, ...]:
+    """Return one axis for each input: by `levels`, else by the file, else 13 even levels."""
+    if not rulebase.inputs:
+        raise TableError(f"'{rulebase.name}' has no inputs")
+    asked: Mapping[str, Levels]
+    if isinstance(levels, Mapping):
+        asked = levels
+    else:
+        asked = {} if levels is None else {v.name: levels for v in rulebase.inputs}
+    names = [variable.name for variable in rulebase.inputs]
+    listed = ", ".join(names)
+    for name in asked:
+        if name not in names:
+            hint, _ = near_hint(name, names)
+            raise TableError(
+                f"'{rulebase.name}' has no input '{name}'",
+                hint=hint or f"it has {listed}",
+            )
+    return tuple(
+        _axis(rulebase, variable, asked.get(variable.name)) for variable in rulebase.inputs
+    )
+
+
+def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
+    bins = None
+    if levels is None:
+        for axis in rulebase.lookup.axes if rulebase.lookup else ():
+            if axis.variable == variable.name:
+                levels, bins = axis.levels, axis.bins
+    if levels is None:
+        levels = DEFAULT_LEVELS
+    if isinstance(levels, int):
+        levels = even_levels(variable, levels)
+    return Axis(
+        variable.name,
+        tuple(levels),
+        bins,
+        low=variable.low,
+        high=variable.high,
+        description=variable.description,
+    )
+
+
+def even_levels(variable: Input, count: int) -> tuple[float, ...]:
+    """Return `count` even levels over the range of `variable`, both ends included."""
+    if not 1 <= count <= MAX_LEVELS:
+        raise TableError(f"an input has 1 to {MAX_LEVELS:,} levels, not {count:,}")
+    if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
+        raise TableError(f"input '{variable.name}' is unbounded and so needs levels of its own")
+    return evenly(variable.low, variable.high, count)
+
+
+def sample(
+    rulebase: RuleBase, output: str, axes: Sequence[Axis], rounding: float | None = None
+) -> NDArray[np.float64]:
+    """Return the inference at every combination of levels, rounded.
+
+    It goes in slabs of the first axis, so that no more memory is needed than the table takes
+    and a little.
+    """
+    levels = [np.array(axis.levels) for axis in axes]
+    values = np.empty([array.size for array in levels])
+    rows = max(1, _SLAB // max(1, values[0].size))
+    engine = _engine(rulebase, values.size)
+    for start in range(0, levels[0].size, rows):
+        part = [levels[0][start : start + rows], *levels[1:]]
+        slab = evaluate(rulebase, output, [a.name for a in axes], part, engine)
+        values[start : start + rows] = slab if rounding is None else round_to(slab, rounding)
+    return values
+
+
+def _engine(rulebase: RuleBase, cells: int) -> Engine:
+    """Return the compiled engine for a table so large that its start pays, else the plain one."""
+    from fuzzyarm.inference import compiled, infer
+
+    return compiled(rulebase) if cells >= _LARGE else partial(infer, rulebase)
+
+
+def evaluate(
+    rulebase: RuleBase,
+    output: str,
+    names: Sequence[str],
+    points: Sequence[NDArray[np.float64]],
+    engine: Engine | None = None,
+) -> NDArray[np.float64]:
+    """Return the inference on the open mesh of `points`, one 1-D array for each input.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to evaluate.
+    output : str
+        The output to return.
+    names : sequence of str
+        The input of each array in `points`.
+    points : sequence of ndarray
+        The levels of each input.
+    engine : callable, optional
+        Evaluates the rule base in place of :func:`fuzzyarm.inference.infer`.
+
+    Raises
+    ------
+    TableError
+        If the file states that the output has no value (NaN) where no rule fires.
+    """
+    evaluator = engine or _engine(rulebase, 0)
+    mesh = np.ix_(*points)
+    inputs: dict[str, NDArray[np.float64]] = dict(zip(names, mesh, strict=True))
+    result = np.asarray(evaluator(inputs)[output], dtype=np.float64)
+    values = np.broadcast_to(result, [array.size for array in points])
+    if not np.isfinite(values).all():
+        where = np.argwhere(~np.isfinite(values))[0]
+        coordinates = zip(names, points, where, strict=True)
+        place = ", ".join(f"{name} = {number_text(float(x[i]))}" for name, x, i in coordinates)
+        raise TableError(
+            f"output '{output}' has no value at {place}",
+            hint="a table needs one in every cell: say in the file what it is where no rule fires",
+        )
+    return values
+
+
+def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Return `values` as multiples of `step`, each the float nearest to its decimal.
+
+    The step is taken as the decimal it is written as: 3 steps of 0.1 are 0.3. Ties go to
+    the even multiple; a zero has no sign.
+    """
+    if not (step > 0 and math.isfinite(step)):
+        raise TableError(f"values are rounded to a positive step, not to {step:g}")
+    exact = Fraction(repr(float(step)))
+    multiples = np.rint(values / step)
+    if exact.numerator < 2**20 and exact.denominator < 2**53:
+        return np.asarray(multiples * float(exact.numerator) / float(exact.denominator) + 0.0)
+    return np.asarray(multiples * step + 0.0)
+
+
+def describe(
+    rulebase: RuleBase,
+    output: Output,
+    axes: Sequence[Axis],
+    levels: object,
+    source: str | Path | None,
+    date: str | None,
+) -> dict[str, str]:
+    """Return the provenance of a compiled table."""
+    from fuzzyarm.language import write
+
+    asked = {axis.variable for axis in rulebase.lookup.axes} if rulebase.lookup else set()
+    default = levels is None and not asked.issuperset(axis.name for axis in axes)
+    given = "at the levels of the file" if levels is None else "at the levels asked for"
+    provenance = {"made": "compiled", "rulebase": rulebase.name}
+    if source is not None:
+        provenance["source"] = Path(source).name
+    provenance["sha256"] = hashlib.sha256(write(rulebase).encode()).hexdigest()
+    provenance["engine"] = f"fuzzyarm {__version__}"
+    provenance["defuzzifier"] = defuzzifier_words(output)
+    provenance["sampled"] = f"at {DEFAULT_LEVELS} even levels by default" if default else given
+    if date is not None:
+        provenance["date"] = date
+    return provenance
+
+
+def defuzzifier_words(output: Output) -> str:
+    """Return the defuzzifier of `output` as the language writes it."""
+    way = output.defuzzifier
+    if way.resolution is None:
+        return f"{way.method} exact" if way.method == "centroid" else way.method
+    return f"{way.method}({way.resolution}, {way.sampling})"

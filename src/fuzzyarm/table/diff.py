@@ -1,0 +1,129 @@
+"""What differs between two tables, cell by cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fuzzyarm.table.table import LookupTable
+
+
+@dataclass(frozen=True, slots=True)
+class CellChange:
+    """One cell whose value differs.
+
+    Attributes
+    ----------
+    index : tuple of int
+        In the order of the axes of the first table.
+    levels : tuple of float
+        The level of each axis there.
+    before, after : float
+        The two values.
+    """
+
+    index: tuple[int, ...]
+    levels: tuple[float, ...]
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, slots=True)
+class TableDiff:
+    """The differences between two tables.
+
+    Attributes
+    ----------
+    before, after : LookupTable
+        `after` with its axes in the order of `before` where the names allow that.
+    header : tuple of (str, str, str)
+        What differs besides the values: what, before, after.
+    changes : tuple of CellChange
+        In index order; empty where the axes do not match.
+    comparable : bool
+        Whether both have the same inputs and levels, so that cells correspond.
+    transposed : bool
+        Whether the axes of the second table had to be put into another order.
+    """
+
+    before: LookupTable
+    after: LookupTable
+    header: tuple[tuple[str, str, str], ...]
+    changes: tuple[CellChange, ...]
+    comparable: bool
+    transposed: bool
+
+    @property
+    def same(self) -> bool:
+        """Whether nothing differs but, perhaps, the provenance."""
+        return self.comparable and not self.changes and not self.header and not self.transposed
+
+
+def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:
+    """Return what differs from `before` to `after`.
+
+    Cells are matched by the names of the inputs, never by bare position: a table with its
+    axes in another order is turned round first, and that is said. A first table that lacks
+    an input of the second is taken as the same all along that input.
+    """
+    before = _spread(before, after)
+    transposed = before.names != after.names and sorted(before.names) == sorted(after.names)
+    if transposed:
+        order = [after.names.index(name) for name in before.names]
+        turned = np.transpose(after.values, order)
+        axes = tuple(after.axes[k] for k in order)
+        fields = {k: getattr(after, k) for k in ("low", "high", "description", "rounding", "mode")}
+        after = LookupTable(
+            axes, after.output, turned.copy(), provenance=after.provenance, **fields
+        )
+    comparable = before.names == after.names and all(
+        a.levels == b.levels for a, b in zip(before.axes, after.axes, strict=True)
+    )
+    changes: tuple[CellChange, ...] = ()
+    if comparable:
+        found = np.argwhere(before.values != after.values)
+        changes = tuple(_change(before, after, tuple(map(int, index))) for index in found)
+    return TableDiff(before, after, _header(before, after), changes, comparable, transposed)
+
+
+def _spread(before: LookupTable, after: LookupTable) -> LookupTable:
+    """Repeat `before` along the inputs that only `after` has, if it has them all."""
+    if set(before.names) == set(after.names) or not set(before.names) <= set(after.names):
+        return before
+    mine = [name for name in after.names if name in before.names]
+    turned = np.transpose(before.values, [before.names.index(name) for name in mine])
+    shape = [len(a.levels) if a.name in mine else 1 for a in after.axes]
+    if [len(before.axis(name).levels) for name in mine] != [
+        s for s, a in zip(shape, after.axes, strict=True) if a.name in mine
+    ]:
+        return before
+    axes = tuple(before.axis(a.name) if a.name in mine else a for a in after.axes)
+    values = np.broadcast_to(turned.reshape(shape), after.shape).copy()
+    fields = {k: getattr(before, k) for k in ("low", "high", "description", "rounding", "mode")}
+    return LookupTable(axes, before.output, values, provenance=before.provenance, **fields)
+
+
+def _change(before: LookupTable, after: LookupTable, index: tuple[int, ...]) -> CellChange:
+    levels = tuple(axis.levels[i] for axis, i in zip(before.axes, index, strict=True))
+    return CellChange(index, levels, float(before.values[index]), float(after.values[index]))
+
+
+def _header(before: LookupTable, after: LookupTable) -> tuple[tuple[str, str, str], ...]:
+    from fuzzyarm.text.numbers import short_bins, short_levels
+
+    rows: list[tuple[str, str, str]] = [
+        ("output", before.output, after.output),
+        ("inputs", ", ".join(before.names), ", ".join(after.names)),
+        ("round", str(before.rounding or "none"), str(after.rounding or "none")),
+        ("mode", before.default_mode, after.default_mode),
+    ]
+    for axis in before.axes:
+        if axis.name in after.names:
+            other = after.axis(axis.name)
+            rows.append(
+                (f"levels {axis.name}", short_levels(axis.levels), short_levels(other.levels))
+            )
+            bins = [short_bins(a.bins) if a.bins else "none" for a in (axis, other)]
+            rows.append((f"bins {axis.name}", bins[0], bins[1]))
+    return tuple(row for row in rows if row[1] != row[2])

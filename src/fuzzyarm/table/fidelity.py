@@ -1,0 +1,394 @@
+"""How far a table is from the rule base that it stands for; the smallest that is good enough."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table.axis import Axis, TableError
+from fuzzyarm.table.compiler import (
+    DEFAULT_LEVELS,
+    Levels,
+    choose_output,
+    compile_table,
+    evaluate,
+    even_levels,
+)
+from fuzzyarm.table.table import LookupTable
+from fuzzyarm.text.numbers import number_text
+
+# --- How far a table is from the rule base that it stands for ---
+
+_DENSE_POINTS = 160_000
+_MOST_POINTS = 6_000_000
+_SLAB = 262_144
+
+
+@dataclass(frozen=True, slots=True)
+class Fidelity:
+    """The difference between a table and direct inference over a dense grid.
+
+    Attributes
+    ----------
+    mode : str
+        How the table was looked up.
+    worst : float
+        Largest absolute difference, in units of the output.
+    rms : float
+        Root mean square difference over the even part of the dense grid.
+    at : tuple of (str, float)
+        The inputs where the worst difference was found.
+    points : tuple of int
+        Size of the dense grid along each input.
+    """
+
+    mode: str
+    worst: float
+    rms: float
+    at: tuple[tuple[str, float], ...]
+    points: tuple[int, ...]
+
+    def __str__(self) -> str:
+        size = " x ".join(map(str, self.points))
+        return f"worst {self.worst:.4g}, rms {self.rms:.4g} over {size} points"
+
+    @property
+    def place(self) -> str:
+        """The inputs of the worst difference in words."""
+        return ", ".join(f"{name} = {number_text(x)}" for name, x in self.at)
+
+
+def measure_fidelity(
+    table: LookupTable, rulebase: RuleBase, modes: Sequence[str] | None = None
+) -> tuple[Fidelity, ...]:
+    """Compare `table` with the direct inference of `rulebase`.
+
+    The dense grid spreads about 160,000 points evenly over the ranges of the inputs. For
+    the worst difference it also has every level, both sides of every threshold and the
+    middle of every cell, because that is where the extremes lie.
+
+    Parameters
+    ----------
+    table : LookupTable
+        Compiled from `rulebase`.
+    rulebase : RuleBase
+        The truth.
+    modes : sequence of str, optional
+        Lookup modes to try; by default the table's own and ``linear``.
+
+    Returns
+    -------
+    tuple of Fidelity
+        One for each mode.
+    """
+    chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
+    points, weights = _dense_grid(table.axes)
+    tallies = {mode: _Tally() for mode in chosen}
+    rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
+    for start in range(0, points[0].size, rows):
+        part = [points[0][start : start + rows], *points[1:]]
+        weight = np.ones(())
+        for mesh in np.ix_(weights[0][start : start + rows], *weights[1:]):
+            weight = weight * mesh
+        truth = evaluate(rulebase, table.output, table.names, part)
+        for mode in chosen:
+            difference = np.abs(table.lookup(*np.ix_(*part), mode=mode) - truth)
+            tallies[mode].add(difference, weight, part)
+    sizes = tuple(x.size for x in points)
+    return tuple(tallies[mode].result(mode, table.names, sizes) for mode in chosen)
+
+
+_Points = list[NDArray[np.float64]]
+
+
+def dense_points(axes: Sequence[Axis]) -> list[NDArray[np.float64]]:
+    """Return the points of the dense grid along each axis, in order.
+
+    Parameters
+    ----------
+    axes : sequence of Axis
+        Of a table.
+
+    Returns
+    -------
+    list of ndarray
+        Even points over the range, every level, middle and threshold with its neighbour;
+        fewer where many axes would make millions of combinations.
+    """
+    return _dense_grid(axes)[0]
+
+
+def _dense_grid(axes: Sequence[Axis]) -> tuple[_Points, _Points]:
+    """Return the points along each axis and their weights: 1 on the even ones, else 0.
+
+    With many inputs or levels some of the points besides the even ones are given up, so
+    that the grid does not explode.
+    """
+    count = max(3, round(_DENSE_POINTS ** (1.0 / len(axes))))
+    even = [np.linspace(*_ends(axis), count) for axis in axes]
+    for choose in (_levels_and_edges, _levels_and_middles, _levels, _nothing):
+        points = [
+            np.unique(np.concatenate([x, _inside(choose(axis), axis)]))
+            for axis, x in zip(axes, even, strict=True)
+        ]
+        if math.prod(x.size for x in points) <= _MOST_POINTS:
+            break
+    weights = [np.isin(x, e).astype(np.float64) for x, e in zip(points, even, strict=True)]
+    return points, weights
+
+
+def _ends(axis: Axis) -> tuple[float, float]:
+    low = axis.low if math.isfinite(axis.low) else axis.levels[0]
+    high = axis.high if math.isfinite(axis.high) else axis.levels[-1]
+    return low, high
+
+
+def _inside(points: NDArray[np.float64], axis: Axis) -> NDArray[np.float64]:
+    low, high = _ends(axis)
+    return points[(points >= low) & (points <= high)]
+
+
+def _levels_and_edges(axis: Axis) -> NDArray[np.float64]:
+    """Return the levels and both sides of every threshold."""
+    edges = np.array([*axis.thresholds("bins"), *axis.thresholds("nearest")])
+    return np.concatenate([axis.levels, edges, np.nextafter(edges, np.inf)])
+
+
+def _levels_and_middles(axis: Axis) -> NDArray[np.float64]:
+    return np.array([*axis.levels, *axis.thresholds("nearest")])
+
+
+def _levels(axis: Axis) -> NDArray[np.float64]:
+    return np.array(axis.levels)
+
+
+def _nothing(axis: Axis) -> NDArray[np.float64]:
+    return np.empty(0)
+
+
+class _Tally:
+    """The running worst and sum of squares."""
+
+    def __init__(self) -> None:
+        self.worst = -1.0
+        self.at: tuple[float, ...] = ()
+        self.squares = 0.0
+        self.weight = 0.0
+
+    def add(
+        self,
+        difference: NDArray[np.float64],
+        weight: NDArray[np.float64],
+        points: Sequence[NDArray[np.float64]],
+    ) -> None:
+        self.squares += float(np.sum(weight * difference * difference))
+        self.weight += float(np.sum(weight))
+        k = int(np.argmax(difference))
+        if float(difference.flat[k]) > self.worst:
+            self.worst = float(difference.flat[k])
+            where = np.unravel_index(k, difference.shape)
+            self.at = tuple(float(x[i]) for x, i in zip(points, where, strict=True))
+
+    def result(self, mode: str, names: Sequence[str], sizes: tuple[int, ...]) -> Fidelity:
+        rms = math.sqrt(self.squares / self.weight) if self.weight else 0.0
+        return Fidelity(mode, self.worst, rms, tuple(zip(names, self.at, strict=True)), sizes)
+
+
+# --- Find the smallest even grid whose linear interpolation meets a tolerance ---
+#
+# Every number of levels is tried in turn, because the error does not fall evenly: a grid
+# whose levels meet the kinks of the surface beats larger ones. Trying is cheap: the
+# interpolation is first computed at a few thousand probes only, and each probe that proved
+# an earlier grid wrong is asked again first.
+
+LIMITS = {1: 20_001, 2: 1_001, 3: 101, 4: 33}
+"""Most levels that are tried for each input, by the number of inputs; 17 for more."""
+
+_PROBES = 2_048
+
+
+def smallest_even_grid(
+    rulebase: RuleBase,
+    output: str | None,
+    tolerance: float,
+    *,
+    progress: Callable[[str], None] | None = None,
+) -> int:
+    """Return the fewest levels (the same number for every input) that meet `tolerance`.
+
+    The result is proved with :func:`fuzzyarm.table.measure_fidelity`.
+
+    Raises
+    ------
+    TableError
+        If the tolerance is no positive number, or no grid within `LIMITS` meets it.
+    """
+    if not (tolerance > 0 and math.isfinite(tolerance)):
+        raise TableError(f"a tolerance is a positive number, not {tolerance:g}")
+    target = choose_output(rulebase, output)
+    limit = LIMITS.get(len(rulebase.inputs), 17)
+    probes = _Probes(rulebase, target.name)
+    best = math.inf
+    for count in range(2, limit + 1):
+        if progress is not None:
+            progress(f"trying {count} levels")
+        worst = probes.worst(count, tolerance)
+        if worst <= tolerance:
+            table = compile_table(rulebase, target.name, levels=count, rounding=0.0)
+            proof = measure_fidelity(table, rulebase, ("linear",))[0]
+            worst = proof.worst
+            if worst <= tolerance:
+                return count
+            probes.remember([x for _, x in proof.at])
+        best = min(best, worst)
+    raise TableError(
+        f"no even grid of up to {limit} levels for each input meets {tolerance:g}; "
+        f"the best differs by {best:.4g}",
+        hint="the surface may have a jump, which no interpolation can follow",
+    )
+
+
+class _Probes:
+    """Points at which a grid is tried before it is built."""
+
+    def __init__(self, rulebase: RuleBase, output: str) -> None:
+        self.rulebase = rulebase
+        self.output = output
+        self.names = [variable.name for variable in rulebase.inputs]
+        ends = [even_levels(variable, 2) for variable in rulebase.inputs]
+        self.low = np.array([low for low, _ in ends])
+        self.high = np.array([high for _, high in ends])
+        spread = np.random.default_rng(1).random((_PROBES, len(ends)))
+        self.points = self.low + spread * (self.high - self.low)
+        self.truth = self._infer(self.points.T)
+
+    def remember(self, point: list[float]) -> None:
+        """Put a point that proved a grid wrong in front of the others."""
+        self.points = np.vstack([point, self.points])
+        self.truth = self._infer(self.points.T)
+
+    def worst(self, count: int, tolerance: float) -> float:
+        """Return the worst difference of a grid of `count` levels; stop at the first part over."""
+        worst = 0.0
+        for part in (slice(0, 64), slice(64, None)):
+            value = self._interpolate(self.points[part], count)
+            worst = max(worst, float(np.max(np.abs(value - self.truth[part]), initial=0.0)))
+            if worst > tolerance:
+                break
+        return worst
+
+    def _interpolate(self, points: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+        """Return the interpolation at `points` from the corners of their cells alone."""
+        steps = (points - self.low) / (self.high - self.low) * (count - 1)
+        lower = np.clip(np.floor(steps), 0, count - 2)
+        share = steps - lower
+        corners = np.array(list(product((0, 1), repeat=points.shape[1])))
+        index = lower[None] + corners[:, None]
+        levels = self.low + index * ((self.high - self.low) / (count - 1))
+        weight = np.where(corners[:, None] == 1, share[None], 1.0 - share[None]).prod(axis=2)
+        values = self._infer(np.moveaxis(levels, 2, 0))
+        return np.asarray((weight * values).sum(axis=0))
+
+    def _infer(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        from fuzzyarm.inference import infer
+
+        inputs: dict[str, float | NDArray[np.float64]] = dict(zip(self.names, columns, strict=True))
+        return np.asarray(infer(self.rulebase, inputs)[self.output], dtype=np.float64)
+
+
+# --- Compile and say how good the table is; or find the smallest table that is good enough ---
+
+
+@dataclass(frozen=True, slots=True)
+class CompileReport:
+    """A compiled table and what is known of its quality.
+
+    Attributes
+    ----------
+    table : LookupTable
+        With the differences in its provenance.
+    fidelities : tuple of Fidelity
+        The difference to direct inference, one for each lookup mode that was tried.
+    default_levels : bool
+        Whether an input got the 13 even levels because nothing else was said.
+    tolerance : float or None
+        What the table was asked to meet.
+    """
+
+    table: LookupTable
+    fidelities: tuple[Fidelity, ...]
+    default_levels: bool = False
+    tolerance: float | None = None
+
+
+def compile_with_report(
+    rulebase: RuleBase,
+    output: str | None = None,
+    *,
+    levels: Levels | Mapping[str, Levels] | None = None,
+    rounding: float | None = None,
+    mode: str | None = None,
+    tolerance: float | None = None,
+    source: str | Path | None = None,
+    date: str | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> CompileReport:
+    """Compile a table and measure it against direct inference.
+
+    Parameters
+    ----------
+    tolerance : float, optional
+        Instead of `levels`: find the smallest even grid, equally many levels for every
+        input, whose linear interpolation differs nowhere on a dense grid by more than this.
+        The levels, bins and rounding of the file are then not used.
+    progress : callable, optional
+        Called with a word on what is going on.
+    rulebase, output, levels, rounding, mode, source, date
+        As for :func:`fuzzyarm.table.compile_table`.
+
+    Returns
+    -------
+    CompileReport
+        The table and its differences.
+
+    Raises
+    ------
+    TableError
+        As `compile_table`; also if no grid within the limits meets the tolerance.
+    """
+    if tolerance is not None:
+        count = smallest_even_grid(rulebase, output, tolerance, progress=progress)
+        levels, rounding, mode = count, 0.0, "linear"
+    table = compile_table(
+        rulebase,
+        output,
+        levels=levels,
+        rounding=rounding,
+        mode=mode,
+        source=source,
+        date=date,
+    )
+    fidelities = measure_fidelity(table, rulebase)
+    provenance = dict(table.provenance)
+    if tolerance is not None:
+        provenance["sampled"] = f"at the fewest even levels within {tolerance:g} (linear)"
+    for fidelity in fidelities:
+        provenance[f"error-{fidelity.mode}"] = str(fidelity)
+    asked = {axis.variable for axis in rulebase.lookup.axes} if rulebase.lookup else set()
+    given = set(levels) if isinstance(levels, Mapping) else set(table.names if levels else ())
+    return CompileReport(
+        table.with_values(table.values, provenance),
+        fidelities,
+        default_levels=bool(set(table.names) - asked - given),
+        tolerance=tolerance,
+    )
+
+
+__all__ = ["DEFAULT_LEVELS", "CompileReport", "compile_with_report"]

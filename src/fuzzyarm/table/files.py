@@ -1,0 +1,429 @@
+"""Read and write tables as files; the suffix tells the format."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.language.tokens import Cursor, Token
+from fuzzyarm.table.axis import Axis, PlainTable, TableError, TableHeader
+from fuzzyarm.table.grid import KEYWORDS, Grid, page_conditions, read_grids, spelled
+from fuzzyarm.table.text import (
+    FORMAT,
+    VERSION,
+    Header,
+    ParsedTable,
+    finish,
+    header_lines,
+    line_tokens,
+    parse_lut,
+    read_statement,
+    resolve,
+)
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
+from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.numbers import column_of_numbers, number_text
+
+if TYPE_CHECKING:
+    from fuzzyarm.table.table import LookupTable
+
+
+SUFFIXES = (".lut", ".csv", ".npz", ".json")
+"""The formats that are read back to an identical table."""
+
+
+class TableFileError(RuleBaseError):
+    """A file that is no table; ``diagnostics`` say what is wrong and where."""
+
+
+def read_table(path: str | Path) -> LookupTable:
+    """Return the table in a ``.lut``, ``.csv``, ``.npz`` or ``.json`` file.
+
+    Raises
+    ------
+    TableFileError
+        If the file is at fault; it carries every finding.
+    TableError
+        If the suffix is none of these.
+    OSError
+        If the file cannot be read.
+    """
+    from fuzzyarm.table.table import LookupTable
+
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise _unknown_suffix(path)
+    if path.suffix.lower() == ".npz":
+        return read_npz(path.read_bytes(), str(path))
+    parsed = parse_table(path.read_bytes(), str(path))
+    if parsed.table is None:
+        raise TableFileError(parsed.diagnostics)
+    return LookupTable.from_plain(parsed.table)
+
+
+def parse_table(data: bytes, path: str) -> ParsedTable:
+    """Return what the bytes of a text table say, by the suffix of `path`; never raise."""
+    suffix = Path(path).suffix.lower()
+    text, fault = decode(data, path)
+    if fault is not None:
+        return ParsedTable(None, (fault,))
+    readers = {".csv": parse_csv, ".json": parse_json}
+    return readers.get(suffix, parse_lut)(text, path)
+
+
+def decode(data: bytes, path: str) -> tuple[str, Diagnostic | None]:
+    """Return `data` as text, or a diagnostic at the first byte that is no UTF-8."""
+    try:
+        return data.decode("utf-8-sig"), None
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8", "replace")
+        line = before.count("\n") + 1
+        column = len(before) - (before.rfind("\n") + 1) + 1
+        message = f"this is no text: byte 0x{data[error.start]:02x} is not UTF-8"
+        span = Span(line, column, line, column + 1)
+        return "", Diagnostic("not-text", message, span, path=path)
+
+
+def write_table(table: LookupTable, path: str | Path) -> None:
+    """Write `table` whole or not at all; :func:`read_table` gives back an equal table.
+
+    Raises
+    ------
+    TableError
+        If the suffix is none of ``.lut``, ``.csv``, ``.npz``, ``.json``.
+    OSError
+        If the folder cannot be written.
+    """
+    path = Path(path)
+    write_atomically(path, table_as(table, path.suffix.lower(), path))
+
+
+def table_as(table: LookupTable, suffix: str, path: str | Path = "") -> str | bytes:
+    """Return the content of a file of `table` with the given suffix."""
+    if suffix == ".lut":
+        from fuzzyarm.table.text import write_lut
+
+        return write_lut(table.plain())
+    if suffix == ".csv":
+        return write_csv(table.plain())
+    if suffix == ".json":
+        return write_json(table.plain())
+    if suffix == ".npz":
+        return npz_bytes(table)
+    raise _unknown_suffix(Path(path))
+
+
+def _unknown_suffix(path: Path) -> TableError:
+    return TableError(
+        f"'{path.name}' has no suffix of a table", hint=f"tables are {', '.join(SUFFIXES)}"
+    )
+
+
+# --- Tables as `.csv`: the `.lut` header in comment lines, then one rectangle of cells ---
+#
+# With two inputs the first line is `e \ ce` and the column levels, and each further line a
+# row level and its values; page inputs stand in columns of their own before the row level.
+
+
+def write_csv(table: PlainTable) -> str:
+    """Return the text of `table` as comma-separated values."""
+    out = io.StringIO()
+    for line in header_lines(table):
+        out.write(f"# {line}".rstrip() + "\n")
+    writer = csv.writer(out, lineterminator="\n")
+    columns = [number_text(x) for x in table.axes[-1].levels]
+    texts = column_of_numbers(table.values)
+    for k, labels in enumerate(_row_labels(table)):
+        if k == 0:
+            writer.writerow([*_corner(table), *columns])
+        writer.writerow([*labels, *texts[k * len(columns) : (k + 1) * len(columns)]])
+    return out.getvalue()
+
+
+def _corner(table: TableHeader) -> list[str]:
+    names = [spelled(name) for name in table.names]
+    return [*names[:-2], " \\ ".join(names[-2:])]
+
+
+def _row_labels(table: TableHeader) -> list[list[str]]:
+    if len(table.axes) == 1:
+        return [[spelled(table.output)]]
+    levels = [axis.levels for axis in table.axes[:-1]]
+    return [[number_text(x) for x in row] for row in product(*levels)]
+
+
+def parse_csv(text: str, path: str = "<text>") -> ParsedTable:
+    """Read what :func:`write_csv` writes; every mistake in one run, never an exception."""
+    diagnostics: list[Diagnostic] = []
+    header, rows = Header(), []
+    for line_number, line in enumerate(split_lines(text), start=1):
+        if line.startswith("#"):
+            # A space in place of the mark keeps the columns of the diagnostics right.
+            tokens = line_tokens(line_number, " " + line[1:], diagnostics)
+            if tokens and tokens[0].text in KEYWORDS and tokens[0].text != "grid":
+                read_statement(header, Cursor(tokens), diagnostics)
+        elif line.strip():
+            rows.append((line_number, line))
+    if header.version is None:
+        return replace(parse_lut("", path), table=None)
+    head = resolve(header, diagnostics)
+    if head is None:
+        return finish(None, None, diagnostics, path)
+    grids = _grids(head, rows, diagnostics)
+    values = None if grids is None else read_grids(head, grids, diagnostics)
+    return finish(head, values, diagnostics, path)
+
+
+def _grids(
+    head: TableHeader, rows: list[tuple[int, str]], diagnostics: list[Diagnostic]
+) -> list[Grid] | None:
+    """Return the rectangle cut into grids, one for each combination of the pages."""
+    pages = len(head.axes[:-2])
+    split = [(n, _plain_cells(n, line, diagnostics)) for n, line in rows]
+    if not split:
+        diagnostics.append(Diagnostic("missing-grid", "there are no values", Span(1, 1, 1, 2)))
+        return None
+    first, corner = split[0]
+    names = [spelled(name) for name in head.names[:pages]]
+    if [cell.strip() for cell in corner[:pages]] != names:
+        message = f"the first columns must be headed {', '.join(names)}"
+        diagnostics.append(Diagnostic("wrong-corner", message, Span(first, 1, first, 2)))
+        return None
+    conditions = {_key(condition): k for k, condition in enumerate(_page_keys(head))}
+    texts = list(page_conditions(head))
+    grids: dict[int, Grid] = {}
+    for line_number, cells in split[1:]:
+        page = conditions.get(_key(cells[:pages]))
+        if page is None:
+            message = f"{', '.join(cells[:pages])} are no levels of {', '.join(names)}"
+            span = Span(line_number, 1, line_number, 2)
+            diagnostics.append(Diagnostic("wrong-label", message, span))
+            continue
+        if page not in grids:
+            tokens = line_tokens(line_number, f"grid{texts[page]}", [])
+            grids[page] = Grid(tuple(_at_start(token) for token in tokens))
+            grids[page].lines.append((first, "  ".join(corner[pages:])))
+        grids[page].lines.append((line_number, "  ".join(cells[pages:])))
+    return list(grids.values())
+
+
+def _page_keys(head: TableHeader) -> list[list[str]]:
+    return [[number_text(x) for x in row] for row in product(*(a.levels for a in head.axes[:-2]))]
+
+
+def _key(cells: list[str]) -> tuple[float | str, ...]:
+    key: list[float | str] = []
+    for cell in cells:
+        try:
+            key.append(float(cell))
+        except ValueError:
+            key.append(cell)
+    return tuple(key)
+
+
+def _at_start(token: Token) -> Token:
+    return token._replace(column=1, end=2)
+
+
+def _plain_cells(line_number: int, line: str, diagnostics: list[Diagnostic]) -> list[str]:
+    """Return the cells of a line, each without white space inside, so that it stays one word."""
+    try:
+        cells = next(csv.reader([line], strict=True))
+    except (csv.Error, StopIteration):
+        span = Span(line_number, 1, line_number, len(line) + 1)
+        diagnostics.append(Diagnostic("bad-csv", "this line is not comma-separated", span))
+        return []
+    for cell in cells:
+        if "#" in cell and "'" not in cell:  # the reader of rows would take it for a comment
+            span = Span(line_number, 1, line_number, len(line) + 1)
+            message = f"'{cell[:40]}' is not a number"
+            diagnostics.append(Diagnostic("not-a-number", message, span))
+    return [cell if "\\" in cell or "'" in cell else cell.strip() or "''" for cell in cells]
+
+
+# --- Tables as `.json`: one object with named axes, for other programs ---
+
+
+def header_data(table: TableHeader) -> dict[str, Any]:
+    """Return the header of `table` as plain data for JSON; an infinite end is null."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "output": {
+            "name": table.output,
+            "low": _finite(table.low),
+            "high": _finite(table.high),
+            "bounded": table.low is not None,
+            "description": table.description,
+        },
+        "index": list(table.names),
+        "axes": [
+            {
+                "name": axis.name,
+                "low": _finite(axis.low),
+                "high": _finite(axis.high),
+                "description": axis.description,
+                "levels": list(axis.levels),
+                "bins": None if axis.bins is None else list(axis.bins),
+            }
+            for axis in table.axes
+        ],
+        "round": table.rounding,
+        "mode": table.mode,
+        "provenance": [list(pair) for pair in table.provenance],
+    }
+
+
+def write_json(table: PlainTable) -> str:
+    """Return the text of `table` as a JSON object; ``values`` is nested in index order."""
+    data = header_data(table)
+    data["values"] = _nested(list(table.values), table.shape)
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def parse_json(text: str, path: str = "<text>") -> ParsedTable:
+    """Read what :func:`write_json` writes; any fault is a diagnostic."""
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        span = Span(error.lineno, error.colno, error.lineno, error.colno + 1)
+        return _fault("bad-json", f"this is no JSON: {error.msg}", path, span)
+    except (RecursionError, ValueError) as error:
+        return _fault("bad-json", f"this JSON is not read: {error}", path)
+    try:
+        head = header_from(data)
+        values = _flat(data["values"], head.shape)
+        fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
+        return ParsedTable(PlainTable(**fields, values=tuple(values)), (), head)
+    except KeyError as error:
+        return _fault("missing-key", f"the object has no {error}", path)
+    except TableError as error:
+        return _fault("bad-table", error.message, path)
+    except (TypeError, ValueError, AttributeError, OverflowError):
+        return _fault("bad-table", "the object is not of the form of a table", path)
+
+
+def header_from(data: Any) -> TableHeader:
+    """Return the header that :func:`header_data` made; raise where it is not of that form."""
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise TableError(f'this is no table: "format" is not "{FORMAT}"')
+    if data.get("version") != VERSION:
+        raise TableError(f"this fuzzyarm reads version {VERSION} of the format")
+    index = data["index"]
+    axes = tuple(_axis(axis) for axis in data["axes"])
+    if list(index) != [axis.name for axis in axes]:
+        raise TableError(f"the index order {index} is not that of the axes")
+    output = data["output"]
+    return TableHeader(
+        axes,
+        _text(output["name"]),
+        low=_end(output.get("low"), -math.inf if output.get("bounded") else None),
+        high=_end(output.get("high"), math.inf if output.get("bounded") else None),
+        description=_text(output.get("description") or ""),
+        rounding=_end(data.get("round"), None),
+        mode=data.get("mode"),
+        provenance=tuple((_text(key), _text(value)) for key, value in data["provenance"]),
+    )
+
+
+def _axis(data: dict[str, Any]) -> Axis:
+    bins = data.get("bins")
+    low, high = _end(data.get("low"), -math.inf), _end(data.get("high"), math.inf)
+    return Axis(
+        _text(data["name"]),
+        tuple(_number(x) for x in data["levels"]),
+        None if bins is None else tuple(_number(x) for x in bins),
+        low=-math.inf if low is None else low,
+        high=math.inf if high is None else high,
+        description=_text(data.get("description") or ""),
+    )
+
+
+def _finite(x: float | None) -> float | None:
+    return None if x is None or math.isinf(x) else x
+
+
+def _end(value: Any, otherwise: float | None) -> float | None:
+    return otherwise if value is None else _number(value)
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise TableError(f"{value!r:.40} is not a number")
+    return float(value)
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TableError(f"{value!r:.40} is not a text")
+    return value
+
+
+def _nested(values: list[float], shape: tuple[int, ...]) -> list[Any]:
+    if len(shape) == 1:
+        return values
+    size = len(values) // shape[0]
+    return [_nested(values[i : i + size], shape[1:]) for i in range(0, len(values), size)]
+
+
+def _flat(values: Any, shape: tuple[int, ...]) -> list[float]:
+    if not isinstance(values, list) or len(values) != shape[0]:
+        raise TableError(f"the values do not have the shape {shape} that the axes ask for")
+    if len(shape) == 1:
+        numbers = [_number(x) for x in values]
+        if not all(map(math.isfinite, numbers)):
+            raise TableError("a value is not finite")
+        return numbers
+    return [x for part in values for x in _flat(part, shape[1:])]
+
+
+def _fault(name: str, message: str, path: str, span: Span = Span(1, 1, 1, 2)) -> ParsedTable:  # noqa: B008
+    return ParsedTable(None, (Diagnostic(name, message, span, path=path),))
+
+
+# --- Tables as `.npz`: the values as an array, the header as JSON text beside it ---
+
+
+def npz_bytes(table: LookupTable) -> bytes:
+    """Return the content of the file: ``values``, ``header``, and each axis for convenience."""
+    import numpy as np
+
+    data = header_data(table)
+    arrays = {f"levels_{k}": np.array(axis.levels) for k, axis in enumerate(table.axes)}
+    out = io.BytesIO()
+    header = np.array(json.dumps(data, ensure_ascii=False))
+    arrays |= {"values": table.values, "header": header}
+    np.savez_compressed(out, allow_pickle=False, **arrays)
+    return out.getvalue()
+
+
+def read_npz(data: bytes, path: str) -> LookupTable:
+    """Return the table that :func:`npz_bytes` stored.
+
+    Raises
+    ------
+    TableFileError
+        Whatever is wrong with the archive.
+    """
+    import numpy as np
+
+    from fuzzyarm.table.table import LookupTable
+
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            head = header_from(json.loads(str(archive["header"][()])))
+            values = np.asarray(archive["values"], dtype=np.float64)
+        fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
+        values.setflags(write=False)
+        return LookupTable(**fields, values=values)
+    except TableError as error:
+        message = error.message
+    except Exception as error:
+        message = f"this is no archive of a table ({type(error).__name__})"
+    raise TableFileError([Diagnostic("bad-table", message, Span(1, 1, 1, 2), path=path)])

@@ -1,0 +1,407 @@
+"""The grids of a ``.lut`` file, read against the axes that the header promises."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+from fuzzyarm.language.tokens import RESERVED, Cursor, Fault, Token, tokenize
+from fuzzyarm.table.axis import Axis, TableHeader
+from fuzzyarm.text.diagnostic import Diagnostic, Span
+from fuzzyarm.text.names import is_plain_name, near_hint, quote
+from fuzzyarm.text.numbers import number_text
+
+# --- The words that start a line of a `.lut` file ---
+
+KEYWORDS: dict[str, str] = {
+    "fuzzyarm-table": "the format and its version",
+    "input": "an input, its range and what it is",
+    "output": "the output, its range and what it is",
+    "index": "which input is the row and which the column (and the page)",
+    "levels": "the sample points of the inputs",
+    "bins": "thresholds between the cells",
+    "round": "the step that the values were rounded to",
+    "mode": "how the table is looked up: bins, nearest or linear",
+    "origin": "something about the making of the table",
+    "grid": "the values",
+}
+"""Keyword → one line for help."""
+
+
+# --- Read the grids of a `.lut` file against the axes that the header promises ---
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")
+_WORD = re.compile(r"[^\s]+")
+
+
+@dataclass(slots=True)
+class Grid:
+    """The ``grid`` line and the lines below it."""
+
+    tokens: tuple[Token, ...]
+    lines: list[tuple[int, str]] = field(default_factory=list)
+
+    @property
+    def span(self) -> Span:
+        """The place of the ``grid`` line."""
+        return self.tokens[0].span.to(self.tokens[-1].span)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One cell of text and its place."""
+
+    text: str
+    span: Span
+
+
+def read_grids(
+    head: TableHeader, grids: Sequence[Grid], diagnostics: list[Diagnostic]
+) -> list[float] | None:
+    """Return the values, the last axis fastest; None if any is missing or at fault."""
+    pages = head.shape[:-2]
+    size = math.prod(head.shape[-2:])
+    count = math.prod(pages)
+    filled: dict[int, Span] = {}
+    values: dict[int, list[float]] = {}
+    for grid in grids:
+        page = _page_index(head, grid, diagnostics)
+        if page is not None and page in filled:
+            diagnostics.append(
+                Diagnostic(
+                    "duplicate-grid", f"this grid stands in line {filled[page].line} already",
+                    grid.span,
+                )
+            )  # fmt: skip
+        elif page is not None:
+            filled[page] = grid.span
+        block = _Block(head, grid, diagnostics).read()
+        if page is not None and block is not None and len(block) == size:
+            values[page] = block
+    if len(filled) < count:
+        _report_missing_pages(head, filled, count, grids, diagnostics)
+    if len(values) < count:
+        return None
+    return [x for page in range(count) for x in values[page]]
+
+
+def _report_missing_pages(
+    head: TableHeader,
+    filled: dict[int, Span],
+    count: int,
+    grids: Sequence[Grid],
+    diagnostics: list[Diagnostic],
+) -> None:
+    where = grids[-1].span if grids else Span(1, 1, 1, 2)
+    missing = count - len(filled)
+    condition = next(c for k, c in enumerate(page_conditions(head)) if k not in filled)
+    more = f" and {missing - 1} more" if missing > 1 else ""
+    diagnostics.append(Diagnostic("missing-grid", f"there is no 'grid{condition}'{more}", where))
+
+
+def _page_index(head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) -> int | None:
+    """Return which of the pages the ``when`` of a grid means."""
+    pages = {axis.name: axis for axis in head.axes[:-2]}
+    given: dict[str, int] = {}
+    cursor = Cursor(grid.tokens)
+    cursor.take()
+    try:
+        if cursor.accept("when"):
+            while True:
+                name, index = _page_level(cursor, pages)
+                given[name] = index
+                if not cursor.accept(","):
+                    break
+        cursor.finish()
+    except Fault as fault:
+        diagnostics.append(fault.diagnostic)
+        return None
+    missing = [name for name in pages if name not in given]
+    if missing:
+        diagnostics.append(
+            Diagnostic(
+                "incomplete-page",
+                f"the grid does not say for which '{missing[0]}' it is",
+                grid.span,
+                hint=f"write: grid when {', '.join(f'{name} = …' for name in pages)}",
+            )
+        )
+        return None
+    index = 0
+    for name, axis in pages.items():
+        index = index * len(axis.levels) + given[name]
+    return index
+
+
+def _page_level(cursor: Cursor, pages: dict[str, Axis]) -> tuple[str, int]:
+    name = cursor.name("the name of a page input")
+    if name.text not in pages:
+        hint, replacement = near_hint(name.text, pages)
+        raise Fault(
+            Diagnostic(
+                "unknown-variable",
+                f"'{name.text}' is no page of the index order",
+                name.span,
+                hint=hint,
+                replacement=replacement,
+            )
+        )
+    cursor.expect("=", "before the level")
+    figure = cursor.figure("a level")
+    levels = pages[name.text].levels
+    if figure.value not in levels:
+        message = f"{figure.value:g} is no level of '{name.text}'"
+        raise Fault(Diagnostic("wrong-label", message, figure.span))
+    return name.text, levels.index(figure.value)
+
+
+class _Block:
+    """The reading of one grid."""
+
+    def __init__(self, head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) -> None:
+        self.head = head
+        self.grid = grid
+        self.diagnostics = diagnostics
+        self.column = head.axes[-1]
+        self.row = head.axes[-2] if len(head.axes) > 1 else None
+
+    def read(self) -> list[float] | None:
+        """Return the values of the grid row by row, or None."""
+        if not self.grid.lines:
+            self._report("missing-rows", "the grid has no lines", self.grid.span)
+            return None
+        number, line = self.grid.lines[0]
+        sound = self._read_head(number, line)
+        rows = self.grid.lines[1:]
+        if self.row is None:
+            return self._read_single(rows) if sound else None
+        labels: list[float | None] = []
+        values: list[float] = []
+        for row_number, text in rows:
+            label, cells = self._read_row(row_number, text)
+            labels.append(label)
+            values += cells
+        fits = self._check_labels(labels, rows)
+        return values if sound and fits else None
+
+    def _read_head(self, number: int, line: str) -> bool:
+        """Check the line with the names and the column levels."""
+        names, rest = _names_and_rest(number, line)
+        wanted = [self.column.name] if self.row is None else [self.row.name, self.column.name]
+        if names is None or [token.text for token in names] != wanted:
+            self._report_corner(names, wanted, number, line)
+            return False
+        cells = _cells(number, line, rest)
+        return self._check_levels(cells, self.column, number, line)
+
+    def _report_corner(
+        self, names: list[Token] | None, wanted: list[str], number: int, line: str
+    ) -> None:
+        spell = " \\ ".join(wanted)
+        if not names:
+            span = Span(number, 1, number, len(line) + 1)
+            message = f"the first line of a grid starts with '{spell}'"
+            self._report("missing-corner", message, span)
+            return
+        span = names[0].span.to(names[-1].span)
+        found = [token.text for token in names]
+        read = " \\ ".join(found)
+        if found == wanted[::-1] and len(wanted) > 1:
+            self._report(
+                "transposed-labels",
+                f"the corner '{read}' contradicts the index order "
+                f"(row {wanted[0]}, column {wanted[1]})",
+                span,
+                hint="is the table transposed? change the index order or the corner, not both",
+            )
+            return
+        self._report(
+            "wrong-corner",
+            f"the grid is headed '{read}', the index order asks for '{spell}'",
+            span,
+        )
+
+    def _check_levels(self, cells: list[Cell], axis: Axis, number: int, line: str) -> bool:
+        found = [self._number(cell) for cell in cells]
+        if None in found:
+            return False
+        if found == list(axis.levels):
+            return True
+        span = cells[0].span.to(cells[-1].span) if cells else _line_end(number, line)
+        if self.row is not None and found == list(self.row.levels):
+            self._report(
+                "transposed-labels",
+                f"the columns are labelled with the levels of '{self.row.name}', "
+                f"the index order says column {axis.name}",
+                span,
+                hint="is the table transposed?",
+            )
+        elif len(found) != len(axis.levels):
+            self._report(
+                "wrong-cell-count",
+                f"{_counted(len(found), 'column')}, but '{axis.name}' has "
+                f"{_counted(len(axis.levels), 'level')}",
+                span,
+            )
+        else:
+            k = next(k for k, x in enumerate(found) if x != axis.levels[k])
+            self._report(
+                "wrong-label",
+                f"column {k + 1} is labelled {found[k]:g}, the level of '{axis.name}' "
+                f"is {axis.levels[k]:g}",
+                cells[k].span,
+            )
+        return False
+
+    def _read_row(self, number: int, line: str) -> tuple[float | None, list[float]]:
+        words = line.split("#", 1)[0].split()
+        if len(words) == len(self.column.levels) + 1 and all(map(_NUMBER.match, words)):
+            numbers = [float(word) for word in words]
+            if all(map(math.isfinite, numbers)):
+                return numbers[0], numbers[1:]
+        cells = _cells(number, line, 0)
+        numbers_or_none = [self._number(cell) for cell in cells]
+        self._check_count(cells, number, line)
+        return numbers_or_none[0], []
+
+    def _check_count(self, cells: list[Cell], number: int, line: str) -> None:
+        count, wanted = len(cells) - 1, len(self.column.levels)
+        if count == wanted:
+            return
+        extra = cells[wanted + 1 :]
+        span = extra[0].span.to(extra[-1].span) if extra else _line_end(number, line)
+        self._report(
+            "wrong-cell-count",
+            f"the row has {_counted(count, 'cell')}, '{self.column.name}' has "
+            f"{_counted(wanted, 'level')}",
+            span,
+        )
+
+    def _check_labels(self, labels: list[float | None], rows: list[tuple[int, str]]) -> bool:
+        assert self.row is not None
+        levels = self.row.levels
+        if labels == list(levels):
+            return True
+        sound = [label for label in labels if label is not None]
+        first, last = rows[0] if rows else (0, ""), rows[-1] if rows else (0, "")
+        whole = Span(first[0], 1, last[0], len(last[1]) + 1) if rows else self.grid.span
+        if sound == list(self.column.levels) and levels != self.column.levels:
+            self._report(
+                "transposed-labels",
+                f"the rows are labelled with the levels of '{self.column.name}', "
+                f"the index order says row {self.row.name}",
+                whole,
+                hint="is the table transposed?",
+            )
+            return False
+        for label, level, (number, line) in zip(labels, levels, rows, strict=False):
+            if label is not None and label != level:
+                self._report(
+                    "wrong-label",
+                    f"the row is labelled {label:g}, the level of '{self.row.name}' is {level:g}",
+                    _cells(number, line, 0)[0].span,
+                )
+                break
+        if len(labels) != len(levels):
+            name = "missing-row" if len(labels) < len(levels) else "extra-row"
+            place = rows[len(levels)] if len(labels) > len(levels) else None
+            self._report(
+                name,
+                f"the grid has {_counted(len(labels), 'row')}, '{self.row.name}' has "
+                f"{_counted(len(levels), 'level')}",
+                Span(place[0], 1, place[0], len(place[1]) + 1) if place else self.grid.span,
+            )
+        return False
+
+    def _read_single(self, rows: list[tuple[int, str]]) -> list[float] | None:
+        """Read the one row of a table with one input: the output's name and the values."""
+        if len(rows) != 1:
+            name = "missing-row" if not rows else "extra-row"
+            span = Span(rows[1][0], 1, rows[1][0], len(rows[1][1]) + 1) if rows else self.grid.span
+            message = f"a table of one input has one row, not {len(rows)}"
+            self._report(name, message, span)
+            return None
+        number, line = rows[0]
+        names, rest = _names_and_rest(number, line)
+        if names is None or [token.text for token in names] != [self.head.output]:
+            message = f"the row of values starts with the output '{self.head.output}'"
+            self._report("wrong-label", message, _cells(number, line, 0)[0].span)
+            return None
+        cells = _cells(number, line, rest)
+        values = [self._number(cell) for cell in cells]
+        self._check_count([Cell("", self.grid.span), *cells], number, line)
+        return [x for x in values if x is not None]
+
+    def _number(self, cell: Cell) -> float | None:
+        if _NUMBER.match(cell.text):
+            value = float(cell.text)
+            if math.isfinite(value):
+                return value
+            self._report("not-a-number", f"'{cell.text[:40]}' is too large for a number", cell.span)
+            return None
+        hint, replacement = "", None
+        mended = cell.text.replace("\u2212", "-").replace(",", ".")
+        if mended != cell.text and _NUMBER.match(mended):
+            hint, replacement = f"did you mean '{mended}'?", mended
+        message = f"'{cell.text[:40]}' is not a number"
+        self._report("not-a-number", message, cell.span, hint, replacement)
+        return None
+
+    def _report(
+        self, name: str, message: str, span: Span, hint: str = "", replacement: str | None = None
+    ) -> None:
+        self.diagnostics.append(Diagnostic(name, message, span, hint=hint, replacement=replacement))
+
+
+def _names_and_rest(number: int, line: str) -> tuple[list[Token] | None, int]:
+    r"""Return the names that a line starts with (``e`` or ``e \ ce``) and where they end."""
+    lines = tokenize(line, [])
+    tokens = lines[0].tokens if lines else ()
+    names: list[Token] = []
+    end = 0
+    for k, token in enumerate(tokens):
+        if k % 2 == 0:
+            if token.kind not in ("name", "quoted"):
+                return None, 0
+            names.append(token._replace(line=number))
+            end = token.end - 1
+        elif not (token.kind == "mark" and token.text == "\\"):
+            break
+    return names, end
+
+
+def _cells(number: int, line: str, start: int) -> list[Cell]:
+    """Return the words of `line` from offset `start` to a comment."""
+    stop = line.find("#", start)
+    return [
+        Cell(m.group(), Span(number, m.start() + 1, number, m.end() + 1))
+        for m in _WORD.finditer(line, start, len(line) if stop < 0 else stop)
+    ]
+
+
+def _line_end(number: int, line: str) -> Span:
+    end = len(line.split("#", 1)[0].rstrip()) + 1
+    return Span(number, end, number, end + 1)
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count} {word}" if count == 1 else f"{count} {word}s"
+
+
+def page_conditions(table: TableHeader) -> Iterator[str]:
+    """Yield `` when a = 1, b = 2`` for every combination of the page levels, in order."""
+    pages = table.axes[:-2]
+    for levels in product(*(axis.levels for axis in pages)):
+        parts = [
+            f"{spelled(a.name)} = {number_text(x)}" for a, x in zip(pages, levels, strict=True)
+        ]
+        yield f" when {', '.join(parts)}" if parts else ""
+
+
+def spelled(name: str) -> str:
+    """Return `name` as it stands in a file: in single quotes where it must."""
+    plain = is_plain_name(name) and name not in RESERVED and name not in KEYWORDS
+    return name if plain else quote(name, "'")

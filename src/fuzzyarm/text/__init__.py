@@ -1,0 +1,1 @@
+"""Text of any kind: positions, diagnostics, names, numbers, and files that are replaced whole."""

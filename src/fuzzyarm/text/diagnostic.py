@@ -1,0 +1,243 @@
+"""A mistake or a doubt with its place in the text, how it is shown, and when a text is absurd."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple
+
+from fuzzyarm.errors import FuzzyarmError
+
+# --- A mistake or a doubt, with its place in the text ---
+
+
+class Severity(StrEnum):
+    """How grave a diagnostic is: only errors keep a file from being used."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+class Span(NamedTuple):
+    """A stretch of text; lines and columns count characters from 1, the end is exclusive."""
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+    def to(self, other: Span) -> Span:
+        """Return the span from the start of this one to the end of `other`."""
+        return Span(self.line, self.column, other.end_line, other.end_column)
+
+
+NOWHERE = Span(1, 1, 1, 1)
+"""The span of what has no place in a text, for instance a model built in Python."""
+
+
+@dataclass(frozen=True, slots=True)
+class Related:
+    """Another place that a diagnostic speaks of, for instance the first of two duplicates."""
+
+    message: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding about a text.
+
+    Attributes
+    ----------
+    name : str
+        Kebab-case, stable: what ``# allow NAME`` silences and the documentation explains.
+    message : str
+        One sentence to a person.
+    span : Span
+        Exactly the text that is at fault.
+    severity : Severity
+        An error keeps the file from being used; a warning and an info do not.
+    hint : str
+        What was probably meant, or what to do; empty where nothing is certain.
+    replacement : str or None
+        The text to put in place of `span` where the hint is certain enough for a quick fix.
+    path : str
+        The file, as the caller named it.
+    related : tuple of Related
+        Other places that belong to the finding.
+    """
+
+    name: str
+    message: str
+    span: Span = NOWHERE
+    severity: Severity = Severity.ERROR
+    hint: str = ""
+    replacement: str | None = None
+    path: str = ""
+    related: tuple[Related, ...] = ()
+
+    @property
+    def line(self) -> int:
+        """Line of the first character, from 1."""
+        return self.span.line
+
+    @property
+    def column(self) -> int:
+        """Column of the first character, from 1."""
+        return self.span.column
+
+    @property
+    def is_error(self) -> bool:
+        """Whether the file cannot be used as it stands."""
+        return self.severity is Severity.ERROR
+
+    def __str__(self) -> str:
+        place = f"{self.path or '<text>'}:{self.line}:{self.column}"
+        hint = f" ({self.hint})" if self.hint else ""
+        return f"{place}: {self.severity}[{self.name}]: {self.message}{hint}"
+
+
+class RuleBaseError(FuzzyarmError, ValueError):
+    """A file or a model that cannot be used.
+
+    Parameters
+    ----------
+    diagnostics : sequence of Diagnostic
+        Every finding, errors and others, in the order of the text; at least one.
+
+    Attributes
+    ----------
+    diagnostics : tuple of Diagnostic
+        As given.
+    """
+
+    def __init__(self, diagnostics: tuple[Diagnostic, ...] | list[Diagnostic]) -> None:
+        self.diagnostics = tuple(diagnostics)
+        errors = [d for d in self.diagnostics if d.is_error] or list(self.diagnostics)
+        more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
+        super().__init__(f"{errors[0]}{more}")
+
+
+# --- What the language refuses as absurd, so that no file can exhaust time or memory ---
+
+MAX_CHARACTERS = 4_000_000
+"""Longest text that is read at all."""
+
+MAX_LINES = 150_000
+"""Most lines of a text."""
+
+MAX_LINE = 20_000
+"""Longest single line, in characters."""
+
+MAX_INPUTS = 32
+MAX_OUTPUTS = 32
+MAX_TERMS = 1_000
+"""Most terms of one variable."""
+
+MAX_RULES = 100_000
+MAX_NESTING = 50
+"""Deepest nesting of parentheses in an antecedent."""
+
+MAX_LEVELS = 100_000
+"""Most levels of one lookup axis."""
+
+MAX_MAGNITUDE = 1e100
+"""Largest number of a range or a shape, infinity apart: areas and moments are its powers."""
+
+MIN_WIDTH = 1e-100
+"""Smallest width of a range, and smallest spread of a shape."""
+
+MAX_DIAGNOSTICS = 1_000
+"""Most findings that one run reports; behind them reading stops."""
+
+
+# --- Show a diagnostic to a person: place, source line, caret, hint. Plain text ---
+
+_COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
+_WIDEST = 160
+
+
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+
+def split_lines(text: str) -> list[str]:
+    r"""Return the lines of `text`; only ``\n``, ``\r\n`` and ``\r`` end a line."""
+    lines = _LINE_END.split(text)
+    if lines and lines[-1] == "":
+        lines.pop()
+    return lines
+
+
+def display_width(text: str) -> int:
+    """Return the number of terminal columns that `text` takes."""
+    if text.isascii():
+        return len(text)
+    return sum(
+        0 if unicodedata.combining(c) else 2 if unicodedata.east_asian_width(c) in "WF" else 1
+        for c in text
+    )
+
+
+def render(diagnostic: Diagnostic, text: str, *, colour: bool = False) -> str:
+    """Return a diagnostic as several lines: headline, source line, caret, hint, related places.
+
+    Parameters
+    ----------
+    diagnostic : Diagnostic
+        What to show.
+    text : str
+        The text it is about.
+    colour : bool
+        Whether to use terminal colours.
+    """
+    return render_all([diagnostic], text, colour=colour)
+
+
+def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = False) -> str:
+    """Return several diagnostics of one text, each as :func:`render` does."""
+    lines = split_lines(text)
+    return "\n".join("\n".join(_parts(d, lines, colour=colour)) for d in diagnostics)
+
+
+def _parts(diagnostic: Diagnostic, lines: list[str], *, colour: bool) -> list[str]:
+    place = f"{diagnostic.path or '<text>'}:{diagnostic.line}:{diagnostic.column}"
+    label = f"{diagnostic.severity}[{diagnostic.name}]"
+    if colour:
+        label = f"\x1b[1;{_COLOURS[diagnostic.severity]}m{label}\x1b[0m"
+    parts = [f"{place}: {label}: {diagnostic.message}"]
+    parts += _excerpt(diagnostic.span, lines)
+    if diagnostic.hint:
+        parts.append(f"       = hint: {diagnostic.hint}")
+    for related in diagnostic.related:
+        parts.append(f"       = {related.message}: {related.span.line}:{related.span.column}")
+        parts += _excerpt(related.span, lines)
+    return parts
+
+
+def _excerpt(span: Span, lines: list[str]) -> list[str]:
+    if not 1 <= span.line <= len(lines):
+        return []
+    line = lines[span.line - 1]
+    start = min(span.column - 1, len(line))
+    end = span.end_column - 1 if span.end_line == span.line else len(line)
+    end = max(min(end, len(line)), start)
+    offset = 0
+    if len(line) > _WIDEST:
+        # Long lines are shown from a little before the fault.
+        offset = max(0, min(start - 20, len(line) - _WIDEST))
+        end = min(end, offset + _WIDEST)
+    before = _printable(line[offset:start])
+    marked = _printable(line[start:end])
+    shown = _printable(line[offset : offset + _WIDEST])
+    caret = " " * display_width(before) + "^" * max(1, display_width(marked))
+    number = f"{span.line:>6}"
+    return [f"{number} | {shown}", f"{'':>6} | {caret}"]
+
+
+def _printable(text: str) -> str:
+    expanded = text.replace("\t", "    ")
+    return "".join(c if c.isprintable() else "\ufffd" for c in expanded)

@@ -1,0 +1,57 @@
+"""Names as text: in quotes where they must be, and what a misspelt one was meant to be."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+_LENGTHS = 4
+_MOST = 300
+"""Guessing must stay quick in a file with a thousand terms and a thousand mistakes."""
+
+
+def nearest(word: str, choices: Iterable[str]) -> str | None:
+    """Return the one of `choices` that `word` most likely stands for, or None.
+
+    Difference in case alone is nearest; after that, few edits relative to the length.
+    """
+    options = list(choices)
+    for option in options:
+        if option.casefold() == word.casefold():
+            return option
+    import difflib
+
+    if len(word) > 100:
+        return None
+    cutoff = 0.5 if len(word) <= 3 else 0.6
+    similar = [option for option in options if abs(len(option) - len(word)) <= _LENGTHS]
+    found = difflib.get_close_matches(word, similar[:_MOST], n=1, cutoff=cutoff)
+    return found[0] if found else None
+
+
+def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
+    """Return a hint in words and the replacement text; empty and None where nothing is near."""
+    near = nearest(word, choices)
+    return ("", None) if near is None else (f"did you mean '{near}'?", near)
+
+
+def quote(text: str, mark: str) -> str:
+    """Return `text` between two `mark` characters, with everything unprintable escaped."""
+    out = [mark]
+    for character in text:
+        if character in (mark, "\\"):
+            out.append("\\" + character)
+        elif character.isprintable():
+            out.append(character)
+        else:
+            code = ord(character)
+            out.append(f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}")
+    return "".join([*out, mark])
+
+
+_PLAIN_NAME = re.compile(r"[^\W\d]\w*(?:-[^\W\d]\w*)*\Z")
+
+
+def is_plain_name(text: str) -> bool:
+    """Whether `text` can stand in a file as a name without quotes."""
+    return _PLAIN_NAME.match(text) is not None

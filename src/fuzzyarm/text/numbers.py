@@ -1,0 +1,80 @@
+"""Numbers as text without loss, even levels, and the short forms of lists of numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+_MOST_DECIMALS = 6
+_SHORT = 8
+
+
+def number_text(value: float) -> str:
+    """Return the shortest text that reads back to `value` exactly."""
+    if not math.isfinite(value):
+        return "nan" if math.isnan(value) else ("inf" if value > 0 else "-inf")
+    if value == int(value) and abs(value) < 1e15 and not _is_negative_zero(value):
+        return str(int(value))
+    return repr(float(value))
+
+
+def _is_negative_zero(value: float) -> bool:
+    return value == 0.0 and math.copysign(1.0, value) < 0.0
+
+
+def even_levels(low: float, high: float, intervals: int) -> tuple[float, ...]:
+    """Return `intervals` + 1 levels from `low` to `high`, each the nearest float to its decimal.
+
+    ``-6 .. 6 step 0.1`` has the level -0.3 and not -0.2999999999999998; levels are mirrored
+    where the ends are.
+    """
+    low, high = float(low), float(high)
+    step = (high - low) / intervals
+    if abs(low) + abs(high) < 1e15 and low.is_integer() and step.is_integer():
+        return tuple(low + step * i for i in range(intervals + 1))
+    from fractions import Fraction
+
+    first, last = Fraction(repr(low)), Fraction(repr(high))
+    return tuple(float(first + (last - first) * i / intervals) for i in range(intervals + 1))
+
+
+def column_of_numbers(values: Sequence[float]) -> list[str]:
+    """Return texts with equally many decimals where few are enough, else the shortest ones."""
+    texts = [number_text(x) for x in values]
+    if any("e" in text for text in texts):
+        return texts
+    decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
+    if decimals > _MOST_DECIMALS:
+        return texts
+    return [f"{x:.{decimals}f}" for x in values]
+
+
+def evenly(low: float, high: float, count: int) -> tuple[float, ...]:
+    """Return `count` even levels from `low` to `high`, as the language means them."""
+    if count == 1:
+        return (0.5 * low + 0.5 * high,)
+    return even_levels(low, high, count - 1)
+
+
+def mirror(numbers: Iterable[float]) -> tuple[float, ...]:
+    """Return the numbers and their negatives, in order, zero once."""
+    positive = [abs(x) for x in numbers]
+    return tuple(sorted({*positive, *(-x + 0.0 for x in positive)}))
+
+
+def short_levels(levels: Sequence[float]) -> str:
+    """Return the short form with ``step`` or ``count`` where it means exactly `levels`."""
+    count = len(levels)
+    if count > 2 and evenly(levels[0], levels[-1], count) == tuple(levels):
+        ends = f"{number_text(levels[0])} .. {number_text(levels[-1])}"
+        step = number_text((levels[-1] - levels[0]) / (count - 1))
+        return f"{ends} step {step}" if len(step) <= _SHORT else f"{ends} count {count}"
+    return " ".join(number_text(x) for x in levels)
+
+
+def short_bins(bins: Sequence[float]) -> str:
+    """Return the positive half and ``mirrored`` where `bins` are symmetric, else all of them."""
+    half = [x for x in bins if x >= 0]
+    if len(bins) > 1 and mirror(half) == tuple(bins):
+        return " ".join(number_text(x) for x in half) + " mirrored"
+    return " ".join(number_text(x) for x in bins)

@@ -1,0 +1,216 @@
+"""Fuzzy controllers against the same controllers written in plain Python, and their files."""
+
+import math
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fuzzyarm.controller import Controller, SourceError, Sources, controller
+from fuzzyarm.controller.fuzzy import magnification
+from fuzzyarm.controller.sources import joined, joint_tables, shipped_rulebase, shipped_table
+from fuzzyarm.inference import prepare
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.loop import Options, simulate
+from fuzzyarm.plant import PLAIN, STUDY_TABLES, Clock, Reference, State, pick_and_place
+from fuzzyarm.table import Axis, LookupTable
+
+SHORT = pick_and_place(segment=0.4)
+INTERPRETED = Options(compiled=False)
+
+
+def motor(control, velocity, ratio):
+    return (20.0 * control / 6.0 - 0.066 * velocity * ratio) * 0.066 / 2.32 * ratio
+
+
+class Written(Controller):
+    """A fuzzy controller by its description: `decide` gives the control of one joint."""
+
+    def __init__(self, decide, error_gain):
+        self.decide = decide
+        self.gain = error_gain / math.pi
+
+    def torque(self, reference, state, clock):
+        out = []
+        for joint, ratio in ((0, 80.0), (1, 70.0)):
+            e = (reference.position[joint] - state.position[joint]) * self.gain
+            ce = (reference.velocity[joint] - state.velocity[joint]) * (10.8 / math.pi)
+            out.append(motor(self.decide(joint, e, ce), state.velocity[joint], ratio))
+        return out
+
+
+def same(made, written, tolerance=1e-9):
+    ours = simulate(made, SHORT, payload=True)
+    theirs = simulate(written, SHORT, payload=True)
+    np.testing.assert_allclose(ours.errors, theirs.errors, atol=tolerance)
+
+
+def test_lookup_table_control():
+    table = shipped_table("thesis-6.1.lut")
+    same(controller("fuzzy-lut"), Written(lambda _j, e, ce: table.lookup(e, ce), 108.0), 1e-6)
+
+
+def test_a_table_that_is_interpolated():
+    table = shipped_table("thesis-6.1.lut")
+    smooth = LookupTable(table.axes, "u", table.values, low=-6, high=6, mode="linear")
+    made = controller("fuzzy-lut-x10", sources=Sources(table=smooth))
+    same(made, Written(lambda _j, e, ce: smooth.lookup(e, ce), 1080.0))
+
+
+def test_one_table_for_each_joint_and_any_order_of_its_axes():
+    first, second = shipped_table("thesis-6.1.lut"), shipped_table("performance-yamazaki.lut")
+    both = joined(first, second)
+    assert both.names == ("joint", "e", "ce")
+    made = controller("fuzzy-lut", sources=Sources(table=both))
+    tables = (first, second)
+    same(made, Written(lambda j, e, ce: tables[j].lookup(e, ce), 108.0), 1e-6)
+    turned = LookupTable(
+        (both.axes[2], both.axes[0], both.axes[1]), "u", np.transpose(both.values, (2, 0, 1))
+    )
+    np.testing.assert_array_equal(joint_tables(turned).values, both.values)
+
+
+def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(tmp_path):
+    rulebase = shipped_rulebase("pd7-study.frb")
+    exact = prepare(rulebase)
+    same(
+        controller("fuzzy-direct"),
+        Written(lambda _j, e, ce: exact.evaluate({"e": e, "ce": ce})["u"], 1080.0),
+    )
+    file = tmp_path / "joints.frb"
+    file.write_text(
+        "rulebase joints\ninput joint 1 .. 2\ninput e -6 .. 6\noutput u -6 .. 6\n"
+        "terms joint: triangles ONE TWO\nterms e, u: triangles N Z P\n"
+        "rule if joint is ONE and e is P then u is P\nrule if joint is ONE and e is N then u is N\n"
+        "rule if e is Z then u is Z\nrule if joint is TWO and e is P then u is Z\n"
+        "rule if joint is TWO and e is N then u is N\n"
+    )
+    other = load_rulebase(file)
+    own = prepare(other)
+    same(
+        controller("fuzzy-direct", sources=Sources(rulebase=other)),
+        Written(lambda j, e, _ce: own.evaluate({"joint": j + 1.0, "e": e})["u"], 1080.0),
+    )
+
+
+@pytest.mark.parametrize("smooth", [0.0, 1.0])
+def test_self_tuning_with_a_zoom(smooth):
+    rules = prepare(shipped_rulebase("pd7-study.frb"))
+    factor = prepare(shipped_rulebase("alpha7-study.frb"))
+
+    def decide(_joint, e, ce):
+        size = max(abs(e), abs(ce))
+        zoom = 2.0 if size < 3.0 else 1.0
+        if smooth and 1.5 < size < 3.0:
+            zoom = 3.0 / size
+        point = {"e": zoom * e, "ce": zoom * ce}
+        return 3.0 * rules.evaluate(point)["u"] * factor.evaluate(point)["alpha"]
+
+    same(controller("cfaf").with_gains({"smooth": [smooth]}), Written(decide, 1080.0))
+
+
+def test_smooth_zoom_has_no_jump_and_the_abrupt_one_has():
+    sizes = np.linspace(0.0, 6.0, 6001)
+    seen = {
+        smooth: np.array([s * magnification(s, 2.0, 3.0, smooth) for s in sizes])
+        for smooth in (0.0, 1.0)
+    }
+    assert np.abs(np.diff(seen[1.0])).max() < 0.0021
+    assert (np.diff(seen[1.0]) >= -1e-12).all()
+    assert np.diff(seen[0.0]).min() < -2.9
+
+
+def test_an_edit_of_the_rule_base_shows(tmp_path):
+    text = Path(__file__).parents[2].joinpath("rulebases", "pd7.frb").read_text()
+    file = tmp_path / "pd7.frb"
+    results = []
+    for edited in (text, text.replace("ZE      NB  NM  NS  ZE", "ZE      NB  NM  NS  PS")):
+        file.write_text(edited)
+        made = controller("fuzzy-direct", sources=Sources(rulebase=load_rulebase(file)))
+        results.append(simulate(made, SHORT, options=INTERPRETED).rms)
+    assert (np.abs(results[0] - results[1]) > 1e-3).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "sources", "word"),
+    [
+        ("pd", {"table": "thesis-6.1.lut"}, "takes no table"),
+        ("fuzzy-lut", {"rulebase": "pd7.frb"}, "takes no rulebase"),
+        ("cdid+fuzzy-lut", {"performance": "performance-yamazaki.lut"}, "takes no performance"),
+        ("fuzzy-direct", {"rulebase": "thermostat.frb"}, "asks for 'error'|2 outputs|conjunction"),
+    ],
+)
+def test_sources_that_do_not_serve(name, sources, word):
+    given = {
+        kind: shipped_table(file) if file.endswith(".lut") else shipped_rulebase(file)
+        for kind, file in sources.items()
+    }
+    with pytest.raises(SourceError, match=word):
+        controller(name, sources=Sources(**given))
+
+
+def test_tables_that_do_not_serve():
+    axes = (Axis("e", (-1, 0, 1)), Axis("rate", (-1, 0, 1)))
+    odd = LookupTable(axes, "u", np.zeros((3, 3)))
+    with pytest.raises(SourceError, match="over e and ce"):
+        controller("fuzzy-lut", sources=Sources(table=odd))
+    joints = LookupTable(
+        (Axis("joint", (0, 1)), Axis("e", (-1, 1)), Axis("ce", (-1, 1))), "u", np.zeros((2, 2, 2))
+    )
+    with pytest.raises(SourceError, match="levels 1 and 2"):
+        controller("fuzzy-lut", sources=Sources(table=joints))
+    small = LookupTable((Axis("e", (-1, 1)), Axis("ce", (-1, 1))), "u", np.zeros((2, 2)))
+    with pytest.raises(SourceError, match="differ in their levels"):
+        joined(small, shipped_table("thesis-6.1.lut"))
+
+
+def test_a_hybrid_is_the_ordinary_sum():
+    reference = Reference((0.3, -0.2), (0.1, 0.2), (0.5, -0.4))
+    state, clock = State((0.29, -0.21), (0.12, 0.1)), Clock(0.0006, False, False)
+    parts = [controller("cdid"), controller("fuzzy-lut"), controller("ie")]
+    total = parts[0] + parts[1] + parts[2]
+    made = controller("cdid+fuzzy").with_gains({"whole_run": [0.0]})
+    for each in (*parts, total, made):
+        each.start()
+    want = np.sum([each.torque(reference, state, clock) for each in parts], axis=0)
+    np.testing.assert_allclose(made.torque(reference, state, clock), want, rtol=1e-12)
+    total.start()
+    np.testing.assert_allclose(total.torque(reference, state, clock), want, rtol=1e-12)
+
+
+def test_the_constant_for_pi_of_a_run_scales_the_errors():
+    made = controller("fuzzy-lut")
+    from fuzzyarm.controller.law import Arithmetic
+
+    study = made.block(Arithmetic(STUDY_TABLES.single, STUDY_TABLES.pi)).numbers
+    plain = made.block(Arithmetic(PLAIN.single, PLAIN.pi)).numbers
+    assert study[0] == float(np.float32(108.0 / 3.142857))
+    assert plain[0] == 108.0 / math.pi
+
+
+C_LOOPS = ["fuzzy-lut", "cdid+fuzzy", "soc-zero", "fuzzy-direct", "stfc", "cfaf", "hfie", "mrac"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="needs a C compiler")
+@pytest.mark.parametrize("name", C_LOOPS)
+def test_the_c_loop_of_the_benchmark_gives_the_same_errors(name, tmp_path):
+    folder = Path(__file__).parents[2] / "benchmarks"
+    code = (
+        f"import sys; sys.path.insert(0, {str(folder)!r}); import closed_loop as b;"
+        "from pathlib import Path; f = Path(sys.argv[1]); b.write_data(f); b.REPEATS = 1;"
+        "print(*b.run_c(b.compile_c(f, b.CONTROLS[sys.argv[2]])))"
+    )
+    words = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path), name],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.split()
+    from fuzzyarm.plant import reach_return
+
+    run = simulate(controller(name), reach_return(), payload=True)
+    np.testing.assert_allclose(run.rms, [float(words[1]), float(words[2])], rtol=1e-5)

@@ -1,0 +1,183 @@
+"""Self-organizing control against its description in plain Python; training."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fuzzyarm.controller import Controller, SourceError, Sources, controller
+from fuzzyarm.controller.self_organizing import learned
+from fuzzyarm.controller.sources import shipped_table
+from fuzzyarm.learning.self_organizing import train
+from fuzzyarm.loop import Options, simulate, simulate_batch
+from fuzzyarm.plant import ArmError, pick_and_place, reach_return
+from fuzzyarm.table import Axis, LookupTable
+
+SHORT = pick_and_place(segment=0.4)
+YAMAZAKI = shipped_table("performance-yamazaki.lut")
+PROCYK = shipped_table("performance-procyk-mamdani.lut")
+
+
+class Described(Controller):
+    """The previous cells are corrected by the judgement of the present, then looked up."""
+
+    name = "described"
+
+    def __init__(self, performance, start, rate=1.0, delay=1, bound=6.0):
+        self.performance, self.begin = performance, start
+        self.rate, self.delay, self.bound = rate, delay, bound
+
+    def start(self, single=False):
+        self.tables = [np.array(self.begin), np.array(self.begin)]
+        self.used = [[], []]
+
+    def torque(self, reference, state, clock):
+        out = []
+        for j, ratio in ((0, 80.0), (1, 70.0)):
+            e = (reference.position[j] - state.position[j]) * (1080.0 / math.pi)
+            ce = (reference.velocity[j] - state.velocity[j]) * (10.8 / math.pi)
+            cell = self.performance.cell(e, ce)
+            self.used[j].append(cell)
+            if len(self.used[j]) > self.delay:
+                judged = self.used[j][-1 - self.delay]
+                value = self.tables[j][judged] + self.rate * self.performance.lookup(e, ce)
+                self.tables[j][judged] = min(max(value, -self.bound), self.bound)
+            control = self.tables[j][cell]
+            v = state.velocity[j]
+            out.append((20.0 * control / 6.0 - 0.066 * v * ratio) * 0.066 / 2.32 * ratio)
+        return out
+
+
+@pytest.mark.parametrize(
+    ("performance", "start", "rate", "delay"),
+    [
+        (YAMAZAKI, None, 1.0, 1),
+        (PROCYK, None, 1.0, 1),
+        (YAMAZAKI, "thesis-6.1.lut", 1.0, 1),
+        (YAMAZAKI, None, 0.125, 0),
+        (PROCYK, "thesis-6.1.lut", 0.5, 4),
+    ],
+)
+def test_runs_like_its_description(performance, start, rate, delay):
+    table = shipped_table(start) if start else None
+    begin = table.values if table else np.zeros((13, 13))
+    made = controller("soc-zero", sources=Sources(table=table, performance=performance))
+    made = made.with_gains({"learning_rate": [rate], "delay": [delay]})
+    told = Described(performance, begin, rate, delay)
+    ours, theirs = simulate(made, SHORT, payload=True), simulate(told, SHORT, payload=True)
+    # The last bits differ by the order of multiplications, and the loop magnifies them.
+    np.testing.assert_allclose(ours.errors[:300], theirs.errors[:300], atol=1e-5)
+    kept = learned(ours.memory, delay, (13, 13))
+    assert np.abs(kept.values).max() <= 6.0
+    assert kept.visits.sum() == 2 * 5 * len(ours.errors)
+    untouched = kept.visits == 0
+    np.testing.assert_array_equal(kept.values[untouched], np.stack([begin, begin])[untouched])
+
+
+def test_a_rate_of_zero_is_control_by_the_table():
+    table = shipped_table("thesis-6.1.lut")
+    frozen = controller("soc-table").with_gains({"learning_rate": [0.0]})
+    fixed = controller("fuzzy-lut-x10", sources=Sources(table=table))
+    np.testing.assert_array_equal(
+        simulate(frozen, SHORT, payload=True).errors, simulate(fixed, SHORT, payload=True).errors
+    )
+
+
+def test_the_bound_holds_and_a_performance_table_of_another_grid_serves():
+    coarse = LookupTable(
+        (Axis("e", (-1, 0, 1), (-0.5, 0.5)), Axis("ce", (0,))), "p", [[-2], [0], [2]]
+    )
+    made = controller("soc-table", sources=Sources(performance=coarse))
+    run = simulate(made.with_gains({"bound": [2.5]}), SHORT)
+    kept = learned(run.memory, 1, (13, 13))
+    changed = kept.values != shipped_table("thesis-6.1.lut").values
+    assert changed.any()
+    assert np.abs(kept.values[changed]).max() == 2.5
+
+
+@pytest.mark.parametrize("delay", [-1.0, 0.5, 2000.0])
+def test_a_delay_out_of_sense_is_refused(delay):
+    with pytest.raises(SourceError, match="control periods"):
+        controller("soc-zero").with_gains({"delay": [delay]})
+
+
+def test_tables_that_cannot_be_corrected_are_refused():
+    smooth = LookupTable(YAMAZAKI.axes, "u", np.zeros((13, 13)), mode="linear")
+    with pytest.raises(SourceError, match="no responsible cell"):
+        controller("soc-zero", sources=Sources(table=smooth))
+
+
+def test_training_in_stretches_is_one_run():
+    made = controller("soc-zero")
+    whole = simulate(made, SHORT, payload=True)
+    shots = list(train(made, SHORT, (13, 13), every=37, payload=True))
+    assert shots[-1].complete
+    assert not any(shot.complete for shot in shots[:-1])
+    np.testing.assert_array_equal(shots[-1].errors, whole.errors)
+    np.testing.assert_array_equal(
+        shots[-1].learned.values, learned(whole.memory, 1, (13, 13)).values
+    )
+    growing = [int(shot.learned.visits.sum()) for shot in shots]
+    assert growing == sorted(growing)
+
+
+def test_passes_go_on_from_what_was_learned():
+    made = controller("soc-zero").with_gains({"learning_rate": [0.01]})
+    shots = list(train(made, pick_and_place(), (13, 13), passes=3, payload=True))
+    assert [shot.passage for shot in shots] == [1, 2, 3]
+    assert (shots[2].rms < 0.1 * shots[0].rms).all()
+    assert shots[2].points == 3 * shots[0].points
+
+
+def test_a_training_that_diverges_ends_there():
+    made = controller("soc-zero").with_gains({"supply": [1e6]})
+    *_, last = train(made, SHORT, (13, 13), passes=5)
+    assert last.diverged is not None
+    assert last.passage == 1
+
+
+def test_a_batch_equals_single_runs_to_the_last_bit():
+    seeds = [3, 5, 8]
+    options = Options(disturbance=6e-8)
+    made = controller("soc-zero")
+    batch = simulate_batch(made, SHORT, seeds=seeds, payload=True, options=options)
+    for i, seed in enumerate(seeds):
+        one = simulate(made, SHORT, payload=True, options=Options(disturbance=6e-8, seed=seed))
+        np.testing.assert_array_equal(batch.rms[i], one.rms)
+        np.testing.assert_array_equal(batch.final[i], one.final)
+        np.testing.assert_array_equal(batch.maximum[i], one.maximum)
+    assert np.isnan(batch.diverged).all()
+
+
+def test_a_batch_over_gains_and_arms():
+    from fuzzyarm.plant import LOADED, UNLOADED
+
+    gains = {"K_P": [[100.0, 50.0], [200.0, 80.0]], "K_D": [20.0, 30.0]}
+    arms = [(UNLOADED,) * 4, (LOADED,) * 4]
+    seen = []
+    batch = simulate_batch(
+        controller("pd"), SHORT, gains=gains, arms=arms, workers=2, watch=seen.append
+    )
+    assert sum(seen) == 2
+    for i in range(2):
+        own = {name: values[i] if name == "K_P" else [values[i]] for name, values in gains.items()}
+        one = simulate(controller("pd").with_gains(own), SHORT, arms=arms[i])
+        np.testing.assert_array_equal(batch.rms[i], one.rms)
+    bad = simulate_batch(controller("pid"), SHORT, gains={"K_I": [0.25, 1e4]})
+    assert np.isnan(bad.diverged[0])
+    assert bad.diverged[1] > 0.0
+
+
+def test_batches_out_of_sense():
+    class Mine(Controller):
+        pass
+
+    for words, match in (
+        ({}, "needs gains"),
+        ({"seeds": []}, "at least one"),
+        ({"seeds": [1, 2], "gains": {"K_P": [1.0]}}, "do not match: 1 gain K_P, 2 seeds"),
+    ):
+        with pytest.raises(ArmError, match=match):
+            simulate_batch(controller("pd"), SHORT, **words)
+    with pytest.raises(ArmError, match="plain Python"):
+        simulate_batch(Mine(), reach_return(), seeds=[1])

@@ -1,0 +1,62 @@
+"""A text read with a memory of its earlier versions is read as if for the first time."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+from fuzzyarm.language import parse
+from fuzzyarm.language.parser import ParseMemory
+
+SHIPPED = sorted((Path(__file__).parents[2] / "rulebases").glob("*.frb"))
+PIECES = (
+    "",
+    "x",
+    "\n",
+    "  ",
+    "NB",
+    "rule if ",
+    " # note",
+    "'",
+    '"',
+    ".",
+    "\n\n  PB",
+    "terms ",
+    "θ",
+)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda p: p.stem)
+def test_edits_are_read_as_a_fresh_text(path: Path) -> None:
+    chance = random.Random(path.stem)
+    text = path.read_text(encoding="utf-8")
+    memory = ParseMemory()
+    for _ in range(60):
+        assert parse(text, memory=memory) == parse(text)
+        start = chance.randrange(len(text) + 1)
+        end = min(len(text), start + chance.choice((0, 0, 1, 3, 30)))
+        text = text[:start] + chance.choice(PIECES) + text[end:]
+
+
+def test_the_places_of_moved_lines_are_new() -> None:
+    text = "rulebase a\ninput x 0 .. 1\noutput y 0 .. 1\nrule if x is A then y is B\n"
+    memory = ParseMemory()
+    parse(text, memory=memory)
+    moved = parse("\n# above\n" + text, memory=memory)
+    assert [d.span for d in moved.diagnostics] == [
+        d.span for d in parse("\n# above\n" + text).diagnostics
+    ]
+    assert moved.diagnostics[0].line == 6
+
+
+def test_a_hint_for_a_quoted_name_is_quoted() -> None:
+    text = (
+        "rulebase a\ninput x 0 .. 1\noutput y 0 .. 1\nterms y: singletons A B\n"
+        "term x 'very low': triangle 0 0 1\nterm x high: triangle 0 1 1\n"
+        "rule if x is 'very lov' then y is A\nrule if x is high then y is B\n"
+    )
+    (finding,) = parse(text).diagnostics
+    assert finding.hint == "did you mean 'very low'?"
+    assert finding.replacement == "'very low'"

@@ -1,0 +1,224 @@
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyarm.inference import infer
+from fuzzyarm.language import parse
+from fuzzyarm.table import TableError, compile_table, compile_with_report, measure_fidelity
+from fuzzyarm.table import compiler as compiler_module
+from fuzzyarm.table.compiler import round_to
+from fuzzyarm.table.fidelity import smallest_even_grid
+from fuzzyarm.text.numbers import evenly, short_levels
+
+LOPSIDED = """\
+rulebase lopsided
+input a 0 .. 4
+input b -1 .. 1 "second, mm"
+output y 0 .. 10
+terms a: triangles LO HI
+terms b: triangles N Z P
+terms y: triangles S M L
+rules y
+  a \\ b  N  Z  P
+  LO     S  S  M
+  HI     S  M  L
+"""
+LOOKUP = """\
+lookup
+  levels a: 0 1 3 4
+  levels b: -1 .. 1 step 0.5
+  bins   a: 0.2 1.5 3.9
+  round  0.1
+"""
+TWO_OUTPUTS = LOPSIDED + "output z 0 .. 1\nterms z: triangles S L\nrule if a is LO then z is S\n"
+
+
+def rulebase(text: str):
+    parsed = parse(text)
+    assert parsed.rulebase is not None, parsed.diagnostics
+    return parsed.rulebase
+
+
+def test_each_cell_is_the_inference_at_its_levels():
+    base = rulebase(LOPSIDED + LOOKUP)
+    table = compile_table(base, rounding=0)
+    assert table.shape == (4, 5)
+    for i, a in enumerate((0, 1, 3, 4)):
+        for j, b in enumerate((-1, -0.5, 0, 0.5, 1)):
+            assert table.values[i, j] == pytest.approx(infer(base, a=a, b=b)["y"], abs=1e-12)
+    assert not np.allclose(table.values[:4, :4], table.values[:4, :4].T)
+
+
+def test_the_settings_of_the_file_are_kept():
+    table = compile_table(rulebase(LOPSIDED + LOOKUP), source="/some/where/lop.frb")
+    assert table.axis("a").bins == (0.2, 1.5, 3.9)
+    assert table.axis("b").bins is None
+    assert table.rounding == 0.1
+    assert table.default_mode == "bins"
+    assert (table.low, table.high) == (0.0, 10.0)
+    assert table.axis("b").description == "second, mm"
+    assert np.array_equal(table.values, np.round(table.values, 1))
+    origin = dict(table.provenance)
+    assert origin["source"] == "lop.frb"
+    assert origin["rulebase"] == "lopsided"
+    assert origin["sampled"] == "at the levels of the file"
+    assert compile_table(rulebase(LOPSIDED + LOOKUP), source="x/lop.frb") == table
+
+
+def test_without_settings_there_are_13_even_levels_and_that_is_said():
+    report = compile_with_report(rulebase(LOPSIDED))
+    assert report.table.shape == (13, 13)
+    assert report.default_levels
+    assert dict(report.table.provenance)["sampled"] == "at 13 even levels by default"
+    assert not compile_with_report(rulebase(LOPSIDED), levels=5).default_levels
+
+
+def test_levels_of_the_caller_win_and_drop_the_bins():
+    table = compile_table(rulebase(LOPSIDED + LOOKUP), levels={"a": (0, 2, 4)})
+    assert table.axis("a").levels == (0, 2, 4)
+    assert table.axis("a").bins is None
+    assert table.axis("b").levels == (-1, -0.5, 0, 0.5, 1)
+
+
+def test_slabs_make_no_difference(monkeypatch):
+    base = rulebase(LOPSIDED)
+    whole = compile_table(base, levels={"a": 50, "b": 21})
+    monkeypatch.setattr(compiler_module, "_SLAB", 100)
+    assert np.array_equal(compile_table(base, levels={"a": 50, "b": 21}).values, whole.values)
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "message"),
+    [
+        (TWO_OUTPUTS, {}, "has 2 outputs: name one of y, z"),
+        (TWO_OUTPUTS, {"output": "zz"}, "no output 'zz'.*did you mean 'z'"),
+        (LOPSIDED, {"levels": {"c": 3}}, "no input 'c'"),
+        (LOPSIDED, {"levels": 0}, "1 to 100,000 levels"),
+        (LOPSIDED, {"levels": 9_000}, "81,000,000 cells"),
+        (LOPSIDED, {"rounding": -1}, "positive step"),
+        (LOPSIDED.replace("0 .. 4", "-inf .. 4").replace("terms a: triangles LO HI",
+         "term a LO: ramp 4 0\nterm a HI: ramp 0 4"), {}, "'a' is unbounded"),
+        ("rulebase r\noutput y 0 .. 1\nterms y: triangles A B\n", {}, None),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_compiled(text, arguments, message):
+    parsed = parse(text)
+    if message is None:
+        with pytest.raises(TableError, match="no inputs"):
+            compile_table(parsed.partial)
+        return
+    with pytest.raises(TableError, match=message):
+        compile_table(parsed.partial, **arguments)
+
+
+def test_no_value_is_refused_with_the_place():
+    base = rulebase(
+        "rulebase r\ninput a 0 .. 4\noutput y 0 .. 1\nterms y: triangles S L\n"
+        "term a LO: triangle 0 0 1\ninference no-rule nan\nrule if a is LO then y is S\n"
+    )
+    with pytest.raises(TableError, match="'y' has no value at a = 1 "):
+        compile_table(base, levels=(0, 1, 4))
+
+
+def test_the_reported_difference_is_what_brute_force_finds():
+    base = rulebase(LOPSIDED + LOOKUP)
+    table = compile_table(base)
+    fidelities = {f.mode: f for f in measure_fidelity(table, base, ("bins", "nearest", "linear"))}
+    a, b = np.linspace(0, 4, 400)[:, None], np.linspace(-1, 1, 400)
+    truth = infer(base, a=a, b=b)["y"]
+    for mode, fidelity in fidelities.items():
+        error = np.abs(table.lookup(a, b, mode=mode) - truth)
+        assert fidelity.rms == pytest.approx(math.sqrt(np.mean(error**2)), rel=1e-9)
+        assert fidelity.worst >= error.max()
+        at = dict(fidelity.at)
+        found = abs(table.lookup(**at, mode=mode) - infer(base, at)["y"])
+        assert found == pytest.approx(fidelity.worst, abs=1e-12)
+
+
+def test_the_worst_is_sought_on_both_sides_of_every_threshold():
+    text = (
+        "rulebase r\ninput a 0 .. 1\noutput y 0 .. 1\nterm a LO: ramp 1 0\nterm a HI: ramp 0 1\n"
+        "term y ONE: singleton 1\nterm y NIL: singleton 0\n"
+        "inference defuzzifier weighted-average\n"
+        "rule if a is LO then y is NIL\nrule if a is HI then y is ONE\n"
+    )
+    base = rulebase(text)  # y = a, so every difference is known
+    table = compile_table(base, levels=3)
+    nearest, linear = measure_fidelity(table, base)
+    assert nearest.worst == pytest.approx(0.25, abs=1e-12)
+    assert nearest.rms == pytest.approx(0.25 / math.sqrt(3), rel=1e-3)
+    assert linear.worst == pytest.approx(0, abs=1e-15)
+
+
+@pytest.mark.parametrize("tolerance", [1.0, 0.5, 0.25])
+def test_the_tolerance_is_met_by_the_smallest_grid(tolerance):
+    base = rulebase(LOPSIDED)
+    report = compile_with_report(base, tolerance=tolerance)
+    count = report.table.shape[0]
+    assert report.table.shape == (count, count)
+    assert report.table.mode == "linear"
+    a, b = np.linspace(0, 4, 701)[:, None], np.linspace(-1, 1, 701)
+    truth = infer(base, a=a, b=b)["y"]
+    worst = []
+    for size in range(2, count + 1):
+        grid = compile_table(base, levels=size, rounding=0)
+        worst.append(np.abs(grid.lookup(a, b, mode="linear") - truth).max())
+    assert worst[-1] <= tolerance
+    # Every smaller grid is worse; a finer grid of test points can only make it more so.
+    assert min([math.inf, *worst[:-1]]) > tolerance * 0.98
+
+
+def test_a_tolerance_out_of_reach_is_an_error(monkeypatch):
+    from fuzzyarm.table import fidelity
+
+    monkeypatch.setitem(fidelity.LIMITS, 2, 9)
+    with pytest.raises(TableError, match=r"up to 9 levels .* meets 1e-06; the best differs by"):
+        smallest_even_grid(rulebase(LOPSIDED), None, 1e-6)
+    for bad in (0.0, -1.0, math.inf, math.nan):
+        with pytest.raises(TableError, match="positive number"):
+            smallest_even_grid(rulebase(LOPSIDED), None, bad)
+
+
+@given(st.floats(-1e4, 1e4), st.sampled_from([0.1, 0.5, 1.0, 0.25, 0.3, 0.001, 2.5, 10.0]))
+def test_rounding_gives_the_float_nearest_to_the_decimal(x, step):
+    rounded = float(round_to(np.array([x]), step)[0])
+    multiple = Decimal(repr(step)) * round(Decimal(rounded) / Decimal(repr(step)))
+    assert rounded == float(multiple)
+    assert abs(rounded - x) <= step * (0.5 + 1e-9)
+    assert math.copysign(1.0, rounded) > 0 or rounded < 0
+
+
+@given(
+    st.integers(-50, 50).map(lambda k: k / 10), st.integers(1, 80).map(lambda k: k / 10),
+    st.integers(3, 300),
+)  # fmt: skip
+def test_even_levels_have_a_short_form_that_reads_back(low, width, count):
+    from fuzzyarm.table import parse_lut
+    from fuzzyarm.table.axis import Axis
+
+    levels = Axis("e", evenly(low, low + width, count)).levels
+    text = short_levels(levels)
+    assert ".." in text
+    cells = " ".join(["0"] * count)
+    labels = " ".join(map(repr, levels))
+    source = (
+        f"fuzzyarm-table 1\noutput u\nindex column e\nlevels {text}\n"
+        f"grid\n e {labels}\n u {cells}\n"
+    )
+    assert parse_lut(source).table.axes[0].levels == levels
+
+
+@pytest.mark.slow
+def test_a_large_table_has_the_values_of_a_small_one(pd7):
+    from fuzzyarm.inference import infer
+
+    table = compile_table(pd7, levels=1001, rounding=0.0)
+    axis = np.array(table.axes[0].levels)
+    there = infer(pd7, e=axis[::7, None], ce=axis[None, ::7])["u"]
+    assert np.abs(table.values[::7, ::7] - there).max() < 1e-12

@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from table_strategies import tables
+
+from fuzzyarm.table import Axis, LookupTable, TableError, TableFileError, read_table, write_table
+from fuzzyarm.table.files import parse_table, table_as
+
+ASYMMETRIC = LookupTable(
+    (Axis("e", (-1, 0, 2)), Axis("ce", (0, 10, 20, 40))),
+    "u",
+    [[1, 2, 3, 4], [5, 6, 7, 8], [9, 10, 11, 12]],
+)
+
+
+@pytest.mark.parametrize("suffix", [".lut", ".csv", ".json", ".npz"])
+@given(table=tables())
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+    deadline=None,
+    max_examples=120,
+)
+def test_every_format_reads_back_an_identical_table(tmp_path_factory, suffix, table):
+    path = tmp_path_factory.mktemp("t") / f"table{suffix}"
+    write_table(table, path)
+    back = read_table(path)
+    assert back == table
+    assert np.array_equal(np.signbit(back.values), np.signbit(table.values))
+    assert back.axes == table.axes
+    assert back.provenance == table.provenance
+
+
+@pytest.mark.parametrize("suffix", [".lut", ".csv", ".json", ".npz"])
+def test_writing_twice_gives_the_same_bytes(tmp_path, suffix):
+    for name in ("a", "b"):
+        write_table(ASYMMETRIC, tmp_path / f"{name}{suffix}")
+    assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
+
+
+def test_the_row_in_the_text_formats_is_the_first_input():
+    assert table_as(ASYMMETRIC, ".lut").splitlines()[-1].split() == ["2", "9", "10", "11", "12"]
+    assert table_as(ASYMMETRIC, ".csv").splitlines()[-1] == "2,9,10,11,12"
+    data = json.loads(table_as(ASYMMETRIC, ".json"))
+    assert data["index"] == ["e", "ce"]
+    assert data["values"][2] == [9, 10, 11, 12]
+
+
+def test_other_programs_read_the_csv(tmp_path):
+    path = tmp_path / "table.csv"
+    write_table(ASYMMETRIC, path)
+    grid = np.genfromtxt(path, delimiter=",", comments="#", skip_header=0)[1:]
+    np.testing.assert_array_equal(grid[:, 0], [-1, 0, 2])
+    np.testing.assert_array_equal(grid[:, 1:], ASYMMETRIC.values)
+
+
+def test_other_programs_read_the_npz(tmp_path):
+    path = tmp_path / "table.npz"
+    write_table(ASYMMETRIC, path)
+    with np.load(path) as archive:
+        np.testing.assert_array_equal(archive["values"], ASYMMETRIC.values)
+        np.testing.assert_array_equal(archive["levels_1"], [0, 10, 20, 40])
+
+
+def test_an_unknown_suffix_is_refused_before_anything_is_written(tmp_path):
+    for act in (lambda p: write_table(ASYMMETRIC, p), read_table):
+        with pytest.raises(TableError, match=r"no suffix of a table .*\.lut"):
+            act(tmp_path / "table.xls")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name"),
+    [
+        ('"index": [\n  "e",\n  "ce"\n ]', '"index": ["ce", "e"]', "bad-table"),
+        ('"fuzzyarm-table"', '"something"', "bad-table"),
+        ('"version": 1', '"version": 7', "bad-table"),
+        ('"values"', '"valeus"', "missing-key"),
+        ("9.0", "NaN", "bad-table"),
+        ("9.0", '"9"', "bad-table"),
+        ("9.0,", "", "bad-table"),
+        ("9.0,", "9.0,,", "bad-json"),
+    ],
+)
+def test_a_damaged_json_is_diagnosed(old, new, name):
+    text = table_as(ASYMMETRIC, ".json")
+    assert old in text
+    parsed = parse_table(text.replace(old, new, 1).encode(), "t.json")
+    assert parsed.table is None
+    assert [d.name for d in parsed.diagnostics] == [name]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "name"),
+    [
+        ("2,9,10,11,12\n", "", "missing-row"),
+        ("2,9,10,11,12", "2,9,10,11", "wrong-cell-count"),
+        ("2,9,10,11,12", "3,9,10,11,12", "wrong-label"),
+        ("2,9,10,11,12", "2,9,ten,11,12", "not-a-number"),
+        ("2,9,10,11,12", "2,9,10,11,12#3", "not-a-number"),
+        ("2,9,10,11,12", "2,9,,11,12", "not-a-number"),
+        ("e \\ ce,0", "ce \\ e,0", "transposed-labels"),
+        ("index   row e, column ce", "", "missing-index-order"),
+        ("# fuzzyarm-table 1", "", "missing-format"),
+    ],
+)
+def test_a_damaged_csv_is_diagnosed_at_its_line(old, new, name):
+    text = table_as(ASYMMETRIC, ".csv")
+    assert old in text
+    parsed = parse_table(text.replace(old, new, 1).encode(), "t.csv")
+    assert parsed.table is None
+    assert name in [d.name for d in parsed.diagnostics]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".json", ".npz", ".lut"])
+def test_damage_never_raises_anything_but_a_file_error(tmp_path, suffix):
+    path = tmp_path / f"table{suffix}"
+    write_table(ASYMMETRIC, path)
+    sound = path.read_bytes()
+    random = np.random.default_rng(3)
+    outcomes = set()
+    for _ in range(150):
+        data = bytearray(sound)
+        for _ in range(random.integers(1, 4)):
+            data[random.integers(len(data))] = random.integers(256)
+        if random.random() < 0.2:
+            data = data[: random.integers(len(data))]
+        path.write_bytes(bytes(data))
+        if suffix == ".npz" or parse_table(bytes(data), str(path)).table is None:
+            with contextlib.suppress(TableFileError):
+                read_table(path)
+            outcomes.add("refused")
+    assert "refused" in outcomes
+
+
+def test_reading_the_text_needs_no_array_library():
+    code = (
+        "import sys; from fuzzyarm.table import parse_lut; parse_lut('fuzzyarm-table 1');"
+        "sys.exit('numpy' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], env=os.environ, check=False).returncode == 0

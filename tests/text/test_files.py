@@ -1,0 +1,73 @@
+"""Files are replaced whole or not at all."""
+
+import os
+
+import pytest
+
+from fuzzyarm.text.files import write_atomically
+
+
+def test_a_file_is_written_and_replaced(tmp_path):
+    path = tmp_path / "x.lut"
+    write_atomically(path, "one\n")
+    write_atomically(path, b"two\n")
+    assert path.read_bytes() == b"two\n"
+    assert [p.name for p in tmp_path.iterdir()] == ["x.lut"]
+
+
+def test_the_mode_of_an_existing_file_is_kept(tmp_path):
+    path = tmp_path / "x.lut"
+    path.write_text("old")
+    path.chmod(0o640)
+    write_atomically(path, "new")
+    assert path.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_failing_write_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
+    path = tmp_path / "x.lut"
+    path.write_text("old")
+
+    def fail(*_):
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(os, "replace", fail)
+    with pytest.raises(OSError, match="full"):
+        write_atomically(path, "new")
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["x.lut"]
+
+
+def test_the_error_names_the_file_that_was_asked_for(tmp_path):
+    path = tmp_path / "none" / "x.lut"
+    with pytest.raises(FileNotFoundError) as caught:
+        write_atomically(path, "x")
+    assert caught.value.filename == str(path)
+
+
+def test_a_folder_is_no_file_and_is_named(tmp_path):
+    path = tmp_path / "x.lut"
+    path.mkdir()
+    with pytest.raises(IsADirectoryError) as caught:
+        write_atomically(path, "x")
+    assert caught.value.filename == str(path)
+    assert [p.name for p in tmp_path.iterdir()] == ["x.lut"]
+
+
+def test_a_file_that_may_not_be_written_stays(tmp_path, monkeypatch):
+    path = tmp_path / "x.lut"
+    path.write_text("old")
+    # The superuser may write everything, so the answer of the system is put in its mouth.
+    monkeypatch.setattr(os, "access", lambda asked, mode: not (asked == path and mode == os.W_OK))
+    with pytest.raises(PermissionError) as caught:
+        write_atomically(path, "new")
+    assert caught.value.filename == str(path)
+    assert path.read_text() == "old"
+
+
+def test_a_link_goes_on_leading_to_the_file(tmp_path):
+    path, link = tmp_path / "x.lut", tmp_path / "link.lut"
+    path.write_text("old")
+    link.symlink_to(path)
+    write_atomically(link, "new")
+    assert link.is_symlink()
+    assert path.read_text() == "new"
