@@ -106,7 +106,7 @@ def _machine_address(function: Callable[..., None], arrays: int) -> tuple[int, A
     views = [f"carray(p{i}, n{i})" for i in range(arrays)]
     source = f"def entry({', '.join(pairs)}):\n    inner({', '.join(views)})\n"
     space: dict[str, Any] = {"carray": carray, "inner": inner}
-    exec(compile(source, __file__, "exec"), space)  # noqa: S102 - a fixed pattern
+    exec(compile(source, __file__, "exec"), space)
     entry = space["entry"]
     entry.__module__, entry.__qualname__ = __name__, f"entry_{_source_digest(function)}"
     pointer = types.CPointer(types.float64)

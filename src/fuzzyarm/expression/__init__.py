@@ -6,7 +6,7 @@ Structured Text, derivatives and bounds are readings of it.
 The way through: :mod:`.nodes` (expressions as graphs), :mod:`.operations` (the table of what
 an operation is to each reader), :mod:`.op` (the functions that definitions are written
 with), :mod:`.evaluation` (numbers, arrays, derivative, bounds), :mod:`.printing` and
-:mod:`.functions` (source text, compiled functions), :mod:`.kinds` (the records and their
-registration), :mod:`.shapes` and :mod:`.norms` (the built-in records), :mod:`.formulas`
-(what users write).
+:mod:`.functions` (source text, compiled functions), :mod:`.records` (what is known of a
+kind), :mod:`.shapes` and :mod:`.norms` (the built-in ones), :mod:`.kinds` (all of them),
+:mod:`.formulas` (what users write).
 """

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from fuzzyarm.expression import op
-from fuzzyarm.expression.kinds import hedge, snorm, tnorm
+from fuzzyarm.expression.records import hedge, snorm, tnorm
 
 __all__ = ["register"]
 

@@ -17,7 +17,7 @@ from itertools import pairwise
 from typing import Any
 
 from fuzzyarm.expression import op
-from fuzzyarm.expression.kinds import Shape, shape
+from fuzzyarm.expression.records import Shape, shape
 
 __all__ = ["register"]
 

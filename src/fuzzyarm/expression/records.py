@@ -1,0 +1,425 @@
+"""Records of kinds: everything about a shape, a norm or a hedge in one place.
+
+The registries hold them by name, and the functions at the end put them there: the built-in
+ones (:mod:`~fuzzyarm.expression.shapes`, :mod:`~fuzzyarm.expression.norms`) by the same
+calls as a user's own (:mod:`~fuzzyarm.expression.kinds`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+from typing import Any, ClassVar, Generic, TypeVar
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.nodes import Node, symbols, trace
+
+__all__ = [
+    "HEDGES",
+    "SHAPES",
+    "SNORMS",
+    "TNORMS",
+    "Hedge",
+    "KindError",
+    "Norm",
+    "Registry",
+    "Shape",
+    "hedge",
+    "shape",
+    "snorm",
+    "tnorm",
+]
+
+Corner = tuple[float, float]
+Definition = Callable[..., Any]
+
+ENTRY_POINT = "fuzzyarm.kinds"
+"""Group of entry points whose modules register kinds."""
+
+
+class KindError(FuzzyarmError, ValueError):
+    """A kind that cannot be registered.
+
+    Attributes
+    ----------
+    kind : str
+        Its name.
+    """
+
+    def __init__(self, message: str, kind: str) -> None:
+        super().__init__(message)
+        self.kind = kind
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """What shapes, norms and hedges have in common.
+
+    Attributes
+    ----------
+    name : str
+        The word in a file.
+    parameters : tuple of str
+        Names of its numbers, in order.
+    function : callable
+        The definition, over nodes: see :attr:`expression`.
+    doc : str
+        One line for help, completion and the reference.
+    names : mapping of str to str
+        What other programs call it, by the name of the format: ``fll``, ``fis``, ``fcl``,
+        ``jfl`` (jFuzzyLogic's FCL), ``skfuzzy``. A shape may name the order of its numbers
+        behind the word, where it is another one: ``"gaussmf deviation mean"``. A format
+        that is not named does not know the kind.
+    own : bool
+        Whether a user registered it.
+    """
+
+    name: str
+    parameters: tuple[str, ...]
+    function: Definition
+    doc: str = ""
+    names: Mapping[str, str] = field(default_factory=dict)
+    own: bool = False
+
+    arguments: ClassVar[tuple[str, ...]] = ("x",)
+
+    @cached_property
+    def symbols(self) -> tuple[str, ...]:
+        """Symbols of the expression: the arguments, then the parameters as identifiers."""
+        return (*self.arguments, *(name.replace("-", "_") for name in self.parameters))
+
+    @cached_property
+    def expression(self) -> Node:
+        """The definition as an expression, traced at the first use."""
+        return trace(self.function, self.symbols)
+
+    @cached_property
+    def scalar(self) -> Callable[..., float]:
+        """The definition over floats: the arguments, then the parameters."""
+        from fuzzyarm.expression.functions import python_function
+
+        return python_function(self.expression, self.symbols)
+
+    def array(self, *arguments: Any) -> Any:
+        """Return the value over arrays: the arguments, then the parameters."""
+        from fuzzyarm.expression.evaluation import evaluate_arrays
+
+        return evaluate_arrays(self.expression, dict(zip(self.symbols, arguments, strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class Shape(Kind):
+    """A kind of membership function, or of a consequent that is a value.
+
+    Attributes
+    ----------
+    ordered : bool
+        Whether its numbers must not decrease.
+    positive : tuple of str
+        Parameters that must be greater than 0.
+    unbounded : tuple of str
+        Parameters that may be infinite.
+    corners : callable or None
+        From the parameters to the corners (x, y) of a shape of straight pieces, left to
+        right; a vertical edge is two corners at one x, and the first and the last value go
+        on to infinity. None for a curved shape.
+    bends : callable or None
+        From the parameters to the positions between which a curved shape is smooth, with
+        some that frame its flanks. None: its parameters and the middles between them.
+    turns : callable or None
+        From the parameters to the positions at which it starts, ends or turns. None: its
+        parameters.
+    centre : callable or None
+        From the parameters to the middle of its core. None: found by search.
+    fuzzy : bool
+        False for the consequents of Takagi and Sugeno, which are values rather than sets.
+    """
+
+    ordered: bool = False
+    positive: tuple[str, ...] = ()
+    unbounded: tuple[str, ...] = ()
+    corners: Callable[..., Sequence[Corner]] | None = None
+    bends: Callable[..., Sequence[float]] | None = None
+    turns: Callable[..., Sequence[float]] | None = None
+    centre: Callable[..., float] | None = None
+    fuzzy: bool = True
+    summary_of_numbers: str = ""
+
+    @property
+    def straight(self) -> bool:
+        """Whether it is made of straight pieces."""
+        return self.corners is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Norm(Kind):
+    """A T-norm (*and*, implication) or an S-norm (*or*, aggregation).
+
+    Attributes
+    ----------
+    dual : str
+        The norm that goes with it: S(a, b) = 1 − T(1 − a, 1 − b). Empty where there is none.
+    lines : callable or None
+        Of an implication that keeps straight sets straight: from the strength w to the
+        lines α + β μ, as pairs (α, β), of which the cut set is the smallest. None: it may
+        bend them.
+    aggregates : bool
+        Whether it is for aggregation only, as a sum that may exceed 1 is.
+    """
+
+    dual: str = ""
+    lines: Callable[[Any], tuple[tuple[Any, Any], ...]] | None = None
+    aggregates: bool = False
+
+    arguments: ClassVar[tuple[str, ...]] = ("a", "b")
+
+
+@dataclass(frozen=True, eq=False)
+class Hedge(Kind):
+    """A modifier of a degree.
+
+    Attributes
+    ----------
+    straight : bool
+        Whether it keeps straight pieces straight.
+    bends : tuple of float
+        Degrees at which it bends.
+    aliases : tuple of str
+        Other words for it.
+    """
+
+    straight: bool = False
+    bends: tuple[float, ...] = ()
+    aliases: tuple[str, ...] = ()
+
+    arguments: ClassVar[tuple[str, ...]] = ("d",)
+
+
+_Kind = TypeVar("_Kind", bound=Kind)
+
+
+class Registry(Mapping[str, _Kind], Generic[_Kind]):
+    """Kinds of one sort by name, in the order of their registration.
+
+    A name that is not built in is looked for among the entry points, once.
+    """
+
+    def __init__(self, sort: str) -> None:
+        self.sort = sort
+        self._kinds: dict[str, _Kind] = {}
+
+    def __getitem__(self, name: str) -> _Kind:
+        if name not in self._kinds:
+            load_entry_points()
+        return self._kinds[name]
+
+    def __contains__(self, name: object) -> bool:
+        if name not in self._kinds:
+            load_entry_points()
+        return name in self._kinds
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(tuple(self._kinds))
+
+    def __len__(self) -> int:
+        return len(self._kinds)
+
+    def add(self, kind: _Kind) -> _Kind:
+        """Register a kind; one of the user's own may be replaced.
+
+        Raises
+        ------
+        KindError
+            If the name is not a word, or that of a built-in kind.
+        """
+        known = self._kinds.get(kind.name)
+        if known is not None and not known.own:
+            raise KindError(f"'{kind.name}' is a built-in {self.sort}", kind.name)
+        if not _WORD.fullmatch(kind.name):
+            message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
+            raise KindError(message, kind.name)
+        self._kinds[kind.name] = kind
+        return kind
+
+    def remove(self, name: str) -> None:
+        """Take back one of the user's own kinds; KeyError where there is none."""
+        if not self._kinds[name].own:
+            raise KeyError(name)
+        del self._kinds[name]
+
+
+SHAPES: Registry[Shape] = Registry("shape")
+TNORMS: Registry[Norm] = Registry("T-norm")
+SNORMS: Registry[Norm] = Registry("S-norm")
+HEDGES: Registry[Hedge] = Registry("hedge")
+
+_WORD = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+_PARAMETER = re.compile(r"[a-z][a-z0-9]*([_-][a-z0-9]+)*")
+
+_loaded: list[str] = []
+"""The group of entry points, once it is loaded."""
+
+
+def load_entry_points() -> None:
+    """Import the modules that other packages offer as kinds; once in a process."""
+    if _loaded:
+        return
+    _loaded.append(ENTRY_POINT)
+    from importlib.metadata import entry_points
+
+    for point in entry_points(group=ENTRY_POINT):
+        found = point.load()
+        if callable(found):
+            found()
+
+
+# ── registration ─────────────────────────────────────────────────────────────────────
+
+
+def shape(name: str, parameters: Sequence[str], function: Definition, **facts: Any) -> Shape:
+    """Register a kind of membership function.
+
+    Parameters
+    ----------
+    name : str
+        The word in a file: small letters, digits and hyphens.
+    parameters : sequence of str
+        Names of its numbers, in order.
+    function : callable
+        ``function(x, *parameters)``, written with arithmetic, comparisons and
+        :mod:`fuzzyarm.op`; returns the degree, 0 to 1.
+    **facts
+        What else is known of it, see :class:`Shape`: ``doc``, ``ordered``, ``positive``,
+        ``bends``, ``centre`` and so on.
+
+    Returns
+    -------
+    Shape
+        The record.
+
+    Raises
+    ------
+    KindError
+        If the name is taken or not a word, or the function cannot be traced.
+
+    Examples
+    --------
+    >>> from fuzzyarm import kinds, op
+    >>> bump = kinds.shape(
+    ...     "bump", ("centre", "width"),
+    ...     lambda x, centre, width: op.maximum(0, 1 - ((x - centre) / width) ** 2),
+    ... )
+    >>> bump.scalar(0.5, 0.0, 1.0)
+    0.75
+    """
+    for parameter in parameters:
+        if not _PARAMETER.fullmatch(parameter):
+            raise KindError(f"'{parameter}' is not the name of a parameter", name)
+    kind = Shape(name, tuple(parameters), function, **{"own": True, **facts})
+    _check_expression(kind)
+    return SHAPES.add(kind)
+
+
+def tnorm(name: str, function: Definition, **facts: Any) -> Norm:
+    """Register a T-norm: what *and* means, and how a rule cuts its consequent.
+
+    Parameters
+    ----------
+    name : str
+        The word in a file.
+    function : callable
+        ``function(a, b)`` of two degrees, written with arithmetic, comparisons and
+        :mod:`fuzzyarm.op`.
+    **facts
+        What else is known of it, see :class:`Norm`.
+
+    Returns
+    -------
+    Norm
+        The record.
+
+    Raises
+    ------
+    KindError
+        If the name is taken or not a word, or the function is not a T-norm: T(1, 1) = 1,
+        T(0, 0) = 0, and every degree lies in 0 .. 1.
+    """
+    return TNORMS.add(_norm(name, function, facts))
+
+
+def snorm(name: str, function: Definition, **facts: Any) -> Norm:
+    """Register an S-norm: what *or* means, and how the sets of several rules become one.
+
+    See :func:`tnorm`.
+    """
+    return SNORMS.add(_norm(name, function, facts))
+
+
+def hedge(name: str, function: Definition, **facts: Any) -> Hedge:
+    """Register a hedge: a modifier of a degree such as ``very``.
+
+    Parameters
+    ----------
+    name : str
+        The word in a file.
+    function : callable
+        ``function(d)`` of a degree, or ``function(d, number)`` of a degree and the number
+        in ``name(number)``.
+    **facts
+        What else is known of it, see :class:`Hedge`; ``parameters=("exponent",)`` names the
+        number.
+
+    Returns
+    -------
+    Hedge
+        The record.
+
+    Raises
+    ------
+    KindError
+        If the name is taken or not a word, or the degree leaves 0 .. 1.
+    """
+    parameters = tuple(facts.pop("parameters", ()))
+    kind = Hedge(name, parameters, function, **{"own": True, **facts})
+    _check_expression(kind)
+    if kind.own and not parameters:
+        _check_degrees(kind)
+    return HEDGES.add(kind)
+
+
+def _norm(name: str, function: Definition, facts: dict[str, Any]) -> Norm:
+    kind = Norm(name, (), function, **{"own": True, **facts})
+    if kind.own:
+        _check_expression(kind)
+        _check_degrees(kind)
+        for end in (0.0, 1.0):
+            if kind.scalar(end, end) != end:
+                message = f"'{name}' of {end:g} and {end:g} is not {end:g}"
+                raise KindError(message, name)
+    return kind
+
+
+def _check_expression(kind: Kind) -> None:
+    """Trace the definition of a user's kind at once, so that a mistake shows where it is."""
+    if not kind.own:
+        return
+    try:
+        unknown = set(symbols(kind.expression)) - set(kind.symbols)
+    except (TypeError, AttributeError) as error:
+        message = f"the definition of '{kind.name}' cannot be traced: {error}"
+        raise KindError(message, kind.name) from error
+    if unknown:
+        raise KindError(f"the definition of '{kind.name}' uses '{min(unknown)}'", kind.name)
+
+
+def _check_degrees(kind: Kind) -> None:
+    grid = [i / 8 for i in range(9)]
+    for arguments in product(grid, repeat=len(kind.arguments)):
+        degree = kind.scalar(*arguments)
+        if not 0.0 <= degree <= 1.0 and not getattr(kind, "aggregates", False):
+            where = ", ".join(f"{value:g}" for value in arguments)
+            message = f"'{kind.name}' gives {degree:g} at ({where}), outside 0 .. 1"
+            raise KindError(message, kind.name)
