@@ -10,7 +10,7 @@ from fuzzyarm.controller.sources import SourceError
 from fuzzyarm.inference.defuzzify.aggregate import places, weights
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, plan
 from fuzzyarm.inference.profile import Piece, profile
-from fuzzyarm.kernels import kernel
+from fuzzyarm.kernels import address_of, kernel
 from fuzzyarm.model.membership import apply_hedge, membership
 from fuzzyarm.model.rulebase import And, Expression, Input, Is, RuleBase
 from fuzzyarm.model.shapes import SHAPES
@@ -65,6 +65,17 @@ def inferred(numbers: list[float], at: int, scratch: list[float], cell: int) -> 
     if numbers[at + SAMPLES] > 0.0:
         return sampled_centroid(numbers, at, scratch, strengths, work)
     return exact_centroid(numbers, at, scratch, strengths, work)
+
+
+@kernel
+def concluded(numbers: list[float], scratch: list[float]) -> None:
+    """Put the output of the rule base at the begin of `numbers` in the place of its inputs."""
+    scratch[0] = inferred(numbers, 0, scratch, 0)
+
+
+def inference_address(compiled: bool) -> int:
+    """Return where kernels find :func:`concluded`."""
+    return address_of(concluded, 2, compiled=compiled)
 
 
 @kernel
