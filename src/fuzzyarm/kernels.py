@@ -22,17 +22,13 @@ cannot be written is gone without.
 from __future__ import annotations
 
 import functools
-import hashlib
 import importlib.util
 import os
-import platform
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
-
-from fuzzyarm.text.files import write_atomically
 
 SWITCH = "FUZZYARM_JIT"
 """Environment variable: ``0`` runs every kernel interpreted."""
@@ -187,7 +183,6 @@ def _machine_address(
 # A file is a line with a checksum and behind it an object file of the platform, in which one
 # symbol, `fuzzyarm_` and the digest, takes a pointer and a length for each array.
 
-_HEAD = b"fuzzyarm-code 1 "
 _VERSIONS = 8
 """Files of one function that stay: other sources, other processors on a shared disk."""
 
@@ -210,20 +205,26 @@ _HERE = Path(__file__).resolve().parent
 def _read_code(path: Path) -> bytes | None:
     """Return the code in a file; None where there is no such file or it is damaged."""
     try:
-        head, _, code = path.read_bytes().partition(b"\n")
+        head, line_end, code = path.read_bytes().partition(b"\n")
     except OSError:
         return None
-    whole = head == _HEAD + hashlib.sha256(code).hexdigest().encode()
-    return code if whole else None
+    return code if head + line_end == _head(code) else None
+
+
+def _head(code: bytes) -> bytes:
+    from hashlib import sha256
+
+    return f"fuzzyarm-code 1 {sha256(code).hexdigest()}\n".encode()
 
 
 def _keep(code: bytes, folders: Sequence[Path], label: str, digest: str) -> None:
     """Write a file into the first folder that takes it; of old ones only some stay."""
-    head = _HEAD + hashlib.sha256(code).hexdigest().encode() + b"\n"
+    from fuzzyarm.text.files import write_atomically
+
     for folder in folders:
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            write_atomically(folder / f"{label}.{digest}.code", head + code)
+            write_atomically(folder / f"{label}.{digest}.code", _head(code) + code)
             known = sorted(folder.glob(f"{label}.*.code"), key=lambda each: each.stat().st_mtime)
             for old in known[:-_VERSIONS]:
                 old.unlink()
@@ -233,9 +234,12 @@ def _keep(code: bytes, folders: Sequence[Path], label: str, digest: str) -> None
 
 
 def _code_digest(function: Callable[..., Any], form: str, bindings: _Bindings) -> str:
+    import platform
+    from hashlib import sha256
+
     import llvmlite.binding as llvm
 
-    whole = hashlib.sha256(f"{form};{_source_digest(function, bindings)};".encode())
+    whole = sha256(f"{form};{_source_digest(function, bindings)};".encode())
     whole.update(f"{platform.python_version()};{llvm.get_default_triple()};".encode())
     whole.update(f"{llvm.get_host_cpu_name()};{llvm.get_host_cpu_features().flatten()};".encode())
     whole.update(_numba_version())
@@ -301,8 +305,10 @@ def _numba() -> Any:
 
         def on_start(self, happened: Any) -> None:
             self.depth += 1
-            for each in _watch:
-                each(happened.data["dispatcher"].py_func.__name__)
+            function = happened.data["dispatcher"].py_func
+            if not function.__module__.startswith("numba"):
+                for each in _watch:
+                    each(function.__name__)
 
         def on_end(self, happened: Any) -> None:
             self.depth -= 1
@@ -524,7 +530,9 @@ def _called(function: FunctionType, bindings: _Bindings) -> dict[str, Callable[.
 
 def _source_digest(function: Callable[..., Any], bindings: _Bindings) -> str:
     """Hash what is bound, the source files of all kernels reached, and this one."""
-    whole = hashlib.sha256(Path(__file__).read_bytes())
+    from hashlib import sha256
+
+    whole = sha256(Path(__file__).read_bytes())
     if not hasattr(function, _MARK):
         whole.update(vars(function)["__source__"].encode())
         return whole.hexdigest()[:16]

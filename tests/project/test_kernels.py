@@ -164,7 +164,7 @@ def test_what_cannot_be_kept_is_compiled_all_the_same(tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(kernels, "write_atomically", full)
+    monkeypatch.setattr("fuzzyarm.text.files.write_atomically", full)
     values = np.array([1.0, 3.0])
     routine(halved_all, "f", compiled=True)(values)
     assert values.tolist() == [0.5, 1.5]
