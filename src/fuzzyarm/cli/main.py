@@ -117,8 +117,9 @@ def _dispatch(words: list[str]) -> int:
 
 def _show_compiling(name: str | None) -> None:
     """Say in one line of the terminal what is being compiled; wipe the line afterwards."""
-    if sys.stderr is not sys.__stderr__:
-        return  # a live display has taken over and shows that something happens
+    untouched = sys.stderr is sys.__stderr__
+    if not untouched:  # a live display has taken over and shows that something happens
+        return
     told = f"compiling machine code, once: {name}" if name else ""
     sys.stderr.write(f"\r\x1b[2K{told}")
     sys.stderr.flush()
