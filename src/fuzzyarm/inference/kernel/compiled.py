@@ -182,6 +182,7 @@ class _Engine:
         self._compiled = compiled
         wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, wanted)
+        self._sweep = kernel_of(sweep, compiled=compiled)
         self._free: list[Block] = []
         self.one = self._point_function(make_block(layout, 1))
 
@@ -267,7 +268,7 @@ class _Engine:
         block.points[0] = count
         for column, array in zip(block.columns, arrays.values(), strict=True):
             column[:count].reshape(shape)[...] = part_of(array, working, part)
-        kernel_of(sweep, compiled=self._compiled)(block.numbers)
+        self._sweep(block.numbers)
         results[:, *part] = block.results[:, :count].reshape(-1, *shape)
         missing = int(block.numbers.view(np.int64)[MISSING])
         self._free.append(block)
