@@ -139,6 +139,9 @@ class Shape(Kind):
         parameters.
     centre : callable or None
         From the parameters to the middle of its core. None: found by search.
+    inverse : callable or None
+        Of a shape that rises or falls throughout: from a degree, 0 to 1, and the parameters
+        to the position where it has that degree (Tsukamoto's consequents). None: by search.
     fuzzy : bool
         False for the consequents of Takagi and Sugeno, which are values rather than sets.
     """
@@ -151,6 +154,7 @@ class Shape(Kind):
     bends: Callable[..., Sequence[float]] | None = None
     turns: Callable[..., Sequence[float]] | None = None
     centre: Callable[..., float] | None = None
+    inverse: Callable[..., float] | None = None
     fuzzy: bool = True
 
     @property

@@ -12,6 +12,7 @@ Logic Control*, 2018).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -202,6 +203,27 @@ def _middle(*p: float) -> float:
     return 0.5 * (p[0] + p[-1])
 
 
+# ── where they have a degree ─────────────────────────────────────────────────────────
+
+
+def _sigmoid_inverse(degree: float, inflection: float, slope: float) -> float:
+    if degree <= 0.0 or degree >= 1.0:
+        return math.copysign(math.inf, slope if degree >= 1.0 else -slope)
+    return inflection + math.log(degree / (1.0 - degree)) / slope
+
+
+def _parabolas_inverse(degree: float, zero: float, one: float) -> float:
+    if degree <= 0.5:
+        return zero + (one - zero) * math.sqrt(0.5 * degree)
+    return one - (one - zero) * math.sqrt(0.5 * (1.0 - degree))
+
+
+def _concave_inverse(degree: float, inflection: float, end: float) -> float:
+    if degree <= 0.0:
+        return -math.inf if inflection <= end else math.inf
+    return 2.0 * end - inflection - (end - inflection) / degree
+
+
 # ── the records ──────────────────────────────────────────────────────────────────────
 
 _FOUR = ("left", "top-left", "top-right", "right")
@@ -266,6 +288,7 @@ def register() -> None:
         ramp,
         doc="0 at the first number, 1 at the second and beyond, either way round",
         corners=lambda zero, one: sorted([(zero, 0.0), (one, 1.0)]),
+        inverse=lambda degree, zero, one: zero + degree * (one - zero),
         names=_names("Ramp", "rampmf"),
     )
     kind(
@@ -342,6 +365,7 @@ def register() -> None:
         doc="1 / (1 + exp(−slope (x − inflection)))",
         bends=_inflections,
         turns=lambda *p: p[:1],
+        inverse=_sigmoid_inverse,
         names=_names("Sigmoid", "sigmf slope inflection", "SIGM slope inflection", matlab=True),
     )
     kind(
@@ -375,6 +399,7 @@ def register() -> None:
         z_curve,
         doc="smooth fall from 1 to 0 by two parabolas",
         ordered=True,
+        inverse=lambda degree, one, zero: _parabolas_inverse(degree, zero, one),
         names=_names("ZShape", "zmf", matlab=True),
     )
     kind(
@@ -383,6 +408,7 @@ def register() -> None:
         s_curve,
         doc="smooth rise from 0 to 1 by two parabolas",
         ordered=True,
+        inverse=_parabolas_inverse,
         names=_names("SShape", "smf", matlab=True),
     )
     kind(
@@ -399,6 +425,7 @@ def register() -> None:
         ("inflection", "end"),
         concave,
         doc="hyperbolic rise (or fall) that reaches 1 at end",
+        inverse=_concave_inverse,
         names=_names("Concave", "concavemf"),
     )
     kind(
@@ -428,6 +455,7 @@ def register() -> None:
         ("zero", "one"),
         arc,
         doc="a quarter of an ellipse from 0 to 1",
+        inverse=lambda degree, zero, one: one + (zero - one) * math.sqrt(1.0 - degree * degree),
         names={"fll": "Arc", "fis": "Arc", "fcl": "ARC"},
     )
     kind(
