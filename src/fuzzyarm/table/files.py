@@ -13,18 +13,24 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.language.tokens import Cursor, Token
 from fuzzyarm.table.axis import Axis, PlainTable, TableError, TableHeader
-from fuzzyarm.table.grid import KEYWORDS, Grid, page_conditions, read_grids, spelled
-from fuzzyarm.table.text import (
+from fuzzyarm.table.header import (
     FORMAT,
+    KEYWORDS,
     VERSION,
     Header,
-    ParsedTable,
-    finish,
     header_lines,
-    line_tokens,
-    parse_lut,
     read_statement,
     resolve,
+    spelled,
+)
+from fuzzyarm.table.text import (
+    Grid,
+    ParsedTable,
+    finish,
+    line_tokens,
+    page_conditions,
+    parse_lut,
+    read_grids,
 )
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.files import write_atomically
