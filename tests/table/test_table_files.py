@@ -105,7 +105,7 @@ def test_a_damaged_json_is_diagnosed(old, new, name):
         ("2,9,10,11,12", "3,9,10,11,12", "wrong-label"),
         ("2,9,10,11,12", "2,9,ten,11,12", "not-a-number"),
         ("2,9,10,11,12", "2,9,10,11,12#3", "not-a-number"),
-        ("2,9,10,11,12", "#,9,10,11,12", "not-a-number"),
+        ("2,9,10,11,12", '" #2",9,10,11,12', "not-a-number"),
         ("2,9,10,11,12", "2,9,,11,12", "not-a-number"),
         ("e \\ ce,0", "ce \\ e,0", "transposed-labels"),
         ("index   row e, column ce", "", "missing-index-order"),

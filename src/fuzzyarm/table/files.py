@@ -305,8 +305,7 @@ def parse_json(text: str, path: str = "<text>") -> ParsedTable:
     try:
         head = header_from(data)
         values = _flat(data["values"], head.shape)
-        fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
-        return ParsedTable(PlainTable(**fields, values=tuple(values)), (), head)
+        return ParsedTable(PlainTable(**head.head(), values=tuple(values)), (), head)
     except KeyError as error:
         return _fault("missing-key", f"the object has no {error}", path)
     except TableError as error:
@@ -425,9 +424,8 @@ def read_npz(data: bytes, path: str) -> LookupTable:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             head = header_from(json.loads(str(archive["header"][()])))
             values = np.asarray(archive["values"], dtype=np.float64)
-        fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
         values.setflags(write=False)
-        return LookupTable(**fields, values=values)
+        return LookupTable(**head.head(), values=values)
     except TableError as error:
         message = error.message
     except Exception as error:

@@ -59,10 +59,10 @@ class LookupTable(TableHeader):
         return self.head() == other.head() and np.array_equal(self.values, other.values)
 
     def __getstate__(self) -> dict[str, object]:
-        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return {**self.head(), "values": self.values}
 
     def __hash__(self) -> int:
-        return hash((self.head(), self.values.tobytes()))
+        return hash((*self.head().values(), self.values.tobytes()))
 
     def lookup(self, *inputs: ArrayLike, mode: str | None = None, **named: ArrayLike) -> Any:
         """Return the value at the inputs.
@@ -115,15 +115,13 @@ class LookupTable(TableHeader):
 
     def plain(self) -> PlainTable:
         """Return the same table without arrays, for the writers of text."""
-        head = {name: getattr(self, name) for name in TableHeader.__dataclass_fields__}
-        return PlainTable(**head, values=tuple(self.values.ravel().tolist()))
+        return PlainTable(**self.head(), values=tuple(self.values.ravel().tolist()))
 
     @classmethod
     def from_plain(cls, plain: PlainTable) -> LookupTable:
         """Return the table of `plain`."""
-        head = {name: getattr(plain, name) for name in TableHeader.__dataclass_fields__}
         values = np.array(plain.values, dtype=np.float64).reshape(plain.shape)
-        return cls(**head, values=values)
+        return cls(**plain.head(), values=values)
 
     @cached_property
     def _grids(self) -> dict[str, Grid]:

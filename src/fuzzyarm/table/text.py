@@ -90,8 +90,7 @@ def finish(
     findings = tuple(replace(d, path=path) for d in list(unique)[:MAX_DIAGNOSTICS])
     if head is None or values is None or any(d.is_error for d in findings):
         return ParsedTable(None, findings, head)
-    fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
-    return ParsedTable(PlainTable(**fields, values=tuple(values)), findings, head)
+    return ParsedTable(PlainTable(**head.head(), values=tuple(values)), findings, head)
 
 
 def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[Grid]]:
