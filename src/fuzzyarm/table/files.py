@@ -6,10 +6,11 @@ import csv
 import io
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.language.tokens import Cursor, Token
 from fuzzyarm.table.axis import Axis, PlainTable, TableError, TableHeader
@@ -31,6 +32,7 @@ from fuzzyarm.table.text import (
     page_conditions,
     parse_lut,
     read_grids,
+    write_lut,
 )
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.files import write_atomically
@@ -75,25 +77,15 @@ def read_table(path: str | Path) -> LookupTable:
 
 def parse_table(data: bytes, path: str) -> ParsedTable:
     """Return what the bytes of a text table say, by the suffix of `path`; never raise."""
-    suffix = Path(path).suffix.lower()
-    text, fault = decode(data, path)
-    if fault is not None:
-        return ParsedTable(None, (fault,))
-    readers = {".csv": parse_csv, ".json": parse_json}
-    return readers.get(suffix, parse_lut)(text, path)
-
-
-def decode(data: bytes, path: str) -> tuple[str, Diagnostic | None]:
-    """Return `data` as text, or a diagnostic at the first byte that is no UTF-8."""
     try:
-        return data.decode("utf-8-sig"), None
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8", "replace")
         line = before.count("\n") + 1
         column = len(before) - (before.rfind("\n") + 1) + 1
-        message = f"this is no text: byte 0x{data[error.start]:02x} is not UTF-8"
-        span = Span(line, column, line, column + 1)
-        return "", Diagnostic("not-text", message, span, path=path)
+        message = f"not UTF-8: byte 0x{data[error.start]:02x}"
+        return _fault("not-text", message, path, Span(line, column, line, column + 1))
+    return _TEXTS.get(Path(path).suffix.lower(), _TEXTS[".lut"]).parse(text, path)
 
 
 def write_table(table: LookupTable, path: str | Path) -> None:
@@ -112,14 +104,8 @@ def write_table(table: LookupTable, path: str | Path) -> None:
 
 def table_as(table: LookupTable, suffix: str, path: str | Path = "") -> str | bytes:
     """Return the content of a file of `table` with the given suffix."""
-    if suffix == ".lut":
-        from fuzzyarm.table.text import write_lut
-
-        return write_lut(table.plain())
-    if suffix == ".csv":
-        return write_csv(table.plain())
-    if suffix == ".json":
-        return write_json(table.plain())
+    if suffix in _TEXTS:
+        return _TEXTS[suffix].write(table.plain())
     if suffix == ".npz":
         return npz_bytes(table)
     raise _unknown_suffix(Path(path))
@@ -390,6 +376,20 @@ def _flat(values: Any, shape: tuple[int, ...]) -> list[float]:
 
 def _fault(name: str, message: str, path: str, span: Span = Span(1, 1, 1, 2)) -> ParsedTable:  # noqa: B008
     return ParsedTable(None, (Diagnostic(name, message, span, path=path),))
+
+
+class _Format(NamedTuple):
+    """A format of text; its parser reports every fault and never raises."""
+
+    parse: Callable[[str, str], ParsedTable]
+    write: Callable[[PlainTable], str]
+
+
+_TEXTS = {
+    ".lut": _Format(parse_lut, write_lut),
+    ".csv": _Format(parse_csv, write_csv),
+    ".json": _Format(parse_json, write_json),
+}
 
 
 # --- Tables as `.npz`: the values as an array, the header as JSON text beside it ---

@@ -271,7 +271,10 @@ def neighbour(numbers: list[float], levels: int, count: int, x: float) -> tuple[
     if count == 1:
         return 0, 0.0
     inside = clamp(x, numbers[levels], numbers[levels + count - 1])
-    lower = count_reached(numbers, levels + 1, count - 2, inside)
+    inner, room = levels + 1, count - 2
+    lower = count_smaller(numbers, inner, room, inside)
+    if lower < room and numbers[inner + lower] == inside:
+        lower += 1  # on a level: it is the lower neighbour
     return lower, share_of_way(inside, numbers[levels + lower], numbers[levels + lower + 1])
 
 
@@ -283,20 +286,6 @@ def count_smaller(numbers: list[float], first: int, count: int, x: float) -> int
     while low < high:
         middle = (low + high) >> 1
         if numbers[first + middle] < x:
-            low = middle + 1
-        else:
-            high = middle
-    return low
-
-
-@kernel
-def count_reached(numbers: list[float], first: int, count: int, x: float) -> int:
-    """Count the sorted numbers that are not greater than x, by halving."""
-    low = 0
-    high = count
-    while low < high:
-        middle = (low + high) >> 1
-        if numbers[first + middle] <= x:
             low = middle + 1
         else:
             high = middle
@@ -395,18 +384,9 @@ def bucket_of(value: float, low: float, inverse: float, last: float) -> Any:
 
 
 @kernel
-def add_cells(
-    x: Any,
-    points: Any,
-    start: Any,
-    edge: Any,
-    low: float,
-    inverse: float,
-    steps: int,
-    size: Any,
-    index: Any,
-) -> bool:
+def add_cells(x: Any, finder: Finder, size: Any, index: Any) -> bool:
     """Make `index` one axis longer: the number of points smaller than x; false for a NaN."""
+    points, start, edge, low, inverse, steps = finder
     last = start.size - 1.0
     bad = 0
     if steps == 1:  # by itself, for the vector unit
@@ -428,22 +408,13 @@ def add_cells(
 
 @kernel
 def add_neighbours(
-    x: Any,
-    points: Any,
-    start: Any,
-    edge: Any,
-    low: float,
-    inverse: float,
-    steps: int,
-    levels: Any,
-    stride: Any,
-    index: Any,
-    share: Any,
+    x: Any, finder: Finder, levels: Any, stride: Any, index: Any, share: Any
 ) -> bool:
     """Add the lower neighbour of x to `index`, and set the share of the way to the upper one.
 
-    `points` are the inner levels. False for a NaN.
+    The points of `finder` are the inner levels. False for a NaN.
     """
+    points, start, edge, low, inverse, steps = finder
     last = start.size - 1.0
     first, final = levels[0], levels[levels.size - 1]
     bad = 0
@@ -529,7 +500,7 @@ def picker(
         numbers = True
         for finder, size, x in zip(finders, values.shape, columns, strict=True):
             assert finder is not None
-            numbers &= bool(cells(x, *finder, np.int32(size), index))
+            numbers &= bool(cells(x, finder, np.int32(size), index))
         if numbers:
             fetch(flat, index, out)
         return numbers
@@ -566,7 +537,7 @@ def interpolator(
             finder = finders[k]
             assert finder is not None
             stride = np.int32(strides[k])
-            if not neighbours(columns[k], *finder, arrays[k], stride, index, shares[row]):
+            if not neighbours(columns[k], finder, arrays[k], stride, index, shares[row]):
                 return False
         mix(flat, index, shares, offsets, np.empty(offsets.size), out)
         return True
