@@ -30,7 +30,7 @@ def mode_named(name: str) -> str:
     """Return the mode called `name`; ``bilinear`` and ``multilinear`` are ``linear``."""
     mode = _ALIASES.get(name, name)
     if mode not in MODES:
-        raise TableError(f"no lookup mode '{name}'", hint=f"there are {', '.join(MODES)}")
+        raise TableError(f"unknown lookup mode '{name}'", hint=f"choose from {', '.join(MODES)}")
     return mode
 
 

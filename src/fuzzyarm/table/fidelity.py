@@ -228,7 +228,7 @@ def smallest_even_grid(
     Raises
     ------
     TableError
-        If the tolerance is no positive number, or no grid within `LIMITS` meets it.
+        If the tolerance is not a positive number, or no grid within `LIMITS` meets it.
     """
     if not (tolerance > 0 and math.isfinite(tolerance)):
         raise TableError(f"a tolerance is a positive number, not {tolerance:g}")

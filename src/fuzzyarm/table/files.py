@@ -47,7 +47,7 @@ SUFFIXES = (".lut", ".csv", ".npz", ".json")
 
 
 class TableFileError(RuleBaseError):
-    """A file that is no table; ``diagnostics`` say what is wrong and where."""
+    """A file that is not a table; ``diagnostics`` say what is wrong and where."""
 
 
 def read_table(path: str | Path) -> LookupTable:
@@ -156,7 +156,7 @@ def parse_csv(text: str, path: str = "<text>") -> ParsedTable:
     header, rows = Header(), []
     for line_number, line in enumerate(split_lines(text), start=1):
         if line.startswith("#"):
-            # A space in place of the mark keeps the columns of the diagnostics right.
+            # A space instead of the mark keeps the columns of the diagnostics right.
             tokens = line_tokens(line_number, " " + line[1:], diagnostics)
             if tokens and tokens[0].text in KEYWORDS and tokens[0].text != "grid":
                 read_statement(header, Cursor(tokens), diagnostics)
@@ -193,7 +193,7 @@ def _grids(
     for line_number, cells in split[1:]:
         page = conditions.get(_key(cells[:pages]))
         if page is None:
-            message = f"{', '.join(cells[:pages])} are no levels of {', '.join(names)}"
+            message = f"{', '.join(cells[:pages])} are not levels of {', '.join(names)}"
             span = Span(line_number, 1, line_number, 2)
             diagnostics.append(Diagnostic("wrong-label", message, span))
             continue
@@ -285,7 +285,7 @@ def parse_json(text: str, path: str = "<text>") -> ParsedTable:
         data = json.loads(text)
     except json.JSONDecodeError as error:
         span = Span(error.lineno, error.colno, error.lineno, error.colno + 1)
-        return _fault("bad-json", f"this is no JSON: {error.msg}", path, span)
+        return _fault("bad-json", f"not JSON: {error.msg}", path, span)
     except (RecursionError, ValueError) as error:
         return _fault("bad-json", f"this JSON is not read: {error}", path)
     try:
@@ -303,7 +303,7 @@ def parse_json(text: str, path: str = "<text>") -> ParsedTable:
 def header_from(data: Any) -> TableHeader:
     """Return the header that :func:`header_data` made; raise where it is not of that form."""
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise TableError(f'this is no table: "format" is not "{FORMAT}"')
+        raise TableError(f'not a lookup table: "format" must be "{FORMAT}"')
     if data.get("version") != VERSION:
         raise TableError(f"this fuzzyarm reads version {VERSION} of the format")
     index = data["index"]
@@ -429,5 +429,5 @@ def read_npz(data: bytes, path: str) -> LookupTable:
     except TableError as error:
         message = error.message
     except Exception as error:
-        message = f"this is no archive of a table ({type(error).__name__})"
+        message = f"not an archive of a table ({type(error).__name__})"
     raise TableFileError([Diagnostic("bad-table", message, Span(1, 1, 1, 2), path=path)])

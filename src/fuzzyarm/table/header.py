@@ -34,7 +34,7 @@ VERSION = 1
 
 
 def spelled(name: str) -> str:
-    """Return `name` as it stands in a file: in single quotes where it must."""
+    """Return `name` as a file has it: in single quotes where it must."""
     plain = is_plain_name(name) and name not in RESERVED and name not in KEYWORDS
     return name if plain else quote(name, "'")
 
@@ -429,7 +429,7 @@ def _check_names(header: Header, diagnostics: list[Diagnostic]) -> None:
     for name in [*(line.name for line in header.inputs.values()), *header.named]:
         if name.text not in known:
             hint, replacement = near_hint(name.text, known)
-            message = f"'{name.text}' is no input of the index order ({', '.join(known)})"
+            message = f"'{name.text}' is not an input of the index order ({', '.join(known)})"
             diagnostics.append(
                 Diagnostic(
                     "unknown-variable", message, name.span, hint=hint, replacement=replacement

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
-from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize
+from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize_line
 from fuzzyarm.table.axis import Axis, PlainTable, TableHeader
 from fuzzyarm.table.header import (
     KEYWORDS,
@@ -118,18 +118,8 @@ def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[Grid]]
 
 
 def line_tokens(number: int, line: str, diagnostics: list[Diagnostic]) -> tuple[Token, ...]:
-    """Return the tokens of one line, with their place in the whole text."""
-    found: list[Diagnostic] = []
-    lines = tokenize(line, found)
-    diagnostics += [_moved(fault, number) for fault in found]
-    tokens = lines[0].tokens if lines else ()
-    return tuple(token._replace(line=number) for token in tokens)
-
-
-def _moved(diagnostic: Diagnostic, number: int) -> Diagnostic:
-
-    span = diagnostic.span
-    return replace(diagnostic, span=Span(number, span.column, number, span.end_column))
+    """Return the tokens of one line, the `number`-th of the text."""
+    return tokenize_line(number, line, diagnostics).tokens
 
 
 def _unknown_word(tokens: tuple[Token, ...]) -> Diagnostic:
@@ -147,9 +137,8 @@ def _unknown_word(tokens: tuple[Token, ...]) -> Diagnostic:
 def _no_format(text: str) -> Diagnostic:
     return Diagnostic(
         "missing-format",
-        "this is no table: the line 'fuzzyarm-table 1' is missing",
+        "not a lookup table: its first line must be 'fuzzyarm-table 1'",
         Span(1, 1, 1, 2),
-        hint="it stands at the top of every .lut file",
     )
 
 
@@ -168,13 +157,13 @@ class Grid:
 
     @property
     def span(self) -> Span:
-        """The place of the ``grid`` line."""
+        """The span of the ``grid`` line."""
         return self.tokens[0].span.to(self.tokens[-1].span)
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One cell of text and its place."""
+    """One cell of text and where it stands."""
 
     text: str
     span: Span
@@ -192,12 +181,8 @@ def read_grids(
     for grid in grids:
         page = _page_index(head, grid, diagnostics)
         if page is not None and page in filled:
-            diagnostics.append(
-                Diagnostic(
-                    "duplicate-grid", f"this grid stands in line {filled[page].line} already",
-                    grid.span,
-                )
-            )  # fmt: skip
+            message = f"this grid has been given already in line {filled[page].line}"
+            diagnostics.append(Diagnostic("duplicate-grid", message, grid.span))
         elif page is not None:
             filled[page] = grid.span
         block = _Block(head, grid, diagnostics).read()
@@ -265,7 +250,7 @@ def _page_level(cursor: Cursor, pages: dict[str, Axis]) -> tuple[str, int]:
         raise Fault(
             Diagnostic(
                 "unknown-variable",
-                f"'{name.text}' is no page of the index order",
+                f"'{name.text}' is not a page of the index order",
                 name.span,
                 hint=hint,
                 replacement=replacement,
@@ -275,7 +260,7 @@ def _page_level(cursor: Cursor, pages: dict[str, Axis]) -> tuple[str, int]:
     figure = cursor.figure("a level")
     levels = pages[name.text].levels
     if figure.value not in levels:
-        message = f"{figure.value:g} is no level of '{name.text}'"
+        message = f"{figure.value:g} is not a level of '{name.text}'"
         raise Fault(Diagnostic("wrong-label", message, figure.span))
     return name.text, levels.index(figure.value)
 
@@ -429,12 +414,12 @@ class _Block:
                 break
         if len(labels) != len(levels):
             name = "missing-row" if len(labels) < len(levels) else "extra-row"
-            place = rows[len(levels)] if len(labels) > len(levels) else None
+            extra = rows[len(levels)] if len(labels) > len(levels) else None
             self._report(
                 name,
                 f"the grid has {_counted(len(labels), 'row')}, '{self.row.name}' has "
                 f"{_counted(len(levels), 'level')}",
-                Span(place[0], 1, place[0], len(place[1]) + 1) if place else self.grid.span,
+                Span(extra[0], 1, extra[0], len(extra[1]) + 1) if extra else self.grid.span,
             )
         return False
 
@@ -482,15 +467,14 @@ class _Block:
 
 def _names_and_rest(number: int, line: str) -> tuple[list[Token] | None, int]:
     r"""Return the names that a line starts with (``e`` or ``e \ ce``) and where they end."""
-    lines = tokenize(line, [])
-    tokens = lines[0].tokens if lines else ()
+    tokens = line_tokens(number, line, [])
     names: list[Token] = []
     end = 0
     for k, token in enumerate(tokens):
         if k % 2 == 0:
             if token.kind not in ("name", "quoted"):
                 return None, 0
-            names.append(token._replace(line=number))
+            names.append(token)
             end = token.end - 1
         elif not (token.kind == "mark" and token.text == "\\"):
             break
