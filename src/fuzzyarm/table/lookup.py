@@ -14,7 +14,6 @@ import os
 import sys
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -590,6 +589,8 @@ def look_up_arrays(
     if threads == 1:
         _fill(table, evaluate, inputs, values)
         return values
+    from concurrent.futures import ThreadPoolExecutor
+
     full = [np.broadcast_to(array, shape) for array in inputs]
     axis = int(np.argmax(shape))
     edges = [shape[axis] * k // threads for k in range(threads + 1)]
