@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,47 +15,63 @@ from numpy.typing import NDArray
 from fuzzyarm.export.numbers import ExportError, Precision, precision_named, rounded, rounded_down
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.axis import mode_named
-from fuzzyarm.table.lookup import OVER_ARRAYS, Grid
-
-# --- A lookup table in floating point ---
-#
-# Its numbers as a machine holds them, and its arithmetic.
+from fuzzyarm.table.lookup import OVER_ARRAYS, Arithmetic, Grid
 
 MOST_AXES = 8
 """Interpolation over more inputs would take more than 256 corners."""
 
 Reals = NDArray[np.floating]
+Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class FloatTable:
-    """A table whose inputs, cells and result are floating-point numbers.
+class NumberTable:
+    """A table in the numbers of a machine, looked up by their arithmetic.
 
     Attributes
     ----------
     table : LookupTable
-        What it stands for.
+        What it was made from.
     mode : str
         ``bins``, ``nearest`` or ``linear``.
-    precision : Precision
-        Types outside and inside.
     points : tuple of ndarray
-        For each axis the thresholds between the cells, rounded down to the type (so that
-        single precision decides as double precision does); with ``linear`` the levels.
+        For each axis the thresholds between the cells, rounded down so that a comparison
+        decides as one in double precision does; with ``linear`` the levels.
     values : ndarray
         Flat, the last axis fastest.
     """
 
+    arithmetic: ClassVar[Arithmetic] = OVER_ARRAYS
     table: LookupTable
     mode: str
-    precision: Precision
-    points: tuple[Reals, ...]
-    values: Reals
+    points: tuple[NDArray[Any], ...]
+    values: NDArray[Any]
 
     @property
     def linear(self) -> bool:
         """Whether it interpolates."""
         return self.mode == "linear"
+
+    def _look_up(self, columns: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        grid = Grid.of(self.table.shape, self.points, self.values, self.arithmetic)
+        found = grid.interpolate(columns) if self.linear else grid.pick(columns)
+        return np.broadcast_to(found, columns[0].shape)
+
+
+# --- A lookup table in floating point ---
+
+
+@dataclass(frozen=True, eq=False)
+class FloatTable(NumberTable):
+    """A table whose inputs, cells and result are floating-point numbers.
+
+    Attributes
+    ----------
+    precision : Precision
+        Types outside and inside.
+    """
+
+    precision: Precision
 
     def evaluate(self, *inputs: Any) -> Reals:
         """Return what the exported function returns, bit for bit.
@@ -75,12 +90,7 @@ class FloatTable:
         with np.errstate(over="ignore"):
             given = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
         columns = [np.where(np.isnan(x), outside(-math.inf), x).astype(inside) for x in given]
-        result = self._grid.interpolate(columns) if self.linear else self._grid.pick(columns)
-        return np.broadcast_to(result, given[0].shape).astype(outside)
-
-    @cached_property
-    def _grid(self) -> Grid:
-        return Grid.of(self.table.shape, self.points, self.values, OVER_ARRAYS)
+        return self._look_up(columns).astype(outside)
 
 
 def float_table(
@@ -119,7 +129,7 @@ def float_table(
     what = f"the table of '{table.output}'"
     rounded(table.values, types.outside, what)
     values = rounded(table.values.ravel(), types.inside, what)
-    return FloatTable(table, chosen, types, tuple(points), values)
+    return FloatTable(table, chosen, tuple(points), values, types)
 
 
 def _chosen_mode(table: LookupTable, mode: str | None) -> str:
@@ -157,8 +167,6 @@ SHARE_BITS = 15
 """Fraction bits of the share between two levels, whatever the format."""
 
 ONE = 1 << SHARE_BITS
-
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,60 +229,6 @@ def scale_over(numbers: Sequence[float], bits: int) -> Scale:
     return Scale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
 
 
-@dataclass(frozen=True, eq=False)
-class FixedTable:
-    """A table whose inputs, cells and result are whole numbers.
-
-    Attributes
-    ----------
-    table : LookupTable
-        What it stands for.
-    mode : str
-        ``bins``, ``nearest`` or ``linear``.
-    bits : int
-        15 or 7.
-    inputs : tuple of Scale
-        One for each axis.
-    output : Scale
-        Of the result.
-    points : tuple of ndarray of int64
-        For each axis the thresholds, rounded down; with ``linear`` the levels.
-    values : ndarray of int64
-        Flat, the last axis fastest.
-    """
-
-    table: LookupTable
-    mode: str
-    bits: int
-    inputs: tuple[Scale, ...]
-    output: Scale
-    points: tuple[Integers, ...]
-    values: Integers
-
-    @property
-    def linear(self) -> bool:
-        """Whether it interpolates."""
-        return self.mode == "linear"
-
-    def evaluate(self, *inputs: Any) -> Integers:
-        """Return what the exported function returns, bit for bit.
-
-        Parameters
-        ----------
-        *inputs : array_like of int
-            Whole numbers within the format, in the order of the axes.
-
-        Returns
-        -------
-        ndarray of int64
-            Whole numbers within the format.
-        """
-        columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
-        grid = Grid.of(self.table.shape, self.points, self.values, IN_WHOLE_NUMBERS)
-        result = grid.interpolate(columns) if self.linear else grid.pick(columns)
-        return np.array(np.broadcast_to(result, columns[0].shape))
-
-
 def whole_share(x: Integers, lower: Integers, upper: Integers) -> Integers:
     """Return the share of the way in steps of 2^-15, rounded down."""
     return (x - lower) * ONE // (upper - lower)
@@ -297,6 +251,42 @@ def part(difference: Integers, share: Integers) -> Integers:
 
 IN_WHOLE_NUMBERS = OVER_ARRAYS._replace(share=whole_share, blend=whole_blend)
 """The arithmetic of fixed point, over arrays."""
+
+
+@dataclass(frozen=True, eq=False)
+class FixedTable(NumberTable):
+    """A table whose inputs, cells and result are whole numbers.
+
+    Attributes
+    ----------
+    bits : int
+        15 or 7.
+    inputs : tuple of Scale
+        One for each axis.
+    output : Scale
+        Of the result.
+    """
+
+    arithmetic = IN_WHOLE_NUMBERS
+    bits: int
+    inputs: tuple[Scale, ...]
+    output: Scale
+
+    def evaluate(self, *inputs: Any) -> Integers:
+        """Return what the exported function returns, bit for bit.
+
+        Parameters
+        ----------
+        *inputs : array_like of int
+            Whole numbers within the format, in the order of the axes.
+
+        Returns
+        -------
+        ndarray of int64
+            Whole numbers within the format.
+        """
+        columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
+        return np.array(self._look_up(columns))
 
 
 def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> FixedTable:
@@ -329,7 +319,7 @@ def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> Fixed
     ends = () if table.low is None or table.high is None else (table.low, table.high)
     output = scale_over((*ends, float(table.values.min()), float(table.values.max())), bits)
     values = np.array([output.nearest(x) for x in table.values.ravel().tolist()], dtype=np.int64)
-    return FixedTable(table, chosen, bits, scales, output, points, values)
+    return FixedTable(table, chosen, points, values, bits, scales, output)
 
 
 def _points(axis: Axis, scale: Scale, mode: str) -> Integers:
