@@ -35,7 +35,7 @@ def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list
     Raises
     ------
     ExportError
-        If a routine is no table.
+        If a routine is not a table.
     """
     names = Names("st")
     blocks, called = [], []
@@ -143,13 +143,13 @@ class _Block(TableCode):
         if not hasattr(self, "bounds"):
             self.bounds = [self._variable(each, self.index) for each in ("low", "high", "middle")]
         low, high, middle = self.bounds
-        place = f"{middle} + {first}" if first else middle
+        index = f"{middle} + {first}" if first else middle
         return [
             f"{low} := 0;",
             f"{high} := {count};",
             f"WHILE {low} < {high} DO",
             f"    {middle} := ({low} + {high}) / 2;",
-            f"    IF {points}[{place}] {comparison} {x} THEN",
+            f"    IF {points}[{index}] {comparison} {x} THEN",
             f"        {low} := {middle} + 1;",
             "    ELSE",
             f"        {high} := {middle};",

@@ -18,6 +18,7 @@ from fuzzyarm.export.table_numbers import FixedTable, FloatTable, Scale
 from fuzzyarm.expression.nodes import symbol
 from fuzzyarm.expression.printing import Language, c_language
 from fuzzyarm.table.fidelity import dense_points
+from fuzzyarm.table.header import index_words
 from fuzzyarm.table.lookup import blend, corner_offsets, share_of_way, strides_of
 from fuzzyarm.text.numbers import number_text
 
@@ -364,10 +365,9 @@ class TableRoutine:
     def remarks(self) -> list[str]:
         """Return what the head of the file says of index order, borders and arithmetic."""
         table, core = self.core.table, self.core
-        places = ["column", "row", *["page"] * len(table.axes)][: len(table.axes)][::-1]
         order = ", ".join(
-            f"{place} {axis.name} ({len(axis.levels)} levels)"
-            for place, axis in zip(places, table.axes, strict=True)
+            f"{word} {axis.name} ({len(axis.levels)} levels)"
+            for word, axis in zip(index_words(len(table.axes)), table.axes, strict=True)
         )
         lines = [f"index order: {order}; the last one varies fastest"]
         lines.append(f"looked up by {core.mode}: {_MODE_WORDS[core.mode]}")

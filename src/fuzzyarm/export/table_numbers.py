@@ -74,17 +74,10 @@ class FloatTable(NumberTable):
     precision: Precision
 
     def evaluate(self, *inputs: Any) -> Reals:
-        """Return what the exported function returns, bit for bit.
+        """Return what the exported function returns, bit for bit, in the outer type.
 
-        Parameters
-        ----------
-        *inputs : array_like
-            In the order of the axes; rounded to the outer type first.
-
-        Returns
-        -------
-        ndarray
-            Of the outer type. NaN counts as the lower border of its axis.
+        The inputs, in the order of the axes, are rounded to that type first. NaN counts as the
+        lower border of its axis.
         """
         outside, inside = self.precision.outside, self.precision.inside
         with np.errstate(over="ignore"):
@@ -203,7 +196,7 @@ class Scale:
         return self.span / (1 << self.bits)
 
     def exact(self, value: float) -> Fraction:
-        """Return the place of `value` between the whole numbers, without rounding."""
+        """Return `value` in steps of the whole numbers, without rounding."""
         return (Fraction(value) - Fraction(self.offset)) * (1 << self.bits) / Fraction(self.span)
 
     def nearest(self, value: float) -> int:
@@ -275,15 +268,7 @@ class FixedTable(NumberTable):
     def evaluate(self, *inputs: Any) -> Integers:
         """Return what the exported function returns, bit for bit.
 
-        Parameters
-        ----------
-        *inputs : array_like of int
-            Whole numbers within the format, in the order of the axes.
-
-        Returns
-        -------
-        ndarray of int64
-            Whole numbers within the format.
+        Inputs, in the order of the axes, and result are whole numbers within the format.
         """
         columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
         return np.array(self._look_up(columns))

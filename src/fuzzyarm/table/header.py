@@ -23,6 +23,7 @@ __all__ = [
     "VERSION",
     "Header",
     "header_lines",
+    "index_words",
     "read_number_list",
     "read_statement",
     "resolve",
@@ -180,7 +181,7 @@ def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
         names.append(cursor.name(f"the input that is the {word.text}"))
         if not cursor.accept(","):
             break
-    wanted = _index_words(len(names))
+    wanted = index_words(len(names))
     if words != wanted:
         raise _fault(
             "wrong-index-order",
@@ -193,12 +194,13 @@ def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
     header.index = names
 
 
-def _index_words(count: int) -> list[str]:
+def index_words(count: int) -> list[str]:
+    """Return what the indices of so many inputs are called, in order."""
     return ["page"] * (count - 2) + ["row", "column"][-count:]
 
 
 def _print_index(table: TableHeader) -> list[str]:
-    pairs = zip(_index_words(len(table.axes)), table.names, strict=True)
+    pairs = zip(index_words(len(table.axes)), table.names, strict=True)
     return [f"index   {', '.join(f'{word} {spelled(name)}' for word, name in pairs)}"]
 
 

@@ -553,21 +553,7 @@ _CHUNK = 16_384
 def look_up_arrays(
     table: LookupTable, inputs: Sequence[NDArray[np.float64]], mode: str
 ) -> NDArray[np.float64]:
-    """Return the values of `table` at arrays of inputs.
-
-    Parameters
-    ----------
-    table : LookupTable
-        What to look up in.
-    inputs : sequence of ndarray
-        One for each axis, broadcast against each other.
-    mode : str
-        ``bins``, ``nearest`` or ``linear``.
-
-    Returns
-    -------
-    ndarray of float64
-        Of the broadcast shape. No temporary is larger than a chunk.
+    """Return the values of `table` at inputs that are broadcast; no temporary exceeds a chunk.
 
     Raises
     ------
