@@ -14,7 +14,7 @@ from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.tokens import HEDGE_WORDS, LOOKUP_ITEMS, STATEMENTS
 from fuzzyarm.model.rulebase import DEFUZZIFIERS
 from fuzzyarm.model.shapes import EVEN_SHAPES
-from fuzzyarm.table.grid import KEYWORDS
+from fuzzyarm.table.header import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 GRAMMAR = (FOLDER / "syntaxes" / "fuzzyarm.tmLanguage.json").read_text("utf-8")

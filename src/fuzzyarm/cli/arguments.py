@@ -133,7 +133,7 @@ def read_levels(text: str) -> Levels | dict[str, Levels]:
 
 
 def _levels_of_one(text: str) -> Levels:
-    from fuzzyarm.table.text import read_number_list
+    from fuzzyarm.table.header import read_number_list
 
     if re.fullmatch(r"\s*[0-9]+\s*", text):
         return int(text)

@@ -15,12 +15,8 @@ from fuzzyarm.controller.sources import (
     WIRED,
     WIRES,
     SourceError,
-    cell_of,
-    grid_length,
-    interpolated,
     joint_tables,
     motor_torques,
-    pack_grid,
     pack_values,
     pack_wires,
     scaled_errors,
@@ -29,6 +25,7 @@ from fuzzyarm.kernels import call, kernel
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import Moment, Pair
 from fuzzyarm.table import LookupTable
+from fuzzyarm.table.lookup import cell_of, grid_length, interpolated
 
 # --- Fuzzy control by rules evaluated at every step: direct, self-tuning, coarse and fine ---
 #
@@ -215,7 +212,7 @@ def fuzzy_table_law(table: LookupTable) -> Law:
 
     def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
         wires = pack_wires(gains, arithmetic)
-        return [*wires, *pack_grid(tables), *pack_values(tables, arithmetic)]
+        return [*wires, *tables.grid(), *pack_values(tables, arithmetic)]
 
     summary = "fuzzy control by a lookup table, through motors with back-EMF"
     return Law("fuzzy-lut", fuzzy_table_torque, summary, WIRES, pack=pack)

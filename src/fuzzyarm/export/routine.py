@@ -93,56 +93,6 @@ def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    "
     return lines
 
 
-COUNT_BELOW = """INDEX NAME(const TYPE *edges, INDEX count, TYPE x)
-{
-    INDEX low = 0u, high = count;
-    while (low < high) {
-        const INDEX middle = low + (high - low) / 2u;
-        if (edges[middle] < x) {
-            low = middle + 1u;
-        } else {
-            high = middle;
-        }
-    }
-    return low; /* the number of edges smaller than x; none for NaN */
-}
-"""
-
-COUNT_UP_TO = """INDEX NAME(const TYPE *levels, INDEX count, TYPE x)
-{
-    INDEX low = 0u, high = count;
-    while (low < high) {
-        const INDEX middle = low + (high - low) / 2u;
-        if (levels[middle] <= x) {
-            low = middle + 1u;
-        } else {
-            high = middle;
-        }
-    }
-    return low; /* the number of levels that x has reached */
-}
-"""
-
-CLAMP = """TYPE NAME(TYPE x, TYPE low, TYPE high)
-{
-    return x > low ? (x < high ? x : high) : low; /* low for NaN */
-}
-"""
-
-BLEND_FLOAT = """TYPE NAME(TYPE near, TYPE far, TYPE share)
-{
-    return (ONE - share) * near + share * far;
-}
-"""
-
-BLEND_FIXED = """int32_t NAME(int32_t near, int32_t far, int32_t share)
-{
-    const int32_t product = (far - near) * share;
-    return near + (product >= 0 ? (product + 16384) / 32768 : -((16384 - product) / 32768));
-}
-"""
-
-
 # --- What the writer of a file needs to know of a routine, whatever it is made of ---
 
 
