@@ -14,40 +14,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm import __version__
-from fuzzyarm.export.expression import (
-    CPrinter,
-    Function,
-    Number,
-    Select,
-    functions_of,
-    locals_of,
-    operations,
-    run,
-)
+from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import C_TYPES, Precision, c_number, precision_named
+from fuzzyarm.export.numbers import Precision, c_number, precision_named
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
+from fuzzyarm.expression.evaluation import evaluate_arrays
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.nodes import postorder
+from fuzzyarm.expression.printing import variables
 from fuzzyarm.inference import infer
-from fuzzyarm.inference.profile import polyline
 from fuzzyarm.model.rulebase import Input, RuleBase
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import corner_points
 from fuzzyarm.table.compiler import choose_output, defuzzifier_words
 
 _DENSE_POINTS = 60_000
 _VECTORS = 48
 
-LEAST = """TYPE NAME(TYPE a, TYPE b)
-{
-    return a < b ? a : b;
-}
-"""
-
-GREATEST = """TYPE NAME(TYPE a, TYPE b)
-{
-    return a > b ? a : b;
-}
-"""
+_AT_ONCE = 2_000_000
+"""Numbers in memory while a program runs over arrays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,11 +59,20 @@ class DirectRoutine:
     program: Program
     source: str = ""
 
+    @cached_property
+    def listing(self) -> Listing:
+        """The arithmetic as statements."""
+        return Listing(self.program)
+
     @property
     def headers(self) -> Sequence[str]:
-        """Standard headers: one for the constant NAN, where an output may be without a value."""
-        expressions = [*(each.value for each in self.program.statements), self.program.result]
-        return ("math.h",) if any(_has_nan(each) for each in expressions) else ()
+        """Standard headers: ``math.h`` for its functions, for NAN and for INFINITY."""
+        return ("math.h",) if needs_math_header(self.program.result) else ()
+
+    @property
+    def links(self) -> bool:
+        """Whether functions of the mathematical library are called."""
+        return uses_functions(self.program.result)
 
     @property
     def output(self) -> Argument:
@@ -112,12 +106,19 @@ class DirectRoutine:
         outside, inside = self.precision.outside, self.precision.inside
         with np.errstate(over="ignore"):
             arrays = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
-        values = {
-            name: array.astype(inside)
-            for name, array in zip(self.program.given, arrays, strict=True)
-        }
-        result = run(self.program.statements, self.program.result, values, inside)
-        return np.broadcast_to(result, arrays[0].shape).astype(outside)
+        flat = [array.reshape(-1) for array in arrays]
+        result = np.empty(arrays[0].size, outside)
+        # A step holds all parts of the program at once: few points at a time.
+        step = max(64, _AT_ONCE // sum(1 for _ in postorder(self.program.result)))
+        for start in range(0, result.size, step):
+            stretch = slice(start, start + step)
+            values = {
+                name: array[stretch].astype(inside)
+                for name, array in zip(self.program.given, flat, strict=True)
+            }
+            with np.errstate(over="ignore"):
+                result[stretch] = evaluate_arrays(self.program.result, values, inside)
+        return result.reshape(arrays[0].shape)
 
     def literal(self, value: Any) -> str:
         """Return an argument or a result as a C literal."""
@@ -126,44 +127,22 @@ class DirectRoutine:
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
         inner, outer = self.precision.c_inside, self.precision.c_outside
-        program = self.program
-        helpers = {
-            "min": lambda: writer.helper("least", LEAST, TYPE=inner),
-            "max": lambda: writer.helper("greatest", GREATEST, TYPE=inner),
-        }
-        functions: dict[Function, str] = {}
-        printer = CPrinter(self.precision.inside, helpers, functions)
-        for function in functions_of(program.statements, program.result):
-            functions[function] = writer.helper(function.wanted, self._function(printer, function))
-        used = locals_of(program.result).union(
-            *(locals_of(statement.value) for statement in program.statements)
-        )
+        cast, back = (f"({inner})", f"({outer})") if inner != outer else ("", "")
         lines = []
-        for given, parameter in zip(program.given, parameters, strict=True):
-            cast = f"({inner})" if inner != outer else ""
-            if given in used:
+        for given, parameter in zip(self.program.given, parameters, strict=True):
+            if given in self.listing.reads:
                 lines.append(f"const {inner} {given} = {cast}{parameter};")
             else:
                 lines.append(f"(void){parameter}; /* no rule that counts asks for it */")
-        lines += printer.statements(program.statements)
-        result = printer.expression(program.result, inner=inner != outer)
-        cast = f"({outer})" if inner != outer else ""
-        return [*lines, f"return {cast}{result};"]
-
-    def _function(self, printer: CPrinter, function: Function) -> str:
-        kind = C_TYPES[self.precision.inside]
-        lines = [f"    {line}" for line in printer.statements(function.statements)]
-        result = printer.expression(function.result)
-        head = f"{kind} NAME({kind} {function.parameter})"
-        return "\n".join([head, "{", *lines, f"    return {result};", "}", ""])
+        body, result = self.listing.lines(writer, self.precision.inside)
+        return [*lines, *body, f"return {back}({result});" if back else f"return {result};"]
 
     def cost(self) -> Cost:
         """Return what one call takes."""
-        program = self.program
-        counted = operations(program.statements, program.result)
-        names = {statement.name for statement in program.statements}
+        counted = self.listing.operations()
+        names = {*variables(self.listing.body), *self.program.given}
         size = np.dtype(self.precision.inside).itemsize
-        return Cost(tuple(sorted(counted.items())), size * (len(names) + len(program.given)))
+        return Cost(tuple(sorted(counted.items())), size * len(names))
 
     def remarks(self) -> list[str]:
         """Return what the head of the file says of inference, borders and arithmetic."""
@@ -314,14 +293,15 @@ def direct_routine(
 
 
 def corners_of(variable: Input) -> list[float]:
-    """Return the corners of the straight terms of a variable, in order; its ends too."""
-    places = {x for x in (variable.low, variable.high) if math.isfinite(x)}
+    """Return the ends of a variable and where its terms start, end or bend, in order."""
+    found = {x for x in (variable.low, variable.high) if math.isfinite(x)}
     for term in variable.terms:
-        if SHAPES[term.shape.kind].piecewise_linear and term.shape.kind != "singleton":
-            places |= {x for x, _ in polyline(term.shape) if math.isfinite(x)}
-        elif term.shape.kind == "singleton":
-            places.add(term.shape.parameters[0])
-    return sorted(places) or [0.0]
+        corners = SHAPES[term.shape.kind].corners
+        if corners is None:
+            found |= set(corner_points(term.shape))
+        else:
+            found |= {x for x, _ in corners(*term.shape.parameters) if math.isfinite(x)}
+    return sorted(found) or [0.0]
 
 
 def _forgiving(rulebase: RuleBase) -> RuleBase:
@@ -346,9 +326,3 @@ def _border_words(variable: Input) -> str:
     if variable.outside == "error":
         return f"{variable.name} beyond its range, an error in the model, takes the border here"
     return f"{variable.name} beyond its range takes the border (saturation)"
-
-
-def _has_nan(expression: object) -> bool:
-    if isinstance(expression, Number):
-        return math.isnan(expression.value)
-    return isinstance(expression, Select) and (_has_nan(expression.yes) or _has_nan(expression.no))
