@@ -34,6 +34,7 @@ from fuzzyarm.expression.printing import (
     Language,
     Statement,
     c_language,
+    setting,
     statements,
     variables,
 )
@@ -89,21 +90,20 @@ class Listing:
                 self.reads |= self._symbols(each.value)
                 needed.append(each)
         self.body: list[Statement] = []
-        for each in [*reversed(needed), Assign("result", result)]:
-            spread = _spread(each, taken)
-            taken |= set(variables(spread[:-1]))
-            self.body += spread
-        last = self.body.pop()
-        assert isinstance(last, Assign)
-        self.result = last.value
+        for each in reversed(needed):
+            body, value = _spread(each.name, each.value, taken)
+            taken |= set(variables(body))
+            self.body += setting(each.name, body, value, each.remark)
+        body, self.result = _spread("result", result, taken)
+        self.body += body
 
     # ── parts to variables ───────────────────────────────────────────────────────────
 
     def _in_variables(self, program: Program) -> tuple[list[Assign], Node]:
         """Return the variables and the result, each of the variables before it.
 
-        A variable that grows stands for its last part only: while it grows, another use of
-        a part is written out.
+        A variable that is set more than once stands for its last part only: before that,
+        another use of a part is written out.
         """
         last = {each.name: index for index, each in enumerate(program.variables)}
         known: dict[Node, Node] = {}
@@ -111,13 +111,13 @@ class Listing:
         written = []
         for index, each in enumerate(program.variables):
             before = growing.get(each.name)
-            if each.value is not before:  # else nothing was added
+            if each.value is not before:  # else nothing was added: it is closed here
                 own = {} if before is None else {before: symbol(each.name)}
                 value = self._written(each.value, program.calls, known, own)
                 written.append(replace(each, value=value))
             growing[each.name] = each.value
             if index == last[each.name]:
-                known.setdefault(each.value, symbol(each.name))
+                known[each.value] = symbol(each.name)
         return written, self._written(program.result, program.calls, known, {})
 
     def _written(
@@ -200,23 +200,20 @@ class Listing:
         set_before: set[str] = set()
         lines = []
         for each in self.body:
-            text = language.lines([each])
-            if isinstance(each, Assign) and times_set[each.name] > 1:
-                value = language.expression(each.value)
-                kind = "" if each.name in set_before else f"{C_TYPES[real]} "
-                remark = language.remark.format(each.remark) if each.remark else ""
-                text = [f"{kind}{each.name} = {value};{remark}"]
+            again = isinstance(each, Assign) and times_set[each.name] > 1
+            text = language.lines([each], made={each.name} if again else set_before)
+            if again and each.name not in set_before:
+                text[0] = f"{C_TYPES[real]} {text[0]}"  # not const: it is set again
             set_before.add(each.name)
             lines += text
         return lines, language.expression(self.result)
 
 
-def _spread(statement: Assign, taken: Iterable[str]) -> list[Statement]:
-    """Return a statement with its shared parts in variables, as none or several more."""
-    if not _needs_variables(statement.value):
-        return [statement]
-    body, result = statements(statement.value, prefix=f"{statement.name}_", taken=taken)
-    return [*body, replace(statement, value=result)]
+def _spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
+    """Return statements that set the shared parts of an expression, and what it then is."""
+    if not _needs_variables(root):
+        return (), root
+    return statements(root, prefix=f"{name}_", taken=taken)
 
 
 def _needs_variables(root: Node) -> bool:

@@ -72,7 +72,8 @@ class Program:
         The output, of these symbols.
     variables : tuple of Assign
         The parts of `result` that stand in variables, in order. A name that comes again
-        belongs to a part that grows out of the one before: a sum, a greatest value.
+        belongs to a part that grows out of the one before: a sum, a greatest value. It is
+        read as a variable after its last mention, which need not add anything.
     calls : mapping of Node to Call
         The parts that are calls of functions.
     holds : bool
@@ -304,6 +305,7 @@ class _Builder:
     def _conclude(self, output: OutputPlan, held: Node) -> Node:
         """Return the value of the target; the value of another output is put by for rules."""
         model = output.output
+        self.variables += [Assign(*height) for height in self.heights[model.name].values()]
         total, value = self._total_and_value(output)
         value = _into_range(model, self.fresh(value, "value"), guard_nan=False)
         silent = self._silent(model, held)

@@ -261,7 +261,7 @@ class Routine(Protocol):
         ...
 
 
-# --- The comment at the head of an exported file: what it is, whence, how good and how dear ---
+# --- Header comment of an exported file: provenance, accuracy, cost ---
 
 _WIDTH = 96
 
@@ -275,12 +275,23 @@ def head_lines(
         lines += [str(prototype), *_indented(routine_words(routine)), ""]
     lines += [
         f"constants (flash): {writer.flash} bytes, besides the code",
-        "static RAM: 0 bytes; nothing is allocated, no function of a library is called",
+        f"static RAM: 0 bytes; nothing is allocated, {_library_words(routines)}",
         "",
         f"use: {use}",
         f"self-test (returns 0 if all is well): {test}",
     ]
     return [*comment(lines, "/*", " *", " */"), ""]
+
+
+def calls_functions(routine: Routine) -> bool:
+    """Return whether a routine calls functions of the mathematical library."""
+    return bool(getattr(routine, "calls_functions", False))
+
+
+def _library_words(routines: Sequence[Routine]) -> str:
+    if any(map(calls_functions, routines)):
+        return "functions of math.h are called, whose last bits may differ between machines"
+    return "no function of a library is called"
 
 
 def routine_words(routine: Routine, *, names: Sequence[str] = ()) -> list[str]:

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from fuzzyarm import __version__
 from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import Precision, c_number, precision_named
+from fuzzyarm.export.numbers import Precision, c_number, precision_named, rounded
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.expression.nodes import postorder
+from fuzzyarm.expression.nodes import Constant, postorder
 from fuzzyarm.expression.printing import variables
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import Input, RuleBase
@@ -70,7 +70,7 @@ class DirectRoutine:
         return ("math.h",) if needs_math_header(self.program.result) else ()
 
     @property
-    def links(self) -> bool:
+    def calls_functions(self) -> bool:
         """Whether functions of the mathematical library are called."""
         return uses_functions(self.program.result)
 
@@ -139,7 +139,10 @@ class DirectRoutine:
 
     def cost(self) -> Cost:
         """Return what one call takes."""
-        counted = self.listing.operations()
+        counted = {
+            f"{sort} of math.h" if sort == "functions" else sort: count
+            for sort, count in self.listing.operations().items()
+        }
         names = {*variables(self.listing.body), *self.program.given}
         size = np.dtype(self.precision.inside).itemsize
         return Cost(tuple(sorted(counted.items())), size * len(names))
@@ -191,7 +194,8 @@ class DirectRoutine:
         mesh = np.ix_(*self._grid())
         result = self.evaluate(*mesh, *self._held(mesh[0])).astype(np.float64)
         truth = self.model(*mesh)
-        difference = np.abs(result - truth)[~np.isnan(truth)]
+        difference = np.abs(result - truth)
+        difference = difference[~np.isnan(difference)]
         worst = float(difference.max()) if difference.size else 0.0
         words = f"the inference of {self.name} in double precision"
         return Accuracy(worst, int(difference.size), words)
@@ -236,11 +240,12 @@ class DirectRoutine:
 
     def vectors(self) -> Vectors:
         """Return corners with their neighbours and points between, mixed over the inputs."""
-        inputs = []
+        inputs, number = [], np.arange(_VECTORS)
         for k, variable in enumerate(self.rulebase.inputs):
             points = self._axis_points(variable, 25)
             stride = (1, 7, 11, 13, 17, 19, 23, 29)[k % 8]
-            inputs.append(points[(np.arange(_VECTORS) * stride + k) * 5 % points.size])
+            turns = number // points.size  # a shift, so that the same rows do not come again
+            inputs.append(points[(number * stride + turns + k) % points.size])
         columns = [*inputs, *self._held(inputs[0])]
         expected = self.evaluate(*columns)
         known = ~np.isnan(expected)
@@ -253,6 +258,8 @@ class DirectRoutine:
         ends = [abs(x) for x in (output.low, output.high) if math.isfinite(x)]
         scale = max([*ends, *np.abs(expected).tolist(), 1e-30])
         loose = 256.0 if self.precision.inside is np.float32 else 4.0
+        if self.calls_functions:  # another machine has another library
+            loose *= 16.0
         return Vectors(tuple(columns), expected, loose * step * scale)
 
 
@@ -267,7 +274,7 @@ def direct_routine(
     Parameters
     ----------
     rulebase : RuleBase
-        Straight terms; exact centroid or weighted average or sum.
+        Exact centroid of straight sets, or weighted average or sum.
     output : str, optional
         Which output; may be left out if there is only one.
     precision : str
@@ -288,6 +295,9 @@ def direct_routine(
     parameters = [names.new(argument) for argument in arguments]
     program = make_program(rulebase, target.name, parameters)
     types = precision_named(precision, arithmetic=True)
+    constants = [n.value for n in postorder(program.result) if isinstance(n, Constant)]
+    finite = [value for value in constants if math.isfinite(value)]
+    rounded(finite, types.inside, f"the direct inference of '{target.name}'")
     where = Path(source).name if source is not None else ""
     return DirectRoutine(rulebase, target.name, types, program, where)
 
