@@ -29,11 +29,12 @@ from fuzzyarm.export.sets import (
     where,
 )
 from fuzzyarm.expression import op
-from fuzzyarm.expression.formulas import CONSTANTS, read_formula
+from fuzzyarm.expression.formulas import CONSTANTS
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, constant, replace, symbol
 from fuzzyarm.expression.printing import Assign
 from fuzzyarm.inference.plan import WEIGHTED, OutputPlan, Plan, PlannedRule, plan
+from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import And, Hedge, Hedged, Input, Is, Output, RuleBase, propositions
 from fuzzyarm.model.rulebase import Expression as Antecedent
 
@@ -384,7 +385,7 @@ class _Builder:
 
     def _formula(self, output: OutputPlan, member: int) -> Node:
         term = output.members[member].term
-        formula = read_formula(term.shape.formula)
+        formula = formula_of(term.shape)
         known = {variable.name for variable in self.plan.rulebase.inputs}
         if not {name for name in formula.names if name not in CONSTANTS} <= known:
             raise refuse(f"consequent '{term.name}' of '{output.output.name}' reads an output")

@@ -25,7 +25,7 @@ from fuzzyarm.expression.nodes import Constant, postorder
 from fuzzyarm.expression.printing import variables
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import Input, RuleBase
-from fuzzyarm.model.shapes import corner_points
+from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output, defuzzifier_words
 
 _DENSE_POINTS = 60_000
@@ -306,11 +306,9 @@ def corners_of(variable: Input) -> list[float]:
     """Return the ends of a variable and where its terms start, end or bend, in order."""
     found = {x for x in (variable.low, variable.high) if math.isfinite(x)}
     for term in variable.terms:
-        corners = SHAPES[term.shape.kind].corners
-        if corners is None:
-            found |= set(corner_points(term.shape))
-        else:
-            found |= {x for x, _ in corners(*term.shape.parameters) if math.isfinite(x)}
+        straight = SHAPES[term.shape.kind].straight
+        edges = [x for x, _ in polyline(term.shape)] if straight else corner_points(term.shape)
+        found |= {x for x in edges if math.isfinite(x)}
     return sorted(found) or [0.0]
 
 

@@ -14,12 +14,14 @@ from itertools import combinations, groupby, pairwise
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.expression import op
 from fuzzyarm.expression.evaluation import specialise
-from fuzzyarm.expression.formulas import FormulaError, read_formula
+from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.expression.nodes import Constant, Node, Number, apply, constant, replace, symbol
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.sets import POSITION, formula_of
 from fuzzyarm.model.rulebase import Hedge, Shape, Term
+from fuzzyarm.model.shapes import polyline
 
 ZERO, ONE = constant(0.0), constant(1.0)
 
@@ -99,17 +101,16 @@ def degree_of(term: Term, variable: str, x: Node) -> Node:
 
 def _formula_of_x(term: Term, variable: str, x: Node) -> Node:
     try:
-        return replace(read_formula(term.shape.formula).with_constants(("x",)), {"x": x})
+        return replace(formula_of(term.shape).with_constants((POSITION,)), {POSITION: x})
     except FormulaError:
         raise refuse(f"term '{term.name}' of '{variable}' is a formula of several") from None
 
 
 def _finite_corners(shape: Shape) -> list[Corner] | None:
     """Return the corners of a straight shape; None of a curved, endless or pointlike one."""
-    corners_of = SHAPES[shape.kind].corners
-    if corners_of is None or shape.kind == "singleton":
+    if not SHAPES[shape.kind].straight or shape.kind == "singleton":
         return None
-    corners = [(x, shape.height * y) for x, y in corners_of(*shape.parameters)]
+    corners = polyline(shape)
     return corners if all(math.isfinite(x) and math.isfinite(y) for x, y in corners) else None
 
 
