@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fuzzyarm.export.numbers import C_TYPES, c_number
 from fuzzyarm.export.program import Call, Program
 from fuzzyarm.export.routine import CWriter
+from fuzzyarm.export.samples import SampleSums
 from fuzzyarm.expression.nodes import (
     Apply,
     Constant,
@@ -28,6 +29,7 @@ from fuzzyarm.expression.nodes import (
     symbol,
     symbols,
 )
+from fuzzyarm.expression.nodes import replace as substitute
 from fuzzyarm.expression.operations import OPERATIONS, Operation
 from fuzzyarm.expression.printing import (
     Assign,
@@ -51,19 +53,34 @@ _ONE_OF_TWO = """TYPE NAME(TYPE a, TYPE b)
 """
 
 
-def uses_functions(root: Node) -> bool:
-    """Return whether an expression needs functions of the mathematical library."""
+def uses_functions(nodes: Iterable[Node]) -> bool:
+    """Return whether there are functions of the mathematical library among some operations."""
     return any(
-        isinstance(node, Apply) and OPERATIONS[node.operation].sort == "functions"
-        for node in postorder(root)
+        isinstance(node, Apply) and OPERATIONS[node.operation].sort == "functions" for node in nodes
     )
 
 
-def needs_math_header(root: Node) -> bool:
-    """Return whether an expression needs ``math.h``: for functions, NaN or infinity."""
-    return uses_functions(root) or any(
-        isinstance(node, Constant) and not math.isfinite(node.value) for node in postorder(root)
+def needs_math_header(nodes: Sequence[Node]) -> bool:
+    """Return whether operations or numbers need ``math.h``: functions, NaN, infinity."""
+    return uses_functions(nodes) or any(
+        isinstance(node, Constant) and not math.isfinite(node.value) for node in nodes
     )
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Statements that are run for each sample; the sums are set to 0 before.
+
+    Attributes
+    ----------
+    sums : SampleSums
+        Of which program.
+    body : tuple of Statement
+        In terms of the variables of the program.
+    """
+
+    sums: SampleSums
+    body: tuple[Statement, ...]
 
 
 class Listing:
@@ -82,34 +99,55 @@ class Listing:
     def __init__(self, program: Program) -> None:
         self._calls: dict[str, tuple[Call, Node]] = {}
         written, result = self._in_variables(program)
-        taken = {*program.given, *(each.name for each in program.variables)}
         self.reads = self._symbols(result)
         needed = []
         for each in reversed(written):
-            if each.name in self.reads:
-                self.reads |= self._symbols(each.value)
-                needed.append(each)
-        self.body: list[Statement] = []
+            if self.reads.isdisjoint(_sets(each)):
+                continue
+            inner = each.body if isinstance(each, Loop) else (each,)
+            for statement in inner:
+                assert isinstance(statement, Assign)
+                self.reads |= self._symbols(statement.value)
+            needed.append(each)
+        self._taken = {
+            *program.given,
+            *(name for each in program.variables for name in _sets(each)),
+        }
+        self.body: list[Statement | Loop] = []
         for each in reversed(needed):
-            body, value = _spread(each.name, each.value, taken)
-            taken |= set(variables(body))
-            self.body += setting(each.name, body, value, each.remark)
-        body, self.result = _spread("result", result, taken)
+            if isinstance(each, Loop):
+                inner = tuple(s for assign in each.body for s in self._spread_out(assign))
+                self.body.append(replace(each, body=inner))
+            else:
+                self.body += self._spread_out(each)
+        body, self.result = _spread("result", result, self._taken)
         self.body += body
 
     # ── parts to variables ───────────────────────────────────────────────────────────
 
-    def _in_variables(self, program: Program) -> tuple[list[Assign], Node]:
+    def _in_variables(self, program: Program) -> tuple[list[Assign | Loop], Node]:
         """Return the variables and the result, each of the variables before it.
 
         A variable that is set more than once stands for its last part only: before that,
         another use of a part is written out.
         """
-        last = {each.name: index for index, each in enumerate(program.variables)}
+        last = {name: i for i, each in enumerate(program.variables) for name in _sets(each)}
         known: dict[Node, Node] = {}
         growing: dict[str, Node] = {}
-        written = []
+        written: list[Assign | Loop] = []
         for index, each in enumerate(program.variables):
+            if isinstance(each, SampleSums):
+                parts = {
+                    name: self._written(part, program.calls, known, {})
+                    for name, part in each.parts.items()
+                }
+                columns = {name: symbol(_element(each, name)) for name in each.columns}
+                body = (
+                    replace(step, value=substitute(step.value, {**parts, **columns}))
+                    for step in each.body
+                )
+                written.append(Loop(each, tuple(body)))
+                continue
             before = growing.get(each.name)
             if each.value is not before:  # else nothing was added: it is closed here
                 own = {} if before is None else {before: symbol(each.name)}
@@ -157,16 +195,34 @@ class Listing:
         inner = [self._symbols(self._calls[name][1]) for name in found & set(self._calls)]
         return found.union(*inner)
 
+    def _spread_out(self, each: Statement) -> tuple[Statement, ...]:
+        assert isinstance(each, Assign)
+        body, value = _spread(each.name, each.value, self._taken)
+        self._taken |= set(variables(body))
+        return setting(each.name, body, value, each.remark)
+
     # ── cost ─────────────────────────────────────────────────────────────────────────
+
+    @property
+    def variables(self) -> set[str]:
+        """The names of all variables."""
+        found: set[str] = set()
+        for each in self.body:
+            inner = each.body if isinstance(each, Loop) else (each,)
+            found |= {*_sets(each), *variables(inner)}
+        return found
 
     def operations(self) -> Counter[str]:
         """Return how many operations of each sort are done at most, never both branches."""
         return self._count([*self.body, Assign("result", self.result)])
 
-    def _count(self, body: Iterable[Statement]) -> Counter[str]:
+    def _count(self, body: Iterable[Statement | Loop]) -> Counter[str]:
         total: Counter[str] = Counter()
         for statement in body:
-            if isinstance(statement, Assign):
+            if isinstance(statement, Loop):
+                once = self._count(statement.body)
+                total += Counter({sort: n * statement.sums.count for sort, n in once.items()})
+            elif isinstance(statement, Assign):
                 total += self._count_node(statement.value)
             else:
                 total += self._count_node(statement.condition)
@@ -196,17 +252,55 @@ class Listing:
             if name in self.reads:
                 function = writer.helper(call.wanted, _function(call, language, C_TYPES[real]))
                 language.rename[name] = f"{function}({language.expression(argument)})"
-        times_set = Counter(each.name for each in self.body)
-        set_before: set[str] = set()
-        lines = []
         for each in self.body:
-            again = isinstance(each, Assign) and times_set[each.name] > 1
-            text = language.lines([each], made={each.name} if again else set_before)
-            if again and each.name not in set_before:
-                text[0] = f"{C_TYPES[real]} {text[0]}"  # not const: it is set again
-            set_before.add(each.name)
-            lines += text
-        return lines, language.expression(self.result)
+            if isinstance(each, Loop):
+                for name, column in each.sums.columns.items():
+                    literals = [language.number(value) for value in column]
+                    array = writer.constant(C_TYPES[real], literals, each.sums.wanted[name])
+                    language.rename[_element(each.sums, name)] = f"{array}[{each.sums.index}]"
+        return _lines(self.body, language, C_TYPES[real], set()), language.expression(self.result)
+
+
+def _lines(
+    body: Sequence[Statement | Loop], language: Language, real: str, made: set[str]
+) -> list[str]:
+    """Return the lines of some statements; `made` has the names that exist before."""
+    times_set = Counter(name for each in body for name in _sets(each))
+    lines: list[str] = []
+    for each in body:
+        if isinstance(each, Loop):
+            sums = each.sums
+            lines += [
+                f"{real} {name} = {language.number(0.0)};" for name in (sums.area, sums.moment)
+            ]
+            lines.append(
+                f"for (unsigned {sums.index} = 0u; {sums.index} < {sums.count}u; {sums.index}++) {{"
+            )
+            inner = _lines(each.body, language, real, made | {sums.area, sums.moment})
+            lines += [*(f"    {line}" for line in inner), "}"]
+            made |= {sums.area, sums.moment}
+            continue
+        again = isinstance(each, Assign) and times_set[each.name] > 1
+        text = language.lines([each], made={each.name} if again else made)
+        if again and each.name not in made:
+            text[0] = f"{real} {text[0]}"  # not const: it is set again
+        made.add(each.name)
+        lines += text
+    return lines
+
+
+def _sets(each: Statement | SampleSums | Loop) -> tuple[str, ...]:
+    """Return the variables that something sets and others may read."""
+    if isinstance(each, Loop):
+        each = each.sums
+    if isinstance(each, SampleSums):
+        return each.area, each.moment
+    return (each.name,)
+
+
+def _element(sums: SampleSums, column: str) -> str:
+    """Return the symbol that stands for an element of a column; it is printed as one."""
+    return f"{column} of {sums.area}"
 
 
 def _spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:

@@ -10,9 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.routine import plain
+from fuzzyarm.export.samples import SampleSums, sample_sums
 from fuzzyarm.export.sets import (
     ZERO,
     Part,
@@ -29,14 +32,27 @@ from fuzzyarm.export.sets import (
     where,
 )
 from fuzzyarm.expression import op
+from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.formulas import CONSTANTS
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.expression.nodes import Apply, Constant, Node, Symbol, constant, replace, symbol
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Symbol,
+    constant,
+    postorder,
+    replace,
+    symbol,
+)
 from fuzzyarm.expression.printing import Assign
 from fuzzyarm.inference.plan import WEIGHTED, OutputPlan, Plan, PlannedRule, plan
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import And, Hedge, Hedged, Input, Is, Output, RuleBase, propositions
 from fuzzyarm.model.rulebase import Expression as Antecedent
+
+MOST_SAMPLES = 100_000
+"""Constants of a centroid over samples."""
 
 _LONGEST = 16
 """Operands of one expression before it goes into a variable: nesting stays shallow."""
@@ -70,8 +86,8 @@ class Program:
     given : tuple of str
         The symbols that stand for the arguments.
     result : Node
-        The output, of these symbols.
-    variables : tuple of Assign
+        The output, of these symbols and of the sums over samples.
+    variables : tuple of Assign or SampleSums
         The parts of `result` that stand in variables, in order. A name that comes again
         belongs to a part that grows out of the one before: a sum, a greatest value. It is
         read as a variable after its last mention, which need not add anything.
@@ -83,9 +99,36 @@ class Program:
 
     given: tuple[str, ...]
     result: Node
-    variables: tuple[Assign, ...]
+    variables: tuple[Assign | SampleSums, ...]
     calls: Mapping[Node, Call]
     holds: bool
+
+    @property
+    def sums(self) -> tuple[SampleSums, ...]:
+        """The sums over samples, in order."""
+        return tuple(each for each in self.variables if isinstance(each, SampleSums))
+
+    @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """All that is computed, each once; what is done at a sample is among it."""
+        roots = [root for sums in self.sums for root in sums.parts.values()]
+        steps = [step.value for sums in self.sums for step in sums.body]
+        return tuple(postorder(*roots, *steps, self.result))
+
+    def over_arrays(self, values: Mapping[str, Any], real: type) -> Any:
+        """Return the output, every operation rounded to `real`.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray
+            The arguments by :attr:`given`, of type `real`; one axis.
+        real : type
+            ``numpy.float32`` or ``numpy.float64``.
+        """
+        known = dict(values)
+        for sums in self.sums:
+            known |= sums.over_arrays(known, real)
+        return evaluate_arrays(self.result, known, real)
 
 
 def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:
@@ -134,14 +177,16 @@ class _Builder:
         self.plan: Plan = plan(rulebase)
         self.target = target
         self.names = Names(taken=set(parameters))
-        self.variables: list[Assign] = []
+        self.variables: list[Assign | SampleSums] = []
         self.named: set[Node] = set()
         self.calls: dict[Node, Call] = {}
         self.values: dict[str, Node] = {}
         self.degrees: dict[tuple[str, str, tuple[Hedge, ...]], Node] = {}
         # Of each output: the strength of each member so far, and the name of its variable.
         self.heights: dict[str, dict[int, tuple[str, Node]]] = {}
+        # Of each output whose aggregate is not the greatest: what its rules add up to.
         self.sums: dict[str, _Sums] = {}
+        self.fired: dict[str, list[tuple[int, Node, str]]] = {}
         self.guards: list[Node] = []
         self.parameters = parameters
         self.holds = rulebase.output(target).no_rule == "hold"
@@ -156,6 +201,7 @@ class _Builder:
         outputs, rules = self._needed()
         for name in outputs:
             self.heights[name] = {}
+            self.fired[name] = []
             self._check_output(self.plan.outputs[name])
         result: Node = ZERO
         for step in self.plan.steps:
@@ -208,10 +254,18 @@ class _Builder:
         if output.discrete:
             return
         if way.resolution is not None:
-            raise refuse(
-                f"the centroid of '{name}' over {way.resolution} samples",
-                "take the exact centroid, or leave out --direct to export a table",
-            )
+            size = way.resolution * (1 + len(output.members))
+            if size > MOST_SAMPLES:
+                raise refuse(
+                    f"the centroid of '{name}' over {way.resolution:,} samples takes {size:,}"
+                    f" constants, and {MOST_SAMPLES:,} are the most"
+                )
+        else:
+            self._check_exact(output)
+
+    def _check_exact(self, output: OutputPlan) -> None:
+        """Refuse an exact centroid without a closed form."""
+        name = output.output.name
         if output.output.aggregation == "probor":
             raise refuse(f"the exact centroid under aggregation probor of '{name}'")
         if output.output.aggregation not in {"max", "sum"}:
@@ -244,8 +298,11 @@ class _Builder:
     def _assert(self, output: OutputPlan, member: int, strength: Node, remark: str) -> None:
         """Let a rule raise its member of an output."""
         name, aggregation = output.output.name, output.output.aggregation
-        if aggregation == "sum" and not output.discrete:
+        if aggregation != "max" and not output.discrete:
             strength = self.fresh(strength, "s", remark)
+            if output.output.defuzzifier.resolution is not None:
+                self.fired[name].append((member, strength, remark))
+                return
             if output.closed is not None:
                 part = clipped(output.closed.own[member], strength, self.call)
             else:
@@ -338,9 +395,23 @@ class _Builder:
             if method == "weighted-sum":
                 return total, weighted
             return total, _quotient(weighted, total)
+        if output.output.defuzzifier.resolution is not None:
+            area, moment = self._sampled(output)
+            return area, _quotient(moment, area)
         area, moment = self.sums[name].part if name in self.sums else self._union(output)
         centre = constant(0.5 * (output.output.low + output.output.high))
         return area, plus(centre, _quotient(moment, area))
+
+    def _sampled(self, output: OutputPlan) -> Part:
+        heights = self.heights[output.output.name]
+        # The greatest of several cuts of a set is the cut at the greatest strength.
+        greatest = [(member, height, "") for member, (_, height) in heights.items()]
+        fired = self.fired[output.output.name] or greatest
+        if not fired:
+            return ZERO, ZERO
+        sums = sample_sums(output, fired, self.names)
+        self.variables.append(sums)
+        return symbol(sums.area), symbol(sums.moment)
 
     def _union(self, output: OutputPlan) -> Part:
         heights = {member: each for member, (_, each) in self.heights[output.output.name].items()}

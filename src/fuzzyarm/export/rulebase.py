@@ -19,10 +19,8 @@ from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import Precision, c_number, precision_named, rounded
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
-from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.expression.nodes import Constant, postorder
-from fuzzyarm.expression.printing import variables
+from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
@@ -67,12 +65,12 @@ class DirectRoutine:
     @property
     def headers(self) -> Sequence[str]:
         """Standard headers: ``math.h`` for its functions, for NAN and for INFINITY."""
-        return ("math.h",) if needs_math_header(self.program.result) else ()
+        return ("math.h",) if needs_math_header(self.program.nodes) else ()
 
     @property
     def calls_functions(self) -> bool:
         """Whether functions of the mathematical library are called."""
-        return uses_functions(self.program.result)
+        return uses_functions(self.program.nodes)
 
     @property
     def output(self) -> Argument:
@@ -109,7 +107,8 @@ class DirectRoutine:
         flat = [array.reshape(-1) for array in arrays]
         result = np.empty(arrays[0].size, outside)
         # A step holds all parts of the program at once: few points at a time.
-        step = max(64, _AT_ONCE // sum(1 for _ in postorder(self.program.result)))
+        samples = max((sums.count for sums in self.program.sums), default=0)
+        step = max(16, _AT_ONCE // (len(self.program.nodes) + 8 * samples))
         for start in range(0, result.size, step):
             stretch = slice(start, start + step)
             values = {
@@ -117,7 +116,7 @@ class DirectRoutine:
                 for name, array in zip(self.program.given, flat, strict=True)
             }
             with np.errstate(over="ignore"):
-                result[stretch] = evaluate_arrays(self.program.result, values, inside)
+                result[stretch] = self.program.over_arrays(values, inside)
         return result.reshape(arrays[0].shape)
 
     def literal(self, value: Any) -> str:
@@ -143,7 +142,7 @@ class DirectRoutine:
             f"{sort} of math.h" if sort == "functions" else sort: count
             for sort, count in self.listing.operations().items()
         }
-        names = {*variables(self.listing.body), *self.program.given}
+        names = {*self.listing.variables, *self.program.given}
         size = np.dtype(self.precision.inside).itemsize
         return Cost(tuple(sorted(counted.items())), size * len(names))
 
@@ -295,7 +294,7 @@ def direct_routine(
     parameters = [names.new(argument) for argument in arguments]
     program = make_program(rulebase, target.name, parameters)
     types = precision_named(precision, arithmetic=True)
-    constants = [n.value for n in postorder(program.result) if isinstance(n, Constant)]
+    constants = [n.value for n in program.nodes if isinstance(n, Constant)]
     finite = [value for value in constants if math.isfinite(value)]
     rounded(finite, types.inside, f"the direct inference of '{target.name}'")
     where = Path(source).name if source is not None else ""
