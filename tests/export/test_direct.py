@@ -26,7 +26,7 @@ from fuzzyarm.export import ExportError, export_files, routines_of
 from fuzzyarm.export.rulebase import corners_of
 from fuzzyarm.expression import kinds, op
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.expression.nodes import Apply, postorder
+from fuzzyarm.expression.nodes import Apply
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.language import load_rulebase, parse
 from fuzzyarm.model.rulebase import (
@@ -327,7 +327,7 @@ EXACT = {"sqrt", "absolute", "floor"}
 
 
 def is_exact(routine):
-    nodes = [n for n in postorder(routine.program.result) if isinstance(n, Apply)]
+    nodes = [n for n in routine.program.nodes if isinstance(n, Apply)]
     functions = {n.operation for n in nodes if OPERATIONS[n.operation].sort == "functions"}
     return functions <= EXACT
 
