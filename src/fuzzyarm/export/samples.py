@@ -14,7 +14,7 @@ from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.expression.nodes import Node, replace, symbol
 from fuzzyarm.expression.printing import Assign
-from fuzzyarm.inference.defuzzify.aggregate import places, weights
+from fuzzyarm.inference.defuzzify.aggregate import positions, weights
 from fuzzyarm.inference.plan import OutputPlan
 
 Array = NDArray[Any]
@@ -106,8 +106,8 @@ def sample_sums(
     """
     model, way = output.output, output.output.defuzzifier
     assert way.resolution is not None
-    positions = places(model.low, model.high, way.resolution, way.sampling)
-    columns = {"position": tuple(positions)}
+    samples = positions(model.low, model.high, way.resolution, way.sampling)
+    columns = {"position": tuple(samples)}
     wanted = {"position": f"{model.name}_samples", "weight": f"{model.name}_weights"}
     if way.sampling == "trapezoid":
         columns["weight"] = tuple(weights(way.resolution, way.sampling))
@@ -117,7 +117,7 @@ def sample_sums(
     for member, strength, remark in fired:
         found = output.members[member]
         degree, cut = f"degree {member}", f"strength {len(parts)}"
-        columns[degree] = tuple(map(found.membership, positions))
+        columns[degree] = tuple(map(found.membership, samples))
         wanted[degree] = f"{model.name}_{found.term.name}"
         parts[cut] = strength
         implied = {"a": symbol(cut), "b": symbol(degree)}
