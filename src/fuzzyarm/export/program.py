@@ -121,14 +121,18 @@ class Program:
         Parameters
         ----------
         values : mapping of str to ndarray
-            The arguments by :attr:`given`, of type `real`; one axis.
+            The arguments by :attr:`given`, of type `real`; they broadcast.
         real : type
             ``numpy.float32`` or ``numpy.float64``.
         """
         known = dict(values)
         for sums in self.sums:
             known |= sums.over_arrays(known, real)
-        return evaluate_arrays(self.result, known, real)
+        return evaluate_arrays(self.result, known, real, self._order)
+
+    @cached_property
+    def _order(self) -> tuple[Node, ...]:
+        return tuple(postorder(self.result))
 
 
 def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:

@@ -43,7 +43,6 @@ class CWriter:
     names: Names = field(default_factory=Names)
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
-    functions: list[str] = field(default_factory=list)
     flash: int = 0
     _known: dict[object, str] = field(default_factory=dict)
 
@@ -216,49 +215,38 @@ class Routine(Protocol):
     @property
     def output(self) -> Argument:
         """The result."""
-        ...
 
     @property
     def arguments(self) -> Sequence[Argument]:
         """The arguments, in order."""
-        ...
 
     @property
     def kind(self) -> str:
         """The C type of arguments and result."""
-        ...
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
         """Return what the function returns, bit for bit."""
-        ...
 
     def literal(self, value: Any) -> str:
         """Return an argument or a result as a C literal."""
-        ...
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function, without indentation."""
-        ...
 
     def cost(self) -> Cost:
         """Return what one call takes."""
-        ...
 
     def remarks(self) -> list[str]:
         """Return what the head of the file says of index order, borders and arithmetic."""
-        ...
 
     def provenance(self) -> Sequence[tuple[str, str]]:
         """Return where it comes from, as pairs of key and text."""
-        ...
 
     def accuracy(self) -> Accuracy:
         """Compare with the model in double precision over a dense grid."""
-        ...
 
     def vectors(self) -> Vectors:
         """Return points for the self-test."""
-        ...
 
 
 # --- Header comment of an exported file: provenance, accuracy, cost ---

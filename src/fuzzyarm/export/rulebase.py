@@ -29,7 +29,7 @@ from fuzzyarm.table.compiler import choose_output, defuzzifier_words
 _DENSE_POINTS = 60_000
 _VECTORS = 48
 
-_AT_ONCE = 2_000_000
+_AT_ONCE = 8_000_000
 """Numbers in memory while a program runs over arrays."""
 
 
@@ -103,21 +103,25 @@ class DirectRoutine:
         """
         outside, inside = self.precision.outside, self.precision.inside
         with np.errstate(over="ignore"):
-            arrays = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
-        flat = [array.reshape(-1) for array in arrays]
-        result = np.empty(arrays[0].size, outside)
-        # A step holds all parts of the program at once: few points at a time.
+            arrays = [np.atleast_1d(np.asarray(x, dtype=outside)) for x in inputs]
+        shape = np.broadcast_shapes(*(array.shape for array in arrays))
+        # Arrays stay as they are: what depends on one input is computed once for its values.
+        columns = [
+            array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in arrays
+        ]
+        result = np.empty(shape, outside)
         samples = max((sums.count for sums in self.program.sums), default=0)
-        step = max(16, _AT_ONCE // (len(self.program.nodes) + 8 * samples))
-        for start in range(0, result.size, step):
+        most = min(4096, _AT_ONCE // (len(self.program.nodes) + 8 * samples))
+        step = max(1, most // max(1, math.prod(shape[1:])))
+        for start in range(0, shape[0], step):
             stretch = slice(start, start + step)
             values = {
-                name: array[stretch].astype(inside)
-                for name, array in zip(self.program.given, flat, strict=True)
+                name: (column[stretch] if len(column) > 1 else column).astype(inside)
+                for name, column in zip(self.program.given, columns, strict=True)
             }
             with np.errstate(over="ignore"):
                 result[stretch] = self.program.over_arrays(values, inside)
-        return result.reshape(arrays[0].shape)
+        return result.reshape(np.broadcast_shapes(*(np.shape(x) for x in inputs)))
 
     def literal(self, value: Any) -> str:
         """Return an argument or a result as a C literal."""

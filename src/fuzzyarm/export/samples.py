@@ -71,9 +71,11 @@ class SampleSums:
         )
 
     def over_arrays(self, values: Mapping[str, Array], real: type) -> dict[str, Array]:
-        """Return the sums by name, for all points at once and in the order of the loop."""
+        """Return the sums by name over arrays that broadcast, in the order of the loop."""
+        # The samples have an axis of their own before those of the points.
+        ones = (1,) * max(map(np.ndim, values.values()))
         columns: dict[str, Array] = {
-            name: np.array(c, real)[:, None] for name, c in self.columns.items()
+            name: np.array(column, real).reshape(-1, *ones) for name, column in self.columns.items()
         }
         known: dict[str, Any] = {
             name: evaluate_arrays(p, values, real) for name, p in self.parts.items()

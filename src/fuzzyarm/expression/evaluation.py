@@ -8,7 +8,7 @@ as source text and compiled, see :mod:`fuzzyarm.expression.printing`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -113,7 +113,12 @@ def _where(condition: Any, then: Any, otherwise: Any) -> Any:
     return np.where(condition, then, otherwise)
 
 
-def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -> Any:
+def evaluate_arrays(
+    root: Node,
+    values: Mapping[str, Any],
+    real: type = float,
+    order: Sequence[Node] | None = None,
+) -> Any:
     """Return the value of an expression over arrays that broadcast.
 
     Parameters
@@ -124,6 +129,8 @@ def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -
         A value for every symbol.
     real : type
         Of the constants: ``float``, or ``numpy.float32`` for arithmetic in single precision.
+    order : sequence of Node, optional
+        What :func:`postorder` yields, where many calls share it.
 
     Returns
     -------
@@ -136,7 +143,7 @@ def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -
 
     found: dict[Node, Any] = {}
     with np.errstate(all="ignore"):
-        for node in postorder(root):
+        for node in postorder(root) if order is None else order:
             if isinstance(node, Apply):
                 arguments = (found[argument] for argument in node.arguments)
                 found[node] = array_function(node.operation)(*arguments)
