@@ -32,7 +32,7 @@ from fuzzyarm.export.sets import (
     where,
 )
 from fuzzyarm.expression import op
-from fuzzyarm.expression.evaluation import evaluate_arrays
+from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule
 from fuzzyarm.expression.formulas import CONSTANTS
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.expression.nodes import (
@@ -131,8 +131,8 @@ class Program:
         return evaluate_arrays(self.result, known, real, self._order)
 
     @cached_property
-    def _order(self) -> tuple[Node, ...]:
-        return tuple(postorder(self.result))
+    def _order(self) -> Schedule:
+        return schedule(self.result)
 
 
 def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:

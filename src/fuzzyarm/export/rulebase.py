@@ -29,8 +29,8 @@ from fuzzyarm.table.compiler import choose_output, defuzzifier_words
 _DENSE_POINTS = 60_000
 _VECTORS = 48
 
-_AT_ONCE = 8_000_000
-"""Numbers in memory while a program runs over arrays."""
+_AT_ONCE = 16_384
+"""Points at which a program runs at a time: its arrays stay in the cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +110,8 @@ class DirectRoutine:
             array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in arrays
         ]
         result = np.empty(shape, outside)
-        samples = max((sums.count for sums in self.program.sums), default=0)
-        most = min(4096, _AT_ONCE // (len(self.program.nodes) + 8 * samples))
+        samples = max((sums.count for sums in self.program.sums), default=1)
+        most = min(_AT_ONCE, 64 * _AT_ONCE // samples)
         step = max(1, most // max(1, math.prod(shape[1:])))
         for start in range(0, shape[0], step):
             stretch = slice(start, start + step)
