@@ -17,9 +17,9 @@ from functools import reduce
 from itertools import pairwise
 from typing import Any
 
-from fuzzyarm.formats.findings import VALUES, Findings, Imported
-from fuzzyarm.formats.rules import NOT, hedged
-from fuzzyarm.formats.shapes import reverse
+from fuzzyarm.formats.drafts import VALUES
+from fuzzyarm.formats.findings import Findings, Imported
+from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold
 from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import (
@@ -186,7 +186,7 @@ def _expression(part: Any) -> Expression:
 
 # --- From a rule base to a control system of scikit-fuzzy ---
 
-_BACK = reverse(METHODS)
+_BACK = {method: word for word, method in METHODS.items()}
 
 
 def to_skfuzzy(
