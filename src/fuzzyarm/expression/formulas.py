@@ -34,7 +34,6 @@ from fuzzyarm.expression.nodes import (
     constant,
     replace,
     symbol,
-    symbols,
 )
 from fuzzyarm.expression.operations import OPERATIONS
 
@@ -186,18 +185,22 @@ class Formula:
     root : Node
         What it computes. Its symbols are the names of variables, and of
         :data:`CONSTANTS` as long as :meth:`with_constants` has not been asked.
-    positions : mapping of str to int
-        Where each name stands first in the text.
+    mentions : tuple of (str, int)
+        Every name and its position in the text, in order.
     """
 
     text: str
     root: Node
-    positions: Mapping[str, int]
+    mentions: tuple[tuple[str, int], ...]
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """The variables, each once, in order of appearance; constants are among them."""
-        return symbols(self.root)
+        return tuple(dict(self.mentions))
+
+    @cached_property
+    def _compiled(self) -> dict[tuple[str, ...], Callable[..., float]]:
+        return {}
 
     def with_constants(self, variables: Sequence[str]) -> Node:
         """Return the expression with the value in place of a constant.
@@ -215,7 +218,7 @@ class Formula:
         free = [name for name in self.names if name not in variables]
         for name in free:
             if name not in CONSTANTS:
-                position = self.positions[name]
+                position = dict(reversed(self.mentions))[name]
                 raise FormulaError(f"unknown variable '{name}'", self.text, position)
         return replace(self.root, {name: CONSTANTS[name] for name in free})
 
@@ -231,9 +234,14 @@ class Formula:
         return python_function(replace(self.with_constants(variables), renamed), names)
 
     def evaluate(self, values: Mapping[str, float]) -> float:
-        """Return the value at one point, by the names of the variables."""
-        names = tuple(values)
-        return self.function(names)(*values.values())
+        """Return the value at one point, by the names of the variables.
+
+        Compiled at the first call. `values` may hold more than the formula needs.
+        """
+        names = tuple(name for name in self.names if name in values)
+        if names not in self._compiled:
+            self._compiled[names] = self.function(names)
+        return self._compiled[names](*(values[name] for name in names))
 
     def evaluate_arrays(self, values: Mapping[str, Any]) -> Any:
         """Return the values over arrays that broadcast."""
@@ -270,7 +278,7 @@ def read_formula(text: str, dialect: Dialect = FRB) -> Formula:
     root = parser.sum()
     if parser.kind != "end":
         raise parser.fault(f"expected an operator {parser.found()}")
-    return Formula(text, root, parser.positions)
+    return Formula(text, root, tuple(parser.mentions))
 
 
 class _Parser:
@@ -282,7 +290,7 @@ class _Parser:
         self.tokens = list(_tokens(text, dialect.token))
         self.index = 0
         self.depth = 0
-        self.positions: dict[str, int] = {}
+        self.mentions: list[tuple[str, int]] = []
 
     @property
     def kind(self) -> str:
@@ -358,7 +366,7 @@ class _Parser:
             self.index += 1
             if kind == "name" and self.take("("):
                 return self.call(value, position)
-            self.positions.setdefault(value, position)
+            self.mentions.append((value, position))
             return symbol(value)
         if self.take("("):
             node = self.sum()
