@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.formats.dialects import Dialect
@@ -60,6 +60,16 @@ def imported(
     if findings.failed:
         rulebase = None
     return Imported(rulebase, findings.all(), dialect.producer)
+
+
+def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[Word]:
+    """Yield the lines of a text that are not empty, without the space around them."""
+    for row, raw in enumerate(text.split("\n"), 1):
+        content = without_comment(raw)
+        line = content.strip()
+        if line:
+            start = len(content) - len(content.lstrip()) + 1
+            yield Word(line, Span(row, start, row, start + len(line)))
 
 
 def rulebase_of(

@@ -474,25 +474,9 @@ def parse_fcl(
     block: str | None = None,
     lossy: bool = False,
 ) -> Imported:
-    """Read a function block of IEC 61131-7; never raises.
+    """Read a function block: :func:`~fuzzyarm.formats.registry.parse` of ``.fcl``.
 
-    Parameters
-    ----------
-    text : str
-        Any text at all.
-    path : str
-        Name of the file, for the diagnostics.
-    dialect : {"jfuzzylogic", "fuzzylite"}, optional
-        Whose defaults to take. By default what the text looks like, else jFuzzyLogic.
-    block : str, optional
-        The function block to take where there are several; the first by default.
-    lossy : bool
-        Whether a loss that changes numbers is a warning rather than an error.
-
-    Returns
-    -------
-    Imported
-        The rule base where there is no error, and every finding.
+    The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
     """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:

@@ -42,21 +42,9 @@ _ALL_FUNCTIONS = replace(
 
 
 def write_fcl(rulebase: RuleBase, *, dialect: str | None = None, lossy: bool = False) -> Exported:
-    """Write a rule base as a function block of IEC 61131-7.
+    """Write a function block: :func:`~fuzzyarm.formats.registry.write` of ``.fcl``.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Any.
-    dialect : {"jfuzzylogic", "fuzzylite"}, optional
-        The program to write for. By default the one to which less is lost.
-    lossy : bool
-        Whether to write even where that program would give other numbers.
-
-    Returns
-    -------
-    Exported
-        The text, unless something cannot be expressed and `lossy` is not set.
+    The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
     """
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
     return best([_Writer(rulebase, FCL[each], lossy=lossy).export() for each in producers])

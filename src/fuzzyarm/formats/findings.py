@@ -90,6 +90,23 @@ class Word:
     text: str
     span: Span = NOWHERE
 
+    def part(self, start: int, end: int) -> Word:
+        """Return the characters from index `start` to `end` of a word on one line."""
+        line, column = self.span.line, self.span.column
+        return Word(self.text[start:end], Span(line, column + start, line, column + end))
+
+    def parts(self, pattern: re.Pattern[str]) -> list[Word]:
+        """Return the pieces that match a pattern."""
+        return [self.part(*match.span()) for match in pattern.finditer(self.text)]
+
+    def around(self, sign: str) -> tuple[Word, Word] | None:
+        """Return what stands before and behind a sign, without space; None if it is not there."""
+        before, found, after = self.text.partition(sign)
+        if not found:
+            return None
+        start = len(self.text) - len(after.lstrip())
+        return self.part(0, len(before.rstrip())), self.part(start, len(self.text))
+
 
 class Findings:
     """Collects the diagnostics of one file.

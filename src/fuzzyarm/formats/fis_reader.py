@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
@@ -14,6 +14,7 @@ from fuzzyarm.formats.drafts import (
     VALUES,
     Draft,
     imported,
+    lines_of,
     maximum_of_nothing,
     note_rounding,
     rulebase_of,
@@ -65,22 +66,16 @@ class _Section:
 
 def _sections(text: str, findings: Findings) -> list[_Section]:
     sections: list[_Section] = []
-    for row, raw in enumerate(text.split("\n"), 1):
-        content = _without_comment(raw)
-        stripped = content.strip()
-        if not stripped:
-            continue
-        start = len(content) - len(content.lstrip()) + 1
-        word = Word(stripped, Span(row, start, row, start + len(stripped)))
-        match = _HEADER.match(stripped) if len(stripped) < 100 else None
+    for line in lines_of(text, _without_comment):
+        match = _HEADER.match(line.text) if len(line.text) < 100 else None
         if match:
             digits = match.group(2)[:6]
-            sections.append(_Section(match.group(1).lower(), int(digits or 0), word.span))
+            sections.append(_Section(match.group(1).lower(), int(digits or 0), line.span))
         elif sections:
-            sections[-1].lines.append(word)
+            sections[-1].lines.append(line)
         else:
-            message = f"'{stripped[:40]}' stands before any section"
-            findings.error("syntax", message, word)
+            message = f"'{line.text[:40]}' stands before any section"
+            findings.error("syntax", message, line)
     return sections
 
 
@@ -99,20 +94,6 @@ def _without_comment(raw: str) -> str:
     return raw
 
 
-def _key_and_value(line: Word) -> tuple[Word, Word] | None:
-    """Split ``key = value``; None where there is no equals sign."""
-    key, equals, value = line.text.partition("=")
-    if not equals:
-        return None
-    span = line.span
-    name = key.rstrip()
-    at = span.column + len(key) + 1 + len(value) - len(value.lstrip())
-    return (
-        Word(name, Span(span.line, span.column, span.line, span.column + len(name))),
-        Word(value.strip(), Span(span.line, at, span.line, span.end_column)),
-    )
-
-
 def _unquoted(word: Word) -> Word:
     text = word.text
     if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
@@ -120,15 +101,8 @@ def _unquoted(word: Word) -> Word:
     return word
 
 
-_BETWEEN_COMMAS = re.compile(r"[^\s,;\[\]]+")
-
-
-def _bracketed(value: Word) -> list[Word]:
-    span = value.span
-    return [
-        Word(m.group(), Span(span.line, span.column + m.start(), span.line, span.column + m.end()))
-        for m in _BETWEEN_COMMAS.finditer(value.text)
-    ]
+_BRACKETED = re.compile(r"[^\s,;\[\]]+")
+"""A word in brackets, between space, commas and semicolons."""
 
 
 _MEMBERSHIP = re.compile(
@@ -143,17 +117,9 @@ def _membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
     match = _MEMBERSHIP.match(value.text)
     if match is None:
         return None
-    span = value.span
-
-    def word(group: str) -> Word:
-        start, end = match.span(group)
-        return Word(
-            match.group(group),
-            Span(span.line, span.column + start, span.line, span.column + end),
-        )
-
-    name = word("quoted") if match.group("quoted") is not None else word("bare")
-    return name, word("kind"), word("rest")
+    quoted = match.group("quoted") is not None
+    name, kind, rest = (match.span(key) for key in ("quoted" if quoted else "bare", "kind", "rest"))
+    return value.part(*name), value.part(*kind), value.part(*rest)
 
 
 # --- Which program a text was written for ---
@@ -185,143 +151,7 @@ def _detect(text: str) -> str:
     return "matlab"
 
 
-# --- [System], and what it means for the outputs ---
-
-_KEYS = (
-    "name", "type", "version", "numinputs", "numoutputs", "numrules", "andmethod", "ormethod",
-    "impmethod", "aggmethod", "defuzzmethod", "nummfs",
-)  # fmt: skip
-
-
-@dataclass(slots=True)
-class _System:
-    """The settings of ``[System]`` by key in small letters."""
-
-    values: dict[str, Word] = field(default_factory=dict)
-
-    def read(self, section: _Section, findings: Findings) -> None:
-        """Read the lines of the section."""
-        for line in section.lines:
-            parts = _key_and_value(line)
-            if parts is None:
-                findings.error("syntax", f"'{line.text[:40]}' is no 'key=value'", line)
-                continue
-            key, value = parts
-            if key.text.lower() not in _KEYS:
-                findings.unknown("unknown-key", "the key", key, _KEYS)
-                continue
-            self.values[key.text.lower()] = _unquoted(value)
-
-    def text(self, key: str) -> str:
-        """Return the value of a key, empty where there is none."""
-        word = self.values.get(key)
-        return word.text.strip() if word is not None else ""
-
-    def tnorm(self, key: str, findings: Findings) -> str:
-        """Return the T-norm that `key` names; the words of all programs are read in each."""
-        return self._norm(key, words(TNORMS, "fis", "octave", "matlab"), "min", findings)
-
-    def snorm(self, key: str, findings: Findings) -> str:
-        """Return the S-norm that `key` names."""
-        return self._norm(key, words(SNORMS, "fis", "octave", "matlab"), "max", findings)
-
-    def _norm(self, key: str, table: Mapping[str, str], default: str, findings: Findings) -> str:
-        name = self.text(key)
-        if not name:
-            return default
-        return findings.norm(f"the {key}", self.values[key], table, name.lower()) or default
-
-
-def _finish_output(draft: Draft, system: _System, dialect: Dialect, findings: Findings) -> None:
-    """Set aggregation, defuzzifier and the value without rules of an output."""
-    name = system.text("defuzzmethod").lower()
-    is_sugeno = system.text("type").lower() == "sugeno"
-    if not name:
-        name = "wtaver" if is_sugeno else "centroid"
-    at = system.values.get("defuzzmethod", draft.word)
-    producer = dialect.producer
-    draft.aggregation = system.snorm("aggmethod", findings)
-    if producer == "matlab" and _is_nan(draft.no_rule) and draft.bounded:
-        draft.no_rule = 0.5 * (draft.low + draft.high)
-    if name in dialect.weighted:
-        if producer == "fuzzylite":
-            settle_weighted(draft, dialect.weighted[name], "Automatic", at, findings)
-        else:
-            _weighted(draft, dialect.weighted[name], producer, at, findings)
-    elif name in dialect.integral:
-        resolution, sampling = dialect.samples
-        if name == "centroid_integral":
-            sampling = "trapezoid"
-        draft.defuzzifier = Defuzzifier(dialect.integral[name], resolution, sampling)
-        if producer == "fuzzylite" and _is_nan(draft.no_rule):
-            draft.no_rule = maximum_of_nothing(draft)
-        _values_as_sets(draft, system, producer, at, findings)
-        if not draft.bounded:
-            message = f"the output '{draft.name}' needs a range to be integrated over"
-            findings.error("bad-range", message, draft.word)
-    else:
-        word = system.values["defuzzmethod"]
-        methods = (*dialect.integral, *dialect.weighted)
-        findings.unknown("unknown-defuzzifier", "the method", word, methods)
-
-
-def _weighted(draft: Draft, method: str, producer: str, at: Word, findings: Findings) -> None:
-    if producer == "matlab":  # every rule counts for itself, whatever AggMethod says
-        draft.aggregation = "sum"
-    if draft.kinds and draft.kinds <= MONOTONIC:
-        draft.defuzzifier = Defuzzifier("tsukamoto")
-        return
-    if not draft.kinds <= VALUES:
-        message = f"'{draft.name}' has sets where a weighted defuzzifier needs values"
-        findings.error("set-as-value", message, at)
-    draft.defuzzifier = Defuzzifier(method)
-
-
-def _values_as_sets(
-    draft: Draft, system: _System, producer: str, at: Word, findings: Findings
-) -> None:
-    """Express constants that are integrated: to fuzzylite a constant is a set of that height."""
-    for index, term in enumerate(draft.terms):
-        if term.shape.kind not in VALUES:
-            continue
-        height = _height(term, system, findings) if producer == "fuzzylite" else 0.0
-        if height > 0.0 and draft.bounded:
-            message = (
-                f"fuzzylite integrates the constant '{term.name}' as a set of that height "
-                "over the whole range"
-            )
-            findings.warn("value-as-set", message, term.span)
-            shape = Shape("rectangle", (draft.low, draft.high), height)
-            draft.put(index, Term(term.name, shape, term.span))
-            continue
-        message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
-        findings.loss("value-as-set", message, at)
-
-
-def _height(term: Term, system: _System, findings: Findings) -> float:
-    """Return the height of the set that a constant is to fuzzylite; 0 where it is none."""
-    if term.shape.kind != "singleton":
-        return 0.0
-    value = term.shape.parameters[0]
-    if value > 1.0:  # a higher set is cut at the firing strength all the same, but only by min
-        implication = system.tnorm("impmethod", findings)
-        return 1.0 if implication == "min" else 0.0
-    return max(value, 0.0)
-
-
-def _is_nan(value: float | str) -> bool:
-    return isinstance(value, float) and math.isnan(value)
-
-
 # --- Membership functions ---
-
-
-def _spellings() -> dict[str, Spelling]:
-    """Return the words for shapes; those of all programs are read in each.
-
-    fuzzylite writes the class where it has no word of its own, as FLL does.
-    """
-    return all_spellings(SHAPES, "fis", "matlab", "fll")
 
 
 def _shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | None:
@@ -330,12 +160,13 @@ def _shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | N
     if name == "function":
         text = rest.text.strip().removeprefix("[").removesuffix("]")
         return formula_shape(Word(text, rest.span), FIS["fuzzylite"].formula, findings)
-    known = _spellings()
+    # fuzzylite writes the class of a term where it has no word in a FIS.
+    known = all_spellings(SHAPES, *_ALL, "fll")
     spelling = known.get(name) or known.get(kind.text)
     if spelling is None:
         _unknown(kind, known, findings)
         return None
-    values = numbers(_bracketed(rest), findings)
+    values = numbers(rest.parts(_BRACKETED), findings)
     if values is None:
         return None
     if name == "constant":
@@ -397,24 +228,297 @@ def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
     return (Hedge("power", round(10.0 * fraction, 6)),) if powers else None
 
 
-@dataclass(frozen=True, slots=True)
-class _RuleReader:
-    """Reads the lines of ``[Rules]``; `terms` are names by variable and index in the file."""
+# --- Read FIS ---
 
-    inputs: tuple[Draft, ...]
-    outputs: tuple[Draft, ...]
-    terms: dict[str, dict[int, str]]
-    dialect: Dialect
-    findings: Findings
+_KEYS = (
+    "name", "type", "version", "numinputs", "numoutputs", "numrules", "andmethod", "ormethod",
+    "impmethod", "aggmethod", "defuzzmethod", "nummfs",
+)  # fmt: skip
+_ALL = ("fis", "octave", "matlab")
+"""Keys of names: the words of all programs are read in each."""
 
-    def read(self, line: Word) -> RuleText | None:
+_MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
+
+
+def parse_fis(
+    text: str, path: str = "<text>", *, producer: str | None = None, lossy: bool = False
+) -> Imported:
+    """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
+
+    def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
+        found = FIS[producer or _detect(plain)]
+        return _Reader(plain, found, findings).read(), found
+
+    return imported(text, path, read, lossy=lossy)
+
+
+class _Reader:
+    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
+        self.text = text
+        self.dialect = dialect
+        self.findings = findings
+        self.settings: dict[str, Word] = {}  # of [System], by keys in small letters
+        self.inputs: list[Draft] = []
+        self.outputs: list[Draft] = []
+        self.terms: dict[str, dict[int, str]] = {}
+        self.rules: list[Word] = []
+        self.seen: dict[tuple[str, int], Span] = {}
+
+    def read(self) -> RuleBase:
+        sections = _sections(self.text, self.findings)
+        if not sections and not self.findings.failed:
+            self.findings.error("no-engine", "there is no section like [System] in this file")
+        inputs = sum(section.kind == "input" for section in sections)
+        # [Input2] may stand before [Input1]; the rules go by number.
+        for section in sorted(sections, key=lambda section: section.number):
+            self._section(section, inputs)
+        for draft in (*self.inputs, *self.outputs):
+            draft.settle_range(self.findings)
+        for draft in self.outputs:
+            self._finish_output(draft)
+        block = self._block()
+        self._check_counts()
+        self._notes()
+        return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), (block,))
+
+    def _section(self, section: _Section, inputs: int) -> None:
+        key = (section.kind, section.number)
+        if key in self.seen:
+            message = (
+                f"the section [{section.kind.capitalize()}{section.number or ''}] stands twice"
+            )
+            self.findings.error("duplicate-section", message, section.span)
+            return
+        self.seen[key] = section.span
+        if section.kind == "system":
+            self._system(section)
+        elif section.kind == "rules":
+            self.rules = section.lines
+        else:
+            self._variable(section, inputs)
+
+    def _settings(self, section: _Section) -> Iterator[tuple[Word, Word]]:
+        for line in section.lines:
+            parts = line.around("=")
+            if parts is None:
+                self.findings.error("syntax", f"'{line.text[:40]}' is no 'key=value'", line)
+            else:
+                yield parts
+
+    # --- [System], and what it means for the outputs ---
+
+    def _system(self, section: _Section) -> None:
+        for key, value in self._settings(section):
+            if key.text.lower() not in _KEYS:
+                self.findings.unknown("unknown-key", "the key", key, _KEYS)
+                continue
+            self.settings[key.text.lower()] = _unquoted(value)
+
+    def text_of(self, key: str) -> str:
+        word = self.settings.get(key)
+        return word.text.strip() if word is not None else ""
+
+    def tnorm(self, key: str) -> str:
+        return self._norm(key, words(TNORMS, *_ALL), "min")
+
+    def snorm(self, key: str) -> str:
+        return self._norm(key, words(SNORMS, *_ALL), "max")
+
+    def _norm(self, key: str, table: Mapping[str, str], default: str) -> str:
+        name = self.text_of(key)
+        if not name:
+            return default
+        return self.findings.norm(f"the {key}", self.settings[key], table, name.lower()) or default
+
+    def _finish_output(self, draft: Draft) -> None:
+        """Set aggregation, defuzzifier and the value without rules of an output."""
+        name = self.text_of("defuzzmethod").lower()
+        is_sugeno = self.text_of("type").lower() == "sugeno"
+        if not name:
+            name = "wtaver" if is_sugeno else "centroid"
+        at = self.settings.get("defuzzmethod", draft.word)
+        dialect = self.dialect
+        producer = dialect.producer
+        draft.aggregation = self.snorm("aggmethod")
+        if producer == "matlab" and _is_nan(draft.no_rule) and draft.bounded:
+            draft.no_rule = 0.5 * (draft.low + draft.high)
+        if name in dialect.weighted:
+            if producer == "fuzzylite":
+                settle_weighted(draft, dialect.weighted[name], "Automatic", at, self.findings)
+            else:
+                self._weighted(draft, dialect.weighted[name], at)
+        elif name in dialect.integral:
+            resolution, sampling = dialect.samples
+            if name == "centroid_integral":
+                sampling = "trapezoid"
+            draft.defuzzifier = Defuzzifier(dialect.integral[name], resolution, sampling)
+            if producer == "fuzzylite" and _is_nan(draft.no_rule):
+                draft.no_rule = maximum_of_nothing(draft)
+            self._values_as_sets(draft, at)
+            if not draft.bounded:
+                message = f"the output '{draft.name}' needs a range to be integrated over"
+                self.findings.error("bad-range", message, draft.word)
+        else:
+            word = self.settings["defuzzmethod"]
+            methods = (*dialect.integral, *dialect.weighted)
+            self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
+
+    def _weighted(self, draft: Draft, method: str, at: Word) -> None:
+        if (
+            self.dialect.producer == "matlab"
+        ):  # every rule counts for itself, whatever AggMethod says
+            draft.aggregation = "sum"
+        if draft.kinds and draft.kinds <= MONOTONIC:
+            draft.defuzzifier = Defuzzifier("tsukamoto")
+            return
+        if not draft.kinds <= VALUES:
+            message = f"'{draft.name}' has sets where a weighted defuzzifier needs values"
+            self.findings.error("set-as-value", message, at)
+        draft.defuzzifier = Defuzzifier(method)
+
+    def _values_as_sets(self, draft: Draft, at: Word) -> None:
+        """Express constants that are integrated: to fuzzylite they are sets of that height."""
+        for index, term in enumerate(draft.terms):
+            if term.shape.kind not in VALUES:
+                continue
+            height = self._height(term) if self.dialect.producer == "fuzzylite" else 0.0
+            if height > 0.0 and draft.bounded:
+                message = (
+                    f"fuzzylite integrates the constant '{term.name}' as a set of that height "
+                    "over the whole range"
+                )
+                self.findings.warn("value-as-set", message, term.span)
+                shape = Shape("rectangle", (draft.low, draft.high), height)
+                draft.put(index, Term(term.name, shape, term.span))
+                continue
+            message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
+            self.findings.loss("value-as-set", message, at)
+
+    def _height(self, term: Term) -> float:
+        """Return the height of the set that a constant is to fuzzylite; 0 where it is none."""
+        if term.shape.kind != "singleton":
+            return 0.0
+        value = term.shape.parameters[0]
+        if value > 1.0:  # a higher set is cut at the firing strength all the same, but only by min
+            implication = self.tnorm("impmethod")
+            return 1.0 if implication == "min" else 0.0
+        return max(value, 0.0)
+
+    # --- Variables and terms ---
+
+    def _variable(self, section: _Section, inputs: int) -> None:
+        count = len(self.inputs) + len(self.outputs)
+        if not self.findings.room(count, MAX_VARIABLES, "variables", section.span):
+            return
+        is_output = section.kind == "output"
+        draft = Draft(Word("", section.span), is_output)
+        if is_output:
+            draft.no_rule = math.nan
+        taken: dict[int, str] = {}
+        memberships: list[tuple[int, Word]] = []
+        for key, value in self._settings(section):
+            self._variable_setting(draft, key, value, memberships)
+        self._name(draft, section)
+        for index, value in memberships:
+            self._term(draft, index, value, taken, inputs)
+        self.terms[draft.name] = taken
+        (self.outputs if is_output else self.inputs).append(draft)
+
+    def _name(self, draft: Draft, section: _Section) -> None:
+        name = draft.name or f"{section.kind}{section.number or ''}"
+        used = {d.name for d in (*self.inputs, *self.outputs)}
+        unique = unique_name(name, used)
+        if unique != draft.name:
+            what = "has no name" if not draft.name else f"shares the name '{name}'"
+            message = f"the {section.kind} {what}; it is called '{unique}'"
+            name_ = "duplicate-variable" if draft.name else "missing-name"
+            self.findings.warn(name_, message, draft.word)
+        draft.word = Word(unique, draft.word.span)
+
+    def _variable_setting(
+        self, draft: Draft, key: Word, value: Word, memberships: list[tuple[int, Word]]
+    ) -> None:
+        membership = _MEMBERSHIP_KEY.match(key.text)
+        match key.text.lower():
+            case "name":
+                draft.word = Word(_unquoted(value).text, value.span)
+            case "range":
+                draft.set_range(
+                    value.parts(_BRACKETED), value, self.findings, "two numbers in brackets"
+                )
+            case "nummfs":
+                pass
+            case "enabled":
+                draft.enabled = number(value.text) == 1.0
+            case "default" if draft.is_output:
+                self._default(draft, value)
+            case "lockprevious" if draft.is_output:
+                if number(value.text) == 1.0:
+                    draft.no_rule = "hold"
+            case "lockrange":
+                draft.outside = "clamp" if number(value.text) == 1.0 else "extend"
+            case _ if membership:
+                memberships.append((int(membership.group(1)), value))
+            case _:
+                self.findings.unknown("unknown-key", "the key", key, ("Name", "Range", "NumMFs"))
+
+    def _default(self, draft: Draft, value: Word) -> None:
+        default = number(value.text)
+        if default is None:
+            self.findings.error("not-a-number", f"'{value.text[:40]}' is not a number", value)
+        elif draft.no_rule != "hold":
+            draft.no_rule = default
+
+    def _term(
+        self, draft: Draft, index: int, value: Word, taken: dict[int, str], inputs: int
+    ) -> None:
+        parts = _membership_parts(value)
+        if parts is None:
+            message = "a membership function is 'name':'kind',[numbers]"
+            self.findings.error("syntax", message, value)
+            return
+        name, kind, rest = parts
+        if index in taken:
+            message = f"'{draft.name}' has two functions with the number {index}"
+            self.findings.error("duplicate-index", message, value)
+            return
+        if not self.findings.room(len(taken), MAX_TERMS, "terms of a variable", value):
+            return
+        unique = unique_name(name.text or f"mf{index}", set(taken.values()))
+        taken[index] = unique
+        if name.text and unique != name.text:
+            message = (
+                f"'{draft.name}' has two terms called '{name.text}'; the rules tell them apart "
+                f"by number, so this one is called '{unique}'"
+            )
+            self.findings.warn("duplicate-term-name", message, name)
+        shape = _shape(kind, rest, inputs, self.findings)
+        if shape is not None:
+            draft.add(Term(unique, shape, name.span))
+
+    # --- Rules ---
+
+    def _block(self) -> RuleBlock:
+        if len(self.rules) > MAX_RULES:
+            self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
+        rules = self.rules[:MAX_RULES]
+        texts = [text for line in rules if (text := self._rule(line)) is not None]
+        block = Block("", NOWHERE, threshold=self.dialect.threshold, rules=texts)
+        block.conjunction = self.tnorm("andmethod")
+        block.disjunction = self.snorm("ormethod")
+        block.implication = self.tnorm("impmethod")
+        drafts = {draft.name: draft for draft in (*self.inputs, *self.outputs)}
+        (in_model,) = blocks_in_model([block], drafts, self.dialect, self.findings)
+        return in_model
+
+    def _rule(self, line: Word) -> RuleText | None:
         match = _RULE.match(line.text)
         if match is None:
             message = "a rule is 'inputs, outputs (weight) : connective'"
             self.findings.error("syntax", message, line)
             return None
-        inputs = self._words(match, "inputs", line)
-        outputs = self._words(match, "outputs", line)
+        inputs = line.part(*match.span("inputs")).parts(_WORD)
+        outputs = line.part(*match.span("outputs")).parts(_WORD)
         if len(inputs) != len(self.inputs) or len(outputs) != len(self.outputs):
             message = (
                 f"the rule has {len(inputs)} inputs and {len(outputs)} outputs, the file "
@@ -434,9 +538,9 @@ class _RuleReader:
             for draft, word in zip(self.outputs, outputs, strict=True)
             if (said := self._said(draft, word)) is not None
         )
-        return self._rule(line.span, conditions, conclusions, weight, is_or=is_or)
+        return self._joined(line.span, conditions, conclusions, weight, is_or=is_or)
 
-    def _rule(
+    def _joined(
         self,
         span: Span,
         conditions: list[Is],
@@ -506,204 +610,7 @@ class _RuleReader:
                 self.findings.warn("bad-connective", message, line)
         return value == 2.0
 
-    @staticmethod
-    def _words(match: re.Match[str], group: str, line: Word) -> list[Word]:
-        base = line.span.column + match.start(group)
-        number_ = line.span.line
-        return [
-            Word(m.group(), Span(number_, base + m.start(), number_, base + m.end()))
-            for m in _WORD.finditer(match.group(group))
-        ]
-
-
-# --- Read FIS ---
-
-_MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
-
-
-def parse_fis(
-    text: str, path: str = "<text>", *, producer: str | None = None, lossy: bool = False
-) -> Imported:
-    """Read a fuzzy inference system of MATLAB, Octave or fuzzylite; never raises.
-
-    Parameters
-    ----------
-    text : str
-        Any text at all.
-    path : str
-        Name of the file, for the diagnostics.
-    producer : {"matlab", "octave", "fuzzylite"}, optional
-        Whose meaning to take where they differ (sampling, hedges, what no rule gives).
-        By default what the text looks like, else MATLAB.
-    lossy : bool
-        Whether a loss that changes numbers is a warning rather than an error.
-
-    Returns
-    -------
-    Imported
-        The rule base where there is no error, and every finding.
-    """
-
-    def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
-        found = FIS[producer or _detect(plain)]
-        return _Reader(plain, found, findings).read(), found
-
-    return imported(text, path, read, lossy=lossy)
-
-
-class _Reader:
-    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
-        self.text = text
-        self.dialect = dialect
-        self.findings = findings
-        self.system = _System()
-        self.inputs: list[Draft] = []
-        self.outputs: list[Draft] = []
-        self.terms: dict[str, dict[int, str]] = {}
-        self.rules: list[Word] = []
-        self.seen: dict[tuple[str, int], Span] = {}
-
-    def read(self) -> RuleBase:
-        sections = _sections(self.text, self.findings)
-        if not sections and not self.findings.failed:
-            self.findings.error("no-engine", "there is no section like [System] in this file")
-        inputs = sum(section.kind == "input" for section in sections)
-        # [Input2] may stand before [Input1]; the rules go by number.
-        for section in sorted(sections, key=lambda section: section.number):
-            self._section(section, inputs)
-        for draft in (*self.inputs, *self.outputs):
-            draft.settle_range(self.findings)
-        for draft in self.outputs:
-            _finish_output(draft, self.system, self.dialect, self.findings)
-        block = self._block()
-        self._check_counts()
-        self._notes()
-        return rulebase_of(self.system.text("name"), (*self.inputs, *self.outputs), (block,))
-
-    def _section(self, section: _Section, inputs: int) -> None:
-        key = (section.kind, section.number)
-        if key in self.seen:
-            message = (
-                f"the section [{section.kind.capitalize()}{section.number or ''}] stands twice"
-            )
-            self.findings.error("duplicate-section", message, section.span)
-            return
-        self.seen[key] = section.span
-        if section.kind == "system":
-            self.system.read(section, self.findings)
-        elif section.kind == "rules":
-            self.rules = section.lines
-        else:
-            self._variable(section, inputs)
-
-    def _variable(self, section: _Section, inputs: int) -> None:
-        count = len(self.inputs) + len(self.outputs)
-        if not self.findings.room(count, MAX_VARIABLES, "variables", section.span):
-            return
-        is_output = section.kind == "output"
-        draft = Draft(Word("", section.span), is_output)
-        if is_output:
-            draft.no_rule = math.nan
-        taken: dict[int, str] = {}
-        memberships: list[tuple[int, Word]] = []
-        for line in section.lines:
-            parts = _key_and_value(line)
-            if parts is None:
-                message = f"'{line.text[:40]}' is no 'key=value'"
-                self.findings.error("syntax", message, line)
-                continue
-            self._variable_setting(draft, *parts, memberships)
-        self._name(draft, section)
-        for index, value in memberships:
-            self._term(draft, index, value, taken, inputs)
-        self.terms[draft.name] = taken
-        (self.outputs if is_output else self.inputs).append(draft)
-
-    def _name(self, draft: Draft, section: _Section) -> None:
-        name = draft.name or f"{section.kind}{section.number or ''}"
-        used = {d.name for d in (*self.inputs, *self.outputs)}
-        unique = unique_name(name, used)
-        if unique != draft.name:
-            what = "has no name" if not draft.name else f"shares the name '{name}'"
-            message = f"the {section.kind} {what}; it is called '{unique}'"
-            name_ = "duplicate-variable" if draft.name else "missing-name"
-            self.findings.warn(name_, message, draft.word)
-        draft.word = Word(unique, draft.word.span)
-
-    def _variable_setting(
-        self, draft: Draft, key: Word, value: Word, memberships: list[tuple[int, Word]]
-    ) -> None:
-        membership = _MEMBERSHIP_KEY.match(key.text)
-        match key.text.lower():
-            case "name":
-                draft.word = Word(_unquoted(value).text, value.span)
-            case "range":
-                draft.set_range(_bracketed(value), value, self.findings, "two numbers in brackets")
-            case "nummfs":
-                pass
-            case "enabled":
-                draft.enabled = number(value.text) == 1.0
-            case "default" if draft.is_output:
-                self._default(draft, value)
-            case "lockprevious" if draft.is_output:
-                if number(value.text) == 1.0:
-                    draft.no_rule = "hold"
-            case "lockrange":
-                draft.outside = "clamp" if number(value.text) == 1.0 else "extend"
-            case _ if membership:
-                memberships.append((int(membership.group(1)), value))
-            case _:
-                self.findings.unknown("unknown-key", "the key", key, ("Name", "Range", "NumMFs"))
-
-    def _default(self, draft: Draft, value: Word) -> None:
-        default = number(value.text)
-        if default is None:
-            self.findings.error("not-a-number", f"'{value.text[:40]}' is not a number", value)
-        elif draft.no_rule != "hold":
-            draft.no_rule = default
-
-    def _term(
-        self, draft: Draft, index: int, value: Word, taken: dict[int, str], inputs: int
-    ) -> None:
-        parts = _membership_parts(value)
-        if parts is None:
-            message = "a membership function is 'name':'kind',[numbers]"
-            self.findings.error("syntax", message, value)
-            return
-        name, kind, rest = parts
-        if index in taken:
-            message = f"'{draft.name}' has two functions with the number {index}"
-            self.findings.error("duplicate-index", message, value)
-            return
-        if not self.findings.room(len(taken), MAX_TERMS, "terms of a variable", value):
-            return
-        unique = unique_name(name.text or f"mf{index}", set(taken.values()))
-        taken[index] = unique
-        if name.text and unique != name.text:
-            message = (
-                f"'{draft.name}' has two terms called '{name.text}'; the rules tell them apart "
-                f"by number, so this one is called '{unique}'"
-            )
-            self.findings.warn("duplicate-term-name", message, name)
-        shape = _shape(kind, rest, inputs, self.findings)
-        if shape is not None:
-            draft.add(Term(unique, shape, name.span))
-
-    def _block(self) -> RuleBlock:
-        reader = _RuleReader(
-            tuple(self.inputs), tuple(self.outputs), self.terms, self.dialect, self.findings
-        )
-        if len(self.rules) > MAX_RULES:
-            self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
-        rules = self.rules[:MAX_RULES]
-        texts = [text for line in rules if (text := reader.read(line)) is not None]
-        block = Block("", NOWHERE, threshold=self.dialect.threshold, rules=texts)
-        block.conjunction = self.system.tnorm("andmethod", self.findings)
-        block.disjunction = self.system.snorm("ormethod", self.findings)
-        block.implication = self.system.tnorm("impmethod", self.findings)
-        drafts = {draft.name: draft for draft in (*self.inputs, *self.outputs)}
-        (in_model,) = blocks_in_model([block], drafts, self.dialect, self.findings)
-        return in_model
+    # --- What the file says of itself ---
 
     def _check_counts(self) -> None:
         for key, counted in (
@@ -711,7 +618,7 @@ class _Reader:
             ("numoutputs", len(self.outputs)),
             ("numrules", len(self.rules)),
         ):
-            word = self.system.values.get(key)
+            word = self.settings.get(key)
             if word is not None and number(word.text) != counted:
                 message = f"the file says {word.text[:20]}, but there are {counted}"
                 self.findings.warn("wrong-count", message, word)
@@ -721,3 +628,7 @@ class _Reader:
             self.findings.warn("no-rules", "the file has no [Rules]")
         if self.dialect.producer == "fuzzylite":
             note_rounding(self.text, self.findings)
+
+
+def _is_nan(value: float | str) -> bool:
+    return isinstance(value, float) and math.isnan(value)

@@ -44,23 +44,7 @@ _METHODS = {
 
 
 def write_fis(rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False) -> Exported:
-    """Write a rule base as a fuzzy inference system.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Any.
-    producer : {"matlab", "octave", "fuzzylite"}, optional
-        The program to write for. By default the first of them to which nothing is lost,
-        else the one to which least is.
-    lossy : bool
-        Whether to write even where that program would give other numbers.
-
-    Returns
-    -------
-    Exported
-        The text, unless something cannot be expressed and `lossy` is not set.
-    """
+    """Write a fuzzy inference system: :func:`~fuzzyarm.formats.registry.write` of ``.fis``."""
     producers = (producer,) if producer is not None else tuple(FIS)
     return best([_Writer(rulebase, FIS[each], lossy=lossy).export() for each in producers])
 

@@ -14,6 +14,7 @@ from fuzzyarm.formats.drafts import (
     Draft,
     add_term,
     imported,
+    lines_of,
     note_rounding,
     rulebase_of,
     settle_weighted,
@@ -35,12 +36,12 @@ from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, sentences
 from fuzzyarm.model.rulebase import Defuzzifier, Input, Output, RuleBase, RuleBlock, Shape
-from fuzzyarm.text.diagnostic import Span
 
 # --- FLL text, line by line: `key: value` with `#` comments ---
 
-_WORD = re.compile(r"[(),]|[^\s(),]+")
 _PLAIN_WORD = re.compile(r"\S+")
+_WORD = re.compile(r"[(),]|[^\s(),]+")
+"""Words of a rule: parentheses and commas are words of their own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,35 +51,17 @@ class _Line:
     key: Word
     value: Word
 
-    def words(self, *, rule: bool = False) -> list[Word]:
-        """Split the value; in a rule parentheses and commas are words of their own."""
-        start = self.value.span.column
-        number = self.value.span.line
-        pattern = _WORD if rule else _PLAIN_WORD
-        return [
-            Word(m.group(), Span(number, start + m.start(), number, start + m.end()))
-            for m in pattern.finditer(self.value.text)
-        ]
+    def words(self) -> list[Word]:
+        return self.value.parts(_PLAIN_WORD)
 
 
 def _lines(text: str, findings: Findings) -> Iterator[_Line]:
-    for row, raw in enumerate(text.split("\n"), 1):
-        content = raw.split("#", 1)[0].rstrip()
-        if not content.strip():
-            continue
-        start = len(content) - len(content.lstrip())
-        key, colon, value = content.partition(":")
-        if not colon:
-            word = Word(content.strip(), Span(row, start + 1, row, len(content) + 1))
-            findings.error("syntax", f"'{word.text[:40]}' is no 'key: value'", word)
-            continue
-        gap = len(value) - len(value.lstrip())
-        at = len(key) + 1 + gap
-        name = key.strip()
-        yield _Line(
-            Word(name, Span(row, start + 1, row, start + 1 + len(name))),
-            Word(value.strip(), Span(row, at + 1, row, len(content) + 1)),
-        )
+    for line in lines_of(text, lambda raw: raw.partition("#")[0]):
+        parts = line.around(":")
+        if parts is None:
+            findings.error("syntax", f"'{line.text[:40]}' is no 'key: value'", line)
+        else:
+            yield _Line(*parts)
 
 
 # --- The parts of a file ---
@@ -187,22 +170,7 @@ _SECTIONS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
 
 
 def parse_fll(text: str, path: str = "<text>", *, lossy: bool = False) -> Imported:
-    """Read an engine of fuzzylite; never raises.
-
-    Parameters
-    ----------
-    text : str
-        Any text at all.
-    path : str
-        Name of the file, for the diagnostics.
-    lossy : bool
-        Whether a loss that changes numbers is a warning rather than an error.
-
-    Returns
-    -------
-    Imported
-        The rule base where there is no error, and every finding.
-    """
+    """Read an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.parse` of ``.fll``."""
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
         return _Reader(plain, findings).read(), FLL
@@ -404,7 +372,7 @@ class _Reader:
         for block, lines in zip(self.blocks, self.rules, strict=True):
             if not is_on(block, self.findings):
                 continue
-            rules = [line.words(rule=True) for line in lines]
+            rules = [line.value.parts(_WORD) for line in lines]
             for line, rule in zip(lines, rules, strict=True):
                 if not rule:
                     self.findings.error("syntax", "the rule is empty", line.key)
@@ -423,20 +391,7 @@ def _identifier(name: str) -> str:
 
 
 def write_fll(rulebase: RuleBase, *, lossy: bool = False) -> Exported:
-    """Write a rule base as an engine of fuzzylite.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Any.
-    lossy : bool
-        Whether to write even where fuzzylite would give other numbers.
-
-    Returns
-    -------
-    Exported
-        The text, unless something cannot be expressed and `lossy` is not set.
-    """
+    """Write an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.write` of ``.fll``."""
     return _Writer(rulebase, FLL, lossy=lossy).export()
 
 
