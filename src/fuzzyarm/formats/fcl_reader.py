@@ -21,10 +21,11 @@ from fuzzyarm.formats.drafts import (
     rulebase_of,
     settle_weighted,
 )
-from fuzzyarm.formats.fcl_text import SECTIONS, Cursor, SyntaxFaultError, fcl_words, read_shape
+from fuzzyarm.formats.fcl_text import SECTIONS, Cursor, fcl_words, read_shape
 from fuzzyarm.formats.findings import (
     MAX_RULES,
     MAX_VARIABLES,
+    FaultError,
     Findings,
     Imported,
     Word,
@@ -67,37 +68,6 @@ def _has_accu_in_defuzzify(text: str) -> bool:
         if word != "ACCU":
             inside = word == "DEFUZZIFY"
     return False
-
-
-# --- The defuzzifier of an output ---
-
-
-def _finish_output(draft: Draft, method: Word | None, dialect: Dialect, findings: Findings) -> None:
-    """Set the defuzzifier of an output from its ``METHOD``."""
-    name = method.text.upper() if method is not None else "COG"
-    at = method if method is not None else draft.word
-    if name in dialect.weighted:
-        if dialect.producer == "fuzzylite":
-            settle_weighted(draft, dialect.weighted[name], "Automatic", at, findings)
-            return
-        if not draft.kinds <= VALUES:
-            message = f"'{draft.name}' has sets where {name} needs singletons or functions"
-            findings.error("set-as-value", message, at)
-        draft.defuzzifier = Defuzzifier(dialect.weighted[name])
-        return
-    if name not in dialect.integral:
-        methods = (*dialect.integral, *dialect.weighted)
-        findings.unknown("unknown-defuzzifier", "the method", Word(name, at.span), methods)
-        return
-    draft.defuzzifier = Defuzzifier(dialect.integral[name], *dialect.samples)
-    if name == "COA" and dialect.producer == "jfuzzylogic":
-        message = "jFuzzyLogic finds the middle of the area one sample coarser than the model"
-        findings.info("bisector-rule", message, at)
-    if draft.kinds & VALUES:
-        message = f"'{draft.name}' has values for terms but integrates sets"
-        singletons = dialect.producer == "jfuzzylogic" and draft.kinds == {"singleton"}
-        report = findings.warn if singletons else findings.loss
-        report("value-as-set", message, at, "METHOD : COGS is for singletons")
 
 
 # --- Where jFuzzyLogic takes its samples, to the last bit ---
@@ -195,18 +165,127 @@ class _FunctionBlock:
     blocks: list[_BlockText] = field(default_factory=list)
 
 
-class _VariableReader:
-    """Reads what a function block says of its variables, from behind the word of a section."""
+def _joined_numbers(words: list[Word]) -> list[Word]:
+    """Put the sign of a weight back to its number."""
+    if len(words) > 2 and words[-2].text in ("-", "+"):
+        sign, value = words[-2], words[-1]
+        words[-2:] = [Word(sign.text + value.text, sign.span.to(value.span))]
+    return words
 
-    def __init__(
-        self, cursor: Cursor, block: _FunctionBlock, dialect: Dialect, findings: Findings
-    ) -> None:
-        self.cursor = cursor
-        self.block = block
-        self.dialect = dialect
+
+# --- Read FCL ---
+
+_END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})
+_S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
+_OPTIONS = {"OPTIONS": "END_OPTIONS", "OPTION": "END_OPTION"}
+
+
+def parse_fcl(
+    text: str,
+    path: str = "<text>",
+    *,
+    dialect: str | None = None,
+    block: str | None = None,
+    lossy: bool = False,
+) -> Imported:
+    """Read a function block: :func:`~fuzzyarm.formats.registry.parse` of ``.fcl``.
+
+    The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
+    """
+
+    def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
+        found = FCL[dialect or _detect(plain)]
+        return _Reader(plain, found, findings).read(block), found
+
+    return imported(text, path, read, lossy=lossy)
+
+
+class _Reader:
+    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
         self.findings = findings
+        self.dialect = dialect
+        self.cursor = Cursor(fcl_words(text, findings))
+        self.blocks: list[_FunctionBlock] = []
+        self.block = _FunctionBlock(Word(""))  # the one that is read or settled
 
-    def declarations(self, *, is_output: bool) -> None:
+    def read(self, wanted: str | None) -> RuleBase | None:
+        while not self.cursor.ended:
+            try:
+                self._section()
+            except FaultError as fault:
+                self.findings.fault(fault)
+                self._to_next_section()
+        block = self._chosen(wanted)
+        if block is None:
+            return None
+        self.block = block
+        return self._rulebase()
+
+    def _chosen(self, wanted: str | None) -> _FunctionBlock | None:
+        if not self.blocks:
+            if not self.findings.failed:
+                self.findings.error("no-engine", "there is no FUNCTION_BLOCK in this file")
+            return None
+        names = [block.word.text for block in self.blocks]
+        if wanted is not None and wanted not in names:
+            self.findings.unknown("unknown-block", "the function block", Word(wanted), names)
+            return None
+        chosen = self.blocks[names.index(wanted) if wanted is not None else 0]
+        for other in self.blocks:
+            if other is not chosen:
+                message = f"the function block '{other.word.text}' is left out"
+                self.findings.warn("several-blocks", message, other.word)
+        return chosen
+
+    def _section(self) -> None:
+        cursor = self.cursor
+        key = cursor.key()
+        if key == "FUNCTION_BLOCK":
+            cursor.take()
+            is_name = not cursor.ended and cursor.key() not in SECTIONS
+            word = cursor.take() if is_name else Word("", cursor.word.span)
+            self.blocks.append(_FunctionBlock(word))
+        elif key == "END_FUNCTION_BLOCK":
+            cursor.take()
+            cursor.skip(";")
+        elif key in SECTIONS:
+            self._inner(key)
+        elif key in _OPTIONS:
+            word = cursor.take()
+            while not cursor.ended and not cursor.skip(_OPTIONS[key]):
+                cursor.take()
+            self.findings.info("dropped-options", "the options are left out", word)
+        else:
+            found = cursor.word.text[:40]
+            message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{found}'"
+            raise FaultError(message, cursor.word)
+
+    def _inner(self, key: str) -> None:
+        if not self.blocks:
+            self.blocks.append(_FunctionBlock(Word("", self.cursor.word.span)))
+        self.block = self.blocks[-1]
+        self.cursor.take()
+        if key in ("VAR_INPUT", "VAR_OUTPUT"):
+            self._declarations(is_output=key == "VAR_OUTPUT")
+        elif key in ("FUZZIFY", "DEFUZZIFY"):
+            self._fuzzify(is_output=key == "DEFUZZIFY")
+        else:
+            text = self._rule_block()
+            count = len(self.block.blocks)
+            if self.findings.room(count, MAX_VARIABLES, "rule blocks", text.word):
+                self.block.blocks.append(text)
+
+    def _to_next_section(self) -> None:
+        cursor = self.cursor
+        cursor.at += not cursor.ended
+        while not cursor.ended:
+            if cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
+                return
+            cursor.take()
+
+    # --- Variables ---
+
+    def _declarations(self, *, is_output: bool) -> None:
         """Read from behind VAR_INPUT or VAR_OUTPUT to behind END_VAR."""
         cursor = self.cursor
         last: Draft | None = None
@@ -228,18 +307,18 @@ class _VariableReader:
                 cursor.take()
             cursor.skip(";")
 
-    def fuzzify(self, *, is_output: bool) -> None:
+    def _fuzzify(self, *, is_output: bool) -> None:
         """Read from behind FUZZIFY or DEFUZZIFY to behind its end."""
         cursor = self.cursor
         end = "END_DEFUZZIFY" if is_output else "END_FUZZIFY"
         draft = self._variable(is_output=is_output)
         while not cursor.skip(end):
             if cursor.ended or cursor.key() in SECTIONS:
-                raise SyntaxFaultError(f"'{end}' is missing", cursor.word)
+                raise FaultError(f"'{end}' is missing", cursor.word)
             try:
                 self._statement(draft)
-            except SyntaxFaultError as fault:
-                self.findings.error(fault.name, str(fault), fault.word)
+            except FaultError as fault:
+                self.findings.fault(fault)
                 cursor.at += cursor.key() not in (end, *SECTIONS)
                 cursor.to_next_statement()
 
@@ -288,7 +367,7 @@ class _VariableReader:
             case _:
                 found = cursor.word.text[:40]
                 message = f"TERM, RANGE and the like are expected here, not '{found}'"
-                raise SyntaxFaultError(message, cursor.word)
+                raise FaultError(message, cursor.word)
         if not cursor.skip(";") and cursor.word.text not in ("", ";"):
             self._after_statement()
 
@@ -298,7 +377,7 @@ class _VariableReader:
         if cursor.at and cursor.word.span.line == cursor.words[cursor.at - 1].span.line:
             word = cursor.word
             if not cursor.key().startswith(("END_", "TERM", "RANGE", "METHOD")):
-                raise SyntaxFaultError(f"';' is expected before '{word.text[:40]}'", word)
+                raise FaultError(f"';' is expected before '{word.text[:40]}'", word)
 
     def _range(self, draft: Draft) -> None:
         cursor = self.cursor
@@ -346,254 +425,160 @@ class _VariableReader:
             elif word == "RANGE":
                 draft.outside = "clamp"
 
+    # --- Rule blocks ---
 
-# --- Rule blocks ---
-
-_END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})
-_S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
-
-
-def _read_block(cursor: Cursor, findings: Findings) -> _BlockText:
-    """Read from behind RULEBLOCK to behind END_RULEBLOCK."""
-    unnamed = cursor.key() in ("AND", "OR", "ACT", "ACCU", "RULE", "ENABLED", "END_RULEBLOCK")
-    block = _BlockText(Word("", cursor.word.span) if unnamed or cursor.ended else cursor.take())
-    while not cursor.skip("END_RULEBLOCK"):
-        if cursor.ended or cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
-            raise SyntaxFaultError("'END_RULEBLOCK' is missing", cursor.word)
-        try:
-            _block_statement(cursor, block, findings)
-        except SyntaxFaultError as fault:
-            findings.error(fault.name, str(fault), fault.word)
-            cursor.at += cursor.key() not in _END_OF_RULE
-            cursor.to_next_statement()
-    return block
-
-
-def _block_statement(cursor: Cursor, block: _BlockText, findings: Findings) -> None:
-    key = cursor.key()
-    if key in ("AND", "OR", "ACT", "ACCU"):
-        cursor.end_key()
-        block.norms.append((key, cursor.name("a norm")))
-        cursor.skip(";")
-    elif key == "ENABLED":
-        cursor.end_key()
-        block.enabled = cursor.take().text.upper() != "FALSE"
-        cursor.skip(";")
-    elif key == "RULE":
-        start = cursor.take()
-        words = _rule_words(cursor, start)
-        if findings.room(len(block.rules), MAX_RULES, "rules", start):
-            block.rules.append(words)
-    else:
-        message = f"RULE, AND and the like are expected here, not '{cursor.word.text[:40]}'"
-        raise SyntaxFaultError(message, cursor.word)
-
-
-def _rule_words(cursor: Cursor, start: Word) -> list[Word]:
-    while not cursor.ended and cursor.key() not in ("IF", *_END_OF_RULE):
-        cursor.take()
-    words: list[Word] = []
-    while not cursor.ended and cursor.key() not in _END_OF_RULE:
-        words.append(cursor.take())
-    cursor.skip(";")
-    if not words:
-        raise SyntaxFaultError("the rule has no IF", start)
-    return _joined_numbers(words)
-
-
-def _joined_numbers(words: list[Word]) -> list[Word]:
-    """Put the sign of a weight back to its number."""
-    if len(words) > 2 and words[-2].text in ("-", "+"):
-        sign, value = words[-2], words[-1]
-        words[-2:] = [Word(sign.text + value.text, sign.span.to(value.span))]
-    return words
-
-
-def _norms(text: _BlockText, dialect: Dialect, findings: Findings) -> dict[str, str]:
-    """Return the norms that a block names, by AND, OR, ACT and ACCU."""
-    found: dict[str, str] = {}
-    for key, word in text.norms:
-        table = words(TNORMS if key in ("AND", "ACT") else SNORMS, "fcl", "jfl")
-        name = word.text.upper()
-        if name == "NONE":
-            continue
-        norm = findings.norm(f"the norm for {key}", word, table, name)
-        if norm is None:
-            continue
-        if dialect.producer == "jfuzzylogic" and key in ("AND", "OR"):
-            _pair(found, key, norm, word, findings)
-        found[key] = norm
-    return found
-
-
-def _pair(found: dict[str, str], key: str, norm: str, word: Word, findings: Findings) -> None:
-    """Set OR with AND and AND with OR, as jFuzzyLogic does."""
-    other = "OR" if key == "AND" else "AND"
-    table = JFUZZYLOGIC_PAIRS if key == "AND" else _S_TO_T
-    partner = table.get(norm)
-    if partner is None:
-        return
-    if other in found and found[other] != partner:
-        message = f"to jFuzzyLogic this sets {other} to {partner} too, whatever stood there"
-        findings.warn("paired-norms", message, word)
-    found[other] = partner
-
-
-def _accumulate(
-    rules: list[RuleText],
-    accumulation: str | None,
-    block: _FunctionBlock,
-    dialect: Dialect,
-    findings: Findings,
-) -> None:
-    """Set the aggregation of the outputs that rules conclude from ACCU in their block."""
-    if accumulation is None and dialect.producer == "fuzzylite":
-        return
-    norm = accumulation or "sum"
-    for rule in rules:
-        for conclusion in rule.conclusions:
-            draft = block.variables.get(conclusion.variable)
-            if draft is None or not draft.is_output:
-                continue
-            draft.aggregation = block.accumulations.setdefault(draft.name, norm)
-            if draft.aggregation != norm and dialect.producer == "jfuzzylogic":
-                message = f"two blocks accumulate '{draft.name}' by different norms"
-                findings.loss("mixed-accumulation", message, conclusion.span)
-
-
-# --- Read FCL ---
-
-_OPTIONS = {"OPTIONS": "END_OPTIONS", "OPTION": "END_OPTION"}
-
-
-def parse_fcl(
-    text: str,
-    path: str = "<text>",
-    *,
-    dialect: str | None = None,
-    block: str | None = None,
-    lossy: bool = False,
-) -> Imported:
-    """Read a function block: :func:`~fuzzyarm.formats.registry.parse` of ``.fcl``.
-
-    The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
-    """
-
-    def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
-        found = FCL[dialect or _detect(plain)]
-        return _Reader(plain, found, findings).read(block), found
-
-    return imported(text, path, read, lossy=lossy)
-
-
-class _Reader:
-    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
-        self.findings = findings
-        self.dialect = dialect
-        self.cursor = Cursor(fcl_words(text, findings))
-        self.blocks: list[_FunctionBlock] = []
-
-    def read(self, wanted: str | None) -> RuleBase | None:
-        while not self.cursor.ended:
+    def _rule_block(self) -> _BlockText:
+        """Read from behind RULEBLOCK to behind END_RULEBLOCK."""
+        cursor = self.cursor
+        unnamed = cursor.key() in ("AND", "OR", "ACT", "ACCU", "RULE", "ENABLED", "END_RULEBLOCK")
+        block = _BlockText(Word("", cursor.word.span) if unnamed or cursor.ended else cursor.take())
+        while not cursor.skip("END_RULEBLOCK"):
+            if cursor.ended or cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
+                raise FaultError("'END_RULEBLOCK' is missing", cursor.word)
             try:
-                self._section()
-            except SyntaxFaultError as fault:
-                self.findings.error(fault.name, str(fault), fault.word)
-                self._to_next_section()
-        block = self._chosen(wanted)
-        return self._rulebase(block) if block is not None else None
+                self._block_statement(block)
+            except FaultError as fault:
+                self.findings.fault(fault)
+                cursor.at += cursor.key() not in _END_OF_RULE
+                cursor.to_next_statement()
+        return block
 
-    def _chosen(self, wanted: str | None) -> _FunctionBlock | None:
-        if not self.blocks:
-            if not self.findings.failed:
-                self.findings.error("no-engine", "there is no FUNCTION_BLOCK in this file")
-            return None
-        names = [block.word.text for block in self.blocks]
-        if wanted is not None and wanted not in names:
-            self.findings.unknown("unknown-block", "the function block", Word(wanted), names)
-            return None
-        chosen = self.blocks[names.index(wanted) if wanted is not None else 0]
-        for other in self.blocks:
-            if other is not chosen:
-                message = f"the function block '{other.word.text}' is left out"
-                self.findings.warn("several-blocks", message, other.word)
-        return chosen
-
-    def _section(self) -> None:
+    def _block_statement(self, block: _BlockText) -> None:
         cursor = self.cursor
         key = cursor.key()
-        if key == "FUNCTION_BLOCK":
-            cursor.take()
-            is_name = not cursor.ended and cursor.key() not in SECTIONS
-            word = cursor.take() if is_name else Word("", cursor.word.span)
-            self.blocks.append(_FunctionBlock(word))
-        elif key == "END_FUNCTION_BLOCK":
-            cursor.take()
+        if key in ("AND", "OR", "ACT", "ACCU"):
+            cursor.end_key()
+            block.norms.append((key, cursor.name("a norm")))
             cursor.skip(";")
-        elif key in SECTIONS:
-            self._inner(key)
-        elif key in _OPTIONS:
-            word = cursor.take()
-            while not cursor.ended and not cursor.skip(_OPTIONS[key]):
-                cursor.take()
-            self.findings.info("dropped-options", "the options are left out", word)
+        elif key == "ENABLED":
+            cursor.end_key()
+            block.enabled = cursor.take().text.upper() != "FALSE"
+            cursor.skip(";")
+        elif key == "RULE":
+            start = cursor.take()
+            words = self._rule_words(start)
+            if self.findings.room(len(block.rules), MAX_RULES, "rules", start):
+                block.rules.append(words)
         else:
-            found = cursor.word.text[:40]
-            message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{found}'"
-            raise SyntaxFaultError(message, cursor.word)
+            message = f"RULE, AND and the like are expected here, not '{cursor.word.text[:40]}'"
+            raise FaultError(message, cursor.word)
 
-    def _inner(self, key: str) -> None:
-        if not self.blocks:
-            self.blocks.append(_FunctionBlock(Word("", self.cursor.word.span)))
-        block = self.blocks[-1]
-        reader = _VariableReader(self.cursor, block, self.dialect, self.findings)
-        self.cursor.take()
-        if key in ("VAR_INPUT", "VAR_OUTPUT"):
-            reader.declarations(is_output=key == "VAR_OUTPUT")
-        elif key in ("FUZZIFY", "DEFUZZIFY"):
-            reader.fuzzify(is_output=key == "DEFUZZIFY")
-        else:
-            text = _read_block(self.cursor, self.findings)
-            if self.findings.room(len(block.blocks), MAX_VARIABLES, "rule blocks", text.word):
-                block.blocks.append(text)
-
-    def _to_next_section(self) -> None:
+    def _rule_words(self, start: Word) -> list[Word]:
         cursor = self.cursor
-        cursor.at += not cursor.ended
-        while not cursor.ended:
-            if cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
-                return
+        while not cursor.ended and cursor.key() not in ("IF", *_END_OF_RULE):
             cursor.take()
+        words: list[Word] = []
+        while not cursor.ended and cursor.key() not in _END_OF_RULE:
+            words.append(cursor.take())
+        cursor.skip(";")
+        if not words:
+            raise FaultError("the rule has no IF", start)
+        return _joined_numbers(words)
 
-    def _rulebase(self, block: _FunctionBlock) -> RuleBase:
+    def _norms(self, text: _BlockText) -> dict[str, str]:
+        """Return the norms that a block names, by AND, OR, ACT and ACCU."""
+        found: dict[str, str] = {}
+        for key, word in text.norms:
+            table = words(TNORMS if key in ("AND", "ACT") else SNORMS, "fcl", "jfl")
+            name = word.text.upper()
+            if name == "NONE":
+                continue
+            norm = self.findings.norm(f"the norm for {key}", word, table, name)
+            if norm is None:
+                continue
+            if self.dialect.producer == "jfuzzylogic" and key in ("AND", "OR"):
+                self._pair(found, key, norm, word)
+            found[key] = norm
+        return found
+
+    def _pair(self, found: dict[str, str], key: str, norm: str, word: Word) -> None:
+        """Set OR with AND and AND with OR, as jFuzzyLogic does."""
+        other = "OR" if key == "AND" else "AND"
+        table = JFUZZYLOGIC_PAIRS if key == "AND" else _S_TO_T
+        partner = table.get(norm)
+        if partner is None:
+            return
+        if other in found and found[other] != partner:
+            message = f"to jFuzzyLogic this sets {other} to {partner} too, whatever stood there"
+            self.findings.warn("paired-norms", message, word)
+        found[other] = partner
+
+    def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
+        """Set the aggregation of the outputs that rules conclude from ACCU in their block."""
+        if accumulation is None and self.dialect.producer == "fuzzylite":
+            return
+        norm = accumulation or "sum"
+        for rule in rules:
+            for conclusion in rule.conclusions:
+                draft = self.block.variables.get(conclusion.variable)
+                if draft is None or not draft.is_output:
+                    continue
+                draft.aggregation = self.block.accumulations.setdefault(draft.name, norm)
+                if draft.aggregation != norm and self.dialect.producer == "jfuzzylogic":
+                    message = f"two blocks accumulate '{draft.name}' by different norms"
+                    self.findings.loss("mixed-accumulation", message, conclusion.span)
+
+    # --- From the text to the model ---
+
+    def _rulebase(self) -> RuleBase:
+        block = self.block
         for draft in block.variables.values():
-            self._settle(block, draft)
-        blocks = []
-        for text in block.blocks:
-            name, span = text.word.text, text.word.span
-            if is_on(each := Block(name, span, text.enabled), self.findings):
-                norms = _norms(text, self.dialect, self.findings)
-                each.conjunction, each.disjunction = norms.get("AND"), norms.get("OR")
-                each.implication, each.threshold = norms.get("ACT"), self.dialect.threshold
-                each.rules = read_sentences(
-                    text.rules, block.variables, self.findings, self.dialect
-                )
-                _accumulate(each.rules, norms.get("ACCU"), block, self.dialect, self.findings)
-                blocks.append(each)
+            self._settle(draft)
+        blocks = [each for text in block.blocks if is_on(each := self._block(text), self.findings)]
         in_model = blocks_in_model(blocks, block.variables, self.dialect, self.findings)
         if not any(each.rules for each in in_model):
             self.findings.warn("no-rules", "the function block has no rules", block.word)
         return rulebase_of(block.word.text, block.variables.values(), in_model)
 
-    def _settle(self, block: _FunctionBlock, draft: Draft) -> None:
+    def _block(self, text: _BlockText) -> Block:
+        block = Block(text.word.text, text.word.span, text.enabled)
+        if not block.enabled:
+            return block
+        norms = self._norms(text)
+        block.conjunction, block.disjunction = norms.get("AND"), norms.get("OR")
+        block.implication, block.threshold = norms.get("ACT"), self.dialect.threshold
+        variables = self.block.variables
+        block.rules = read_sentences(text.rules, variables, self.findings, self.dialect)
+        self._accumulate(block.rules, norms.get("ACCU"))
+        return block
+
+    def _settle(self, draft: Draft) -> None:
         if draft.is_output:
-            draft.aggregation = block.accumulations.get(draft.name, "sum")
-            _finish_output(draft, block.methods.get(draft.name), self.dialect, self.findings)
+            draft.aggregation = self.block.accumulations.get(draft.name, "sum")
+            self._finish_output(draft, self.block.methods.get(draft.name))
         if math.isinf(draft.low) and math.isinf(draft.high):
             self._estimate(draft)
         draft.settle_range(self.findings)
         if draft.is_output and self.dialect.producer == "jfuzzylogic":
             _settle_edges(draft, self.findings)
+
+    def _finish_output(self, draft: Draft, method: Word | None) -> None:
+        """Set the defuzzifier of an output from its ``METHOD``."""
+        dialect, findings = self.dialect, self.findings
+        name = method.text.upper() if method is not None else "COG"
+        at = method if method is not None else draft.word
+        if name in dialect.weighted:
+            if dialect.producer == "fuzzylite":
+                settle_weighted(draft, dialect.weighted[name], "Automatic", at, findings)
+                return
+            if not draft.kinds <= VALUES:
+                message = f"'{draft.name}' has sets where {name} needs singletons or functions"
+                findings.error("set-as-value", message, at)
+            draft.defuzzifier = Defuzzifier(dialect.weighted[name])
+            return
+        if name not in dialect.integral:
+            methods = (*dialect.integral, *dialect.weighted)
+            findings.unknown("unknown-defuzzifier", "the method", Word(name, at.span), methods)
+            return
+        draft.defuzzifier = Defuzzifier(dialect.integral[name], *dialect.samples)
+        if name == "COA" and dialect.producer == "jfuzzylogic":
+            message = "jFuzzyLogic finds the middle of the area one sample coarser than the model"
+            findings.info("bisector-rule", message, at)
+        if draft.kinds & VALUES:
+            message = f"'{draft.name}' has values for terms but integrates sets"
+            singletons = dialect.producer == "jfuzzylogic" and draft.kinds == {"singleton"}
+            report = findings.warn if singletons else findings.loss
+            report("value-as-set", message, at, "METHOD : COGS is for singletons")
 
     def _estimate(self, draft: Draft) -> None:
         integrated = draft.is_output and draft.defuzzifier.resolution is not None

@@ -6,7 +6,7 @@ import re
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect, Spelling, all_spellings
-from fuzzyarm.formats.findings import Findings, Word, number
+from fuzzyarm.formats.findings import FaultError, Findings, Word, number
 from fuzzyarm.formats.shapes import formula_shape, make_shape, spelled_shape
 from fuzzyarm.model.rulebase import Shape
 from fuzzyarm.text.diagnostic import NOWHERE, Span
@@ -58,15 +58,6 @@ def fcl_words(text: str, findings: Findings) -> list[Word]:
     return words
 
 
-class SyntaxFaultError(ValueError):
-    """What is not as it should be, and at which word."""
-
-    def __init__(self, message: str, word: Word, name: str = "syntax") -> None:
-        super().__init__(message)
-        self.word = word
-        self.name = name
-
-
 class Cursor:
     """Goes through words."""
 
@@ -109,13 +100,13 @@ class Cursor:
         """Return the next word, which must be one of `keys`."""
         if self.ended or self.key() not in keys:
             found = f"'{self.word.text[:40]}'" if not self.ended else "the end of the file"
-            raise SyntaxFaultError(f"'{keys[0]}' is expected here, not {found}", self.word)
+            raise FaultError(f"'{keys[0]}' is expected here, not {found}", self.word)
         return self.take()
 
     def name(self, what: str) -> Word:
         """Return the next word, which must be a name."""
         if self.ended or not (self.word.text[0].isalpha() or self.word.text[0] in "_0123456789"):
-            raise SyntaxFaultError(f"the name of {what} is expected here", self.word)
+            raise FaultError(f"the name of {what} is expected here", self.word)
         return self.take()
 
     def number(self) -> float:
@@ -127,7 +118,7 @@ class Cursor:
                 sign = -sign
         value = number(self.word.text) if not self.ended else None
         if value is None:
-            raise SyntaxFaultError("a number is expected here", first, "not-a-number")
+            raise FaultError("a number is expected here", first, "not-a-number")
         self.at += 1
         return sign * value
 
@@ -173,7 +164,7 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
     if cursor.at_number():
         return make_shape("singleton", [cursor.number()], word, findings)
     if cursor.ended or not word.text[0].isalpha():
-        raise SyntaxFaultError("a membership function is expected here", word)
+        raise FaultError("a membership function is expected here", word)
     cursor.take()
     if key == "FUNCTION":
         return _function(cursor, dialect, findings)

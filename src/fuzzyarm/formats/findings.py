@@ -108,6 +108,15 @@ class Word:
         return self.part(0, len(before.rstrip())), self.part(start, len(self.text))
 
 
+class FaultError(ValueError):
+    """What keeps a text from being read further, at which word, and the name of the finding."""
+
+    def __init__(self, message: str, word: Word, name: str = "syntax") -> None:
+        super().__init__(message)
+        self.word = word
+        self.name = name
+
+
 class Findings:
     """Collects the diagnostics of one file.
 
@@ -136,6 +145,10 @@ class Findings:
     def error(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
         """Record a fault that keeps the file from being used."""
         self._add(name, message, at, Severity.ERROR, hint)
+
+    def fault(self, fault: FaultError) -> None:
+        """Record what ended the reading of a part."""
+        self.error(fault.name, str(fault), fault.word)
 
     def loss(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
         """Record what cannot be carried and changes numbers."""

@@ -364,10 +364,8 @@ class _Reader:
             self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
 
     def _weighted(self, draft: Draft, method: str, at: Word) -> None:
-        if (
-            self.dialect.producer == "matlab"
-        ):  # every rule counts for itself, whatever AggMethod says
-            draft.aggregation = "sum"
+        if self.dialect.producer == "matlab":
+            draft.aggregation = "sum"  # every rule counts for itself, whatever AggMethod says
         if draft.kinds and draft.kinds <= MONOTONIC:
             draft.defuzzifier = Defuzzifier("tsukamoto")
             return

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.formats.dialects import Dialect, words
 from fuzzyarm.formats.drafts import Draft
-from fuzzyarm.formats.findings import Findings, Word, number
+from fuzzyarm.formats.findings import FaultError, Findings, Word, number
 from fuzzyarm.model.rulebase import And, Consequent, Expression, Hedge, Hedged, Is, Or
 from fuzzyarm.text.diagnostic import Span
 
@@ -25,15 +25,6 @@ MAX_CONCLUSIONS = 200
 
 _ENDS = frozenset({"and", "or", "then", "with", ")", ","})
 """What may stand behind a proposition."""
-
-
-class _RuleFaultError(ValueError):
-    """A rule that cannot be read further."""
-
-    def __init__(self, name: str, message: str, word: Word) -> None:
-        super().__init__(message)
-        self.name = name
-        self.word = word
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +59,8 @@ def read_sentences(
     for sentence in rules:
         try:
             texts.append(parser.rule(sentence))
-        except _RuleFaultError as fault:
-            findings.error(fault.name, str(fault), fault.word)
+        except FaultError as fault:
+            findings.fault(fault)
     return texts
 
 
@@ -97,12 +88,12 @@ class _Parser:
             word = self.take()
             if len(conclusions) == MAX_CONCLUSIONS:
                 message = f"a rule may have {MAX_CONCLUSIONS} conclusions at most"
-                raise _RuleFaultError("too-many", message, word)
+                raise FaultError(message, word, "too-many")
             conclusions.append(self.conclusion())
         weight = self.weight() if self.key() == "with" else 1.0
         if self.at < len(self.words):
             word = self.words[self.at]
-            raise _RuleFaultError("syntax", f"'{word.text[:40]}' is not expected here", word)
+            raise FaultError(f"'{word.text[:40]}' is not expected here", word)
         span = self.words[0].span.to(self.words[-1].span)
         uses = self.seen
         return RuleText(antecedent, tuple(conclusions), weight, span, "and" in uses, "or" in uses)
@@ -115,7 +106,7 @@ class _Parser:
 
     def take(self) -> Word:
         if self.at >= len(self.words):
-            raise _RuleFaultError("syntax", "the rule ends too early", self.words[-1])
+            raise FaultError("the rule ends too early", self.words[-1])
         self.at += 1
         return self.words[self.at - 1]
 
@@ -123,14 +114,14 @@ class _Parser:
         if self.key() != key:
             found = self.take()
             message = f"'{key}' is expected here, not '{found.text[:40]}'"
-            raise _RuleFaultError("syntax", message, found)
+            raise FaultError(message, found)
         self.at += 1
 
     def condition(self, depth: int) -> Expression:
         if depth > MAX_NESTING:
             message = f"parentheses may nest {MAX_NESTING} deep at most"
             at = self.words[min(self.at, len(self.words) - 1)]
-            raise _RuleFaultError("too-deep", message, at)
+            raise FaultError(message, at, "too-deep")
         if self.dialect.equal_precedence:
             return self._chain(("and", "or"), lambda: self._factor(depth))
         return self._chain(("or",), lambda: self._chain(("and",), lambda: self._factor(depth)))
@@ -229,7 +220,7 @@ class _Parser:
             return ""
         if not draft.terms:
             message = f"'{variable.text}' has no term that 'any' could stand for"
-            raise _RuleFaultError("undefined-term", message, variable)
+            raise FaultError(message, variable, "undefined-term")
         return draft.terms[0].name
 
     def _term(self, draft: Draft, word: Word) -> str:
@@ -254,5 +245,5 @@ class _Parser:
         word = self.take()
         value = number(word.text)
         if value is None or math.isnan(value):
-            raise _RuleFaultError("not-a-number", f"'{word.text[:40]}' is no weight", word)
+            raise FaultError(f"'{word.text[:40]}' is no weight", word, "not-a-number")
         return value
