@@ -194,6 +194,11 @@ class Formula:
     mentions: tuple[tuple[str, int], ...]
 
     @cached_property
+    def positions(self) -> dict[str, int]:
+        """Where each name stands first in the text."""
+        return dict(reversed(self.mentions))
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """The variables, each once, in order of appearance; constants are among them."""
         return tuple(dict(self.mentions))
@@ -218,7 +223,7 @@ class Formula:
         free = [name for name in self.names if name not in variables]
         for name in free:
             if name not in CONSTANTS:
-                position = dict(reversed(self.mentions))[name]
+                position = self.positions[name]
                 raise FormulaError(f"unknown variable '{name}'", self.text, position)
         return replace(self.root, {name: CONSTANTS[name] for name in free})
 
