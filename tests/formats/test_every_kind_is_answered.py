@@ -139,6 +139,8 @@ def test_every_kind_goes_to_scikit_fuzzy_or_is_refused() -> None:
     for what, model in models.items():
         system, diagnostics = to_skfuzzy(model)
         assert (system is None) == any(d.is_error for d in diagnostics)
+        if OWN in what and not what.startswith("term"):
+            assert any(OWN in d.message for d in diagnostics if d.is_error)
         written |= {what} if system is not None else set()
     # Terms are sampled, so a shape of one's own goes there like any other.
     assert {"and min", "and product", "or probor", "hedge not", f"term {OWN}"} <= written

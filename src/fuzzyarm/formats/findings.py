@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
 
+from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
 from fuzzyarm.text.names import near_hint
@@ -248,7 +249,7 @@ _SPECIAL = {
     "inf": math.inf, "+inf": math.inf, "-inf": -math.inf,
     "infinity": math.inf, "-infinity": -math.inf,
 }  # fmt: skip
-_FACTOR = re.compile(r"(pi|\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)", re.ASCII)
+_PRODUCT = re.compile(r"[+-]*(?:[\d.pi*/]|e[+-]?\d)+", re.ASCII)
 
 
 def number(text: str) -> float | None:
@@ -264,26 +265,13 @@ def number(text: str) -> float | None:
     lowered = text.lower()
     if lowered in _SPECIAL:
         return _SPECIAL[lowered]
-    return _product(lowered) if "pi" in lowered else None
-
-
-def _product(text: str) -> float | None:
-    sign = -1.0 if text.startswith("-") else 1.0
-    rest = text.lstrip("+-")
-    parts = re.split(r"([*/])", rest)
-    value = 1.0
-    operator = "*"
-    for index, part in enumerate(parts):
-        if index % 2:
-            operator = part
-            continue
-        if not _FACTOR.fullmatch(part):
-            return None
-        factor = math.pi if part == "pi" else float(part)
-        if operator == "/" and factor == 0.0:
-            return None
-        value = value * factor if operator == "*" else value / factor
-    return sign * value
+    if "pi" not in lowered or not _PRODUCT.fullmatch(lowered):
+        return None
+    try:
+        value = read_formula(lowered).evaluate({})
+    except FormulaError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 def numbers(words: list[Word], findings: Findings) -> list[float] | None:

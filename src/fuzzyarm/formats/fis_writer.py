@@ -8,7 +8,7 @@ from dataclasses import replace
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import MONOTONIC, VALUES, maximum_of_nothing
-from fuzzyarm.formats.findings import Exported, Findings, all_written, written
+from fuzzyarm.formats.findings import Exported, all_written, written
 from fuzzyarm.formats.fis_reader import fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
 from fuzzyarm.formats.sentences import NOT, hedged
@@ -34,13 +34,16 @@ from fuzzyarm.model.rulebase import (
     Output,
     Rule,
     RuleBase,
-    RuleBlock,
     Term,
 )
 
 _METHODS = {
     method: word for word, method in FIS["matlab"].integral.items() if word != "centroid_integral"
 }
+
+
+_Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
+"""Output → its conclusion and the hedges before it."""
 
 
 def write_fis(rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False) -> Exported:
@@ -54,7 +57,15 @@ class _Writer(Writer):
 
     def lines(self) -> list[str]:
         rulebase = self.rulebase
-        rules = _rule_lines(rulebase, self.dialect, self.findings)
+        self.is_own = self.dialect.producer == "fuzzylite"
+        self.inputs = [variable.name for variable in rulebase.inputs]
+        self.outputs = {output.name: output for output in rulebase.outputs}
+        self.numbers = {
+            (variable.name, term.name): index
+            for variable in (*rulebase.inputs, *rulebase.outputs)
+            for index, term in enumerate(variable.terms, 1)
+        }
+        rules = self._rules()
         lines = [f"% {HEADER} for {self.program}.", *self._system(len(rules))]
         for index, variable in enumerate(rulebase.inputs, 1):
             lines += ["", f"[Input{index}]", *self._variable(variable)]
@@ -104,7 +115,7 @@ class _Writer(Writer):
         method = output.defuzzifier.method
         kinds = {term.shape.kind for term in output.terms}
         if method == "tsukamoto":
-            if self.dialect.producer != "fuzzylite" or not kinds <= MONOTONIC:
+            if not self.is_own or not kinds <= MONOTONIC:
                 message = f"{self.program} has no Tsukamoto inference for '{output.name}'"
                 self.findings.loss("unsupported-defuzzifier", message)
             return "wtaver"
@@ -155,8 +166,7 @@ class _Writer(Writer):
         return lines
 
     def _term(self, variable: Input | Output, term: Term) -> str:
-        is_own = self.dialect.producer == "fuzzylite"
-        shape = fuzzylite_shape(term.shape) if is_own else term.shape
+        shape = fuzzylite_shape(term.shape) if self.is_own else term.shape
         if shape.kind in VALUES:
             shape = self.without_height(variable, term)
         known = word_and_numbers(shape, self.dialect.kinds)
@@ -165,7 +175,7 @@ class _Writer(Writer):
             self.nothing_like(variable, term)
             return ""
         word, values = found
-        if not is_own and (known is None or term.shape.height != 1.0):
+        if not self.is_own and (known is None or term.shape.height != 1.0):
             message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({word})"
             self.findings.loss("unsupported-shape", message)
         if shape.kind != "formula":
@@ -181,7 +191,7 @@ class _Writer(Writer):
         if output.no_rule == "error":
             return []
         usual = self._usual(output)
-        if self.dialect.producer == "fuzzylite":
+        if self.is_own:
             lines = ["LockRange=1"] if output.outside == "clamp" else []
             if output.no_rule == "hold":
                 return [*lines, "LockPrevious=1"]
@@ -199,32 +209,123 @@ class _Writer(Writer):
     def _usual(self, output: Output) -> float:
         if self.dialect.producer == "matlab":
             return 0.5 * (output.low + output.high)
-        return maximum_of_nothing(output) if self.dialect.producer == "fuzzylite" else math.nan
+        return maximum_of_nothing(output) if self.is_own else math.nan
+
+    # --- Rules: a term index for each variable, weight, and connective ---
+
+    def _rules(self) -> list[str]:
+        blocks = self.rulebase.blocks
+        if sum(bool(block.rules) for block in blocks) > 1:
+            self.findings.info("dropped-blocks", "the rules of all blocks stand in one list")
+        if self.is_own:
+            order = {name: index for index, name in enumerate(self.outputs)}
+            said = [each for block in blocks for each in said_rules(block, order)]
+        else:
+            said = [self._said(rule) for rule in self.rulebase.rules]
+        return [line for each in said for line in self._rule_lines(each)]
+
+    def _said(self, rule: Rule) -> Said:
+        """Give the hedges around an antecedent to values, of which Octave takes the root."""
+        hedged_ones = tuple((c, c.hedges) for c in rule.consequents)
+        plain = replace(plain_rule(rule), conclusions=hedged_ones)
+        antecedent = rule.antecedent
+        values = all(
+            self.outputs[c.variable].defuzzifier.method in ("weighted-average", "weighted-sum")
+            and not c.hedges
+            for c in rule.consequents
+        )
+        if self.dialect.producer != "octave" or not isinstance(antecedent, Hedged) or not values:
+            return plain
+        roots = tuple(map(root, antecedent.hedges))
+        weight = weight_before(rule.weight, antecedent.hedges)
+        if weight is None:
+            return plain
+        rooted = tuple((c, roots) for c in rule.consequents)
+        return Said(antecedent.operand, rooted, weight, rule)
+
+    def _rule_lines(self, said: Said) -> list[str]:
+        """Return the line of a rule, several where an output stands twice."""
+        rule, antecedent = said.rule, said.antecedent
+        conditions = self._conditions(antecedent)
+        if conditions is None:
+            message = "a rule of a FIS is one list of conditions on inputs, joined by and or by or"
+            self.findings.loss("rule-too-rich", message, rule.span)
+            return []
+        by_name = {part.variable: part for part in conditions}
+        codes = [self._code(by_name.get(name), rule) for name in self.inputs]
+        connective = 2 if isinstance(antecedent, Or) else 1
+        lines = []
+        for group in self._groups(said):
+            left, right = " ".join(codes), " ".join(self._conclusions(group, rule))
+            lines.append(f"{left}, {right} ({written(said.weight)}) : {connective}")
+        return lines
+
+    def _conditions(self, antecedent: Expression) -> list[Is] | None:
+        """Return the propositions where each is about another input; None for anything else."""
+        if isinstance(antecedent, Hedged) and isinstance(antecedent.operand, Is):
+            antecedent = hedged(antecedent.hedges, antecedent.operand)
+        parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
+        found = [part for part in parts if isinstance(part, Is) and part.variable in self.inputs]
+        order = [self.inputs.index(part.variable) for part in found]
+        if len(found) != len(parts) or len(set(order)) != len(order):
+            return None
+        if order != sorted(order) and len(order) > 2:
+            message = "the conditions of a rule stand in the order of the inputs"
+            self.findings.info("reordered-conditions", message)
+        return found
+
+    def _code(self, part: Is | None, rule: Rule) -> str:
+        return "0" if part is None else self._number(part.variable, part.term, part.hedges, rule)
+
+    def _number(self, variable: str, term: str, hedges: tuple[Hedge, ...], rule: Rule) -> str:
+        negated = hedges[:1] == (NOT,)
+        rest = hedges[1:] if negated else hedges
+        fraction = 0.0 if not rest else _fraction_of(rest, self.dialect)
+        if fraction is None or (rest and self.dialect.producer == "matlab"):
+            said = " ".join(hedge.name for hedge in rest)
+            message = f"the hedge '{said}' has no number in this FIS"
+            self.findings.loss("unsupported-hedge", message, rule.span)
+            fraction = 0.0
+        code = self.numbers[variable, term] + fraction
+        return f"-{written(round(code, 6))}" if negated else written(round(code, 6))
+
+    def _groups(self, said: Said) -> list[_Group]:
+        """Split conclusions so that no output stands twice in one line."""
+        groups: list[_Group] = []
+        for consequent, hedges in said.conclusions:
+            for group in groups:
+                if consequent.variable not in group:
+                    group[consequent.variable] = (consequent, hedges)
+                    break
+            else:
+                groups.append({consequent.variable: (consequent, hedges)})
+        order = [
+            list(self.outputs).index(consequent.variable) for consequent, _ in said.conclusions
+        ]
+        in_order = len(groups) == 1 and order == sorted(order)
+        if self.is_own and said.hedges and not in_order:
+            message = "the order of the conclusions of a hedged rule cannot be kept"
+            self.findings.loss("rule-too-rich", message, said.rule.span)
+        return groups
+
+    def _conclusions(self, group: _Group, rule: Rule) -> list[str]:
+        codes = []
+        for name in self.outputs:
+            if name not in group:
+                codes.append("0")
+                continue
+            consequent, hedges = group[name]
+            if consequent.hedges and self.is_own:
+                message = "hedges on the set of a conclusion have another meaning to fuzzylite"
+                self.findings.loss("set-hedge", message, rule.span)
+            codes.append(self._number(name, consequent.term, hedges, rule))
+        return codes
 
 
 def _same(value: float | str, other: float) -> bool:
     if isinstance(value, str):
         return False
     return value == other or (math.isnan(value) and math.isnan(other))
-
-
-# --- Rules as lines of term numbers ---
-
-Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
-"""Output → its conclusion and the hedges before it."""
-
-
-def _rule_lines(rulebase: RuleBase, dialect: Dialect, findings: Findings) -> list[str]:
-    """Return a line for each rule; report those that do not fit into one."""
-    if sum(bool(block.rules) for block in rulebase.blocks) > 1:
-        findings.info("dropped-blocks", "the rules of all blocks stand in one list")
-    writer = _Lines(rulebase, dialect, findings)
-    return [
-        line
-        for block in rulebase.blocks
-        for said in writer.said(block)
-        for line in writer.lines(said)
-    ]
 
 
 def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
@@ -245,127 +346,3 @@ def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
 
 def _exponent(hedge: Hedge) -> float:
     return hedge.exponent or POWERS.get(hedge.name, 1.0)
-
-
-class _Lines:
-    def __init__(self, rulebase: RuleBase, dialect: Dialect, findings: Findings) -> None:
-        self.inputs = [variable.name for variable in rulebase.inputs]
-        self.outputs = {output.name: index for index, output in enumerate(rulebase.outputs)}
-        self.weighted = {
-            output.name
-            for output in rulebase.outputs
-            if output.defuzzifier.method in ("weighted-average", "weighted-sum")
-        }
-        self.numbers = {
-            (variable.name, term.name): index
-            for variable in (*rulebase.inputs, *rulebase.outputs)
-            for index, term in enumerate(variable.terms, 1)
-        }
-        self.dialect = dialect
-        self.findings = findings
-
-    def said(self, block: RuleBlock) -> list[Said]:
-        """Return the rules with their hedges where the program has them."""
-        if self.dialect.producer == "fuzzylite":
-            return said_rules(block, self.outputs)
-        return [self._said(rule) for rule in block.rules]
-
-    def _said(self, rule: Rule) -> Said:
-        """Give the hedges around an antecedent to values, of which Octave takes the root."""
-        hedged_ones = tuple((c, c.hedges) for c in rule.consequents)
-        plain = replace(plain_rule(rule), conclusions=hedged_ones)
-        antecedent = rule.antecedent
-        values = all(c.variable in self.weighted and not c.hedges for c in rule.consequents)
-        if self.dialect.producer != "octave" or not isinstance(antecedent, Hedged) or not values:
-            return plain
-        roots = tuple(map(root, antecedent.hedges))
-        weight = weight_before(rule.weight, antecedent.hedges)
-        if weight is None:
-            return plain
-        rooted = tuple((c, roots) for c in rule.consequents)
-        return Said(antecedent.operand, rooted, weight, rule)
-
-    def lines(self, said: Said) -> list[str]:
-        """Return the line of a rule, several where an output stands twice."""
-        rule, antecedent = said.rule, said.antecedent
-        conditions = self._conditions(antecedent)
-        if conditions is None:
-            message = "a rule of a FIS is one list of conditions on inputs, joined by and or by or"
-            self.findings.loss("rule-too-rich", message, rule.span)
-            return []
-        codes = [self._code(self._condition(conditions, name), rule) for name in self.inputs]
-        connective = 2 if isinstance(antecedent, Or) else 1
-        lines = []
-        for group in self._groups(said):
-            left, right = " ".join(codes), " ".join(self._conclusions(group, rule))
-            lines.append(f"{left}, {right} ({written(said.weight)}) : {connective}")
-        return lines
-
-    def _conditions(self, antecedent: Expression) -> list[Is] | None:
-        """Return the propositions where each is about another input; None for anything else."""
-        if isinstance(antecedent, Hedged) and isinstance(antecedent.operand, Is):
-            antecedent = hedged(antecedent.hedges, antecedent.operand)
-        parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
-        found = [part for part in parts if isinstance(part, Is) and part.variable in self.inputs]
-        names = [part.variable for part in found]
-        if len(found) != len(parts) or len(set(names)) != len(names):
-            return None
-        if names != sorted(names, key=self.inputs.index) and len(names) > 2:
-            message = "the conditions of a rule stand in the order of the inputs"
-            self.findings.info("reordered-conditions", message)
-        return found
-
-    @staticmethod
-    def _condition(conditions: list[Is], name: str) -> Is | None:
-        return next((part for part in conditions if part.variable == name), None)
-
-    def _code(self, part: Is | None, rule: Rule) -> str:
-        return "0" if part is None else self._number(part.variable, part.term, part.hedges, rule)
-
-    def _number(self, variable: str, term: str, hedges: tuple[Hedge, ...], rule: Rule) -> str:
-        negated = hedges[:1] == (NOT,)
-        rest = hedges[1:] if negated else hedges
-        fraction = 0.0 if not rest else _fraction_of(rest, self.dialect)
-        if fraction is None or (rest and self.dialect.producer == "matlab"):
-            said = " ".join(hedge.name for hedge in rest)
-            message = f"the hedge '{said}' has no number in this FIS"
-            self.findings.loss("unsupported-hedge", message, rule.span)
-            fraction = 0.0
-        code = self.numbers[variable, term] + fraction
-        return f"-{written(round(code, 6))}" if negated else written(round(code, 6))
-
-    def _groups(self, said: Said) -> list[Group]:
-        """Split conclusions so that no output stands twice in one line."""
-        groups: list[Group] = []
-        for consequent, hedges in said.conclusions:
-            for group in groups:
-                if consequent.variable not in group:
-                    group[consequent.variable] = (consequent, hedges)
-                    break
-            else:
-                groups.append({consequent.variable: (consequent, hedges)})
-        if (
-            self.dialect.producer == "fuzzylite"
-            and said.hedges
-            and not self._in_order(said, groups)
-        ):
-            message = "the order of the conclusions of a hedged rule cannot be kept"
-            self.findings.loss("rule-too-rich", message, said.rule.span)
-        return groups
-
-    def _in_order(self, said: Said, groups: list[Group]) -> bool:
-        positions = [self.outputs[consequent.variable] for consequent, _ in said.conclusions]
-        return len(groups) == 1 and positions == sorted(positions)
-
-    def _conclusions(self, group: Group, rule: Rule) -> list[str]:
-        codes = []
-        for name in self.outputs:
-            if name not in group:
-                codes.append("0")
-                continue
-            consequent, hedges = group[name]
-            if consequent.hedges and self.dialect.producer == "fuzzylite":
-                message = "hedges on the set of a conclusion have another meaning to fuzzylite"
-                self.findings.loss("set-hedge", message, rule.span)
-            codes.append(self._number(name, consequent.term, hedges, rule))
-        return codes

@@ -8,7 +8,7 @@ value. A switched-off variable gives truth 0, a switched-off output receives not
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.formats.dialects import Dialect
@@ -300,7 +300,7 @@ class _Activations:
         if len(fired) > 1 and output.aggregation != block.disjunction:
             return f"the aggregation {output.aggregation} is not the disjunction of the block"
         for rule, other in fired:
-            kinds = _connectives(rule.antecedent)
+            kinds = set(map(type, _parts(rule.antecedent)))
             if And in kinds and other.conjunction != block.conjunction:
                 return "the blocks differ in their conjunction"
             if Or in kinds and other.disjunction != block.disjunction:
@@ -344,17 +344,17 @@ def _finished_in(texts: list[RuleText]) -> frozenset[str]:
     return frozenset(name for name, index in last.items() if index < first.get(name, len(texts)))
 
 
+def _parts(expression: Expression) -> Iterator[Expression]:
+    """Yield an expression and all those in it."""
+    yield expression
+    inner: tuple[Expression, ...] = ()
+    if isinstance(expression, Hedged):
+        inner = (expression.operand,)
+    elif not isinstance(expression, Is):
+        inner = expression.operands
+    for part in inner:
+        yield from _parts(part)
+
+
 def _size(expression: Expression) -> int:
-    if isinstance(expression, Is):
-        return 1
-    if isinstance(expression, Hedged):
-        return 1 + _size(expression.operand)
-    return 1 + sum(map(_size, expression.operands))
-
-
-def _connectives(expression: Expression) -> set[type]:
-    if isinstance(expression, Is):
-        return set()
-    if isinstance(expression, Hedged):
-        return _connectives(expression.operand)
-    return {type(expression)}.union(*map(_connectives, expression.operands))
+    return sum(1 for _ in _parts(expression))

@@ -336,47 +336,40 @@ def said_rules(block: RuleBlock, order: dict[str, int] | None = None) -> list[Sa
     """
     found: list[Said] = []
     for rule in block.rules:
-        antecedent, hedges, weight = split_hedges(rule)
-        conclusions = tuple((c, hedges if i == 0 else ()) for i, c in enumerate(rule.consequents))
+        said = _said(rule)
         last = found[-1] if found else None
-        if last is not None and _grows(last, antecedent, hedges, weight, rule, order):
-            new = hedges[: len(hedges) - len(last.hedges)]
-            conclusions = ((conclusions[0][0], new), *conclusions[1:])
-            conclusions = (*last.conclusions, *conclusions)
-            found[-1] = Said(antecedent, conclusions, weight, last.rule, hedges)
+        if last is not None and _carries_on(last, said, order):
+            (first, _), *others = said.conclusions
+            new = said.hedges[: len(said.hedges) - len(last.hedges)]
+            conclusions = (*last.conclusions, (first, new), *others)
+            found[-1] = replace(said, conclusions=conclusions, rule=last.rule)
         else:
-            found.append(Said(antecedent, conclusions, weight, rule, hedges))
+            found.append(said)
     return found
 
 
-def _grows(
-    last: Said,
-    antecedent: Expression,
-    hedges: tuple[Hedge, ...],
-    weight: float,
-    rule: Rule,
-    order: dict[str, int] | None,
-) -> bool:
-    count = len(last.hedges)
-    suffix = hedges[len(hedges) - count :] if count else ()
-    if len(hedges) <= count or suffix != last.hedges or last.antecedent != antecedent:
+def _said(rule: Rule) -> Said:
+    """Put the hedges around a whole antecedent before the first conclusion, where that can be."""
+    antecedent, weight = rule.antecedent, rule.weight
+    hedges: tuple[Hedge, ...] = ()
+    if isinstance(antecedent, Hedged):
+        before = weight_before(weight, antecedent.hedges)
+        if before is not None:
+            hedges, weight, antecedent = antecedent.hedges, before, antecedent.operand
+    conclusions = tuple((c, () if i else hedges) for i, c in enumerate(rule.consequents))
+    return Said(antecedent, conclusions, weight, rule, hedges)
+
+
+def _carries_on(last: Said, said: Said, order: dict[str, int] | None) -> bool:
+    """Whether a rule can be said as further conclusions of the last one."""
+    more = len(said.hedges) - len(last.hedges)
+    if more <= 0 or said.hedges[more:] != last.hedges:
         return False
     if order is not None:
         before = order[last.conclusions[-1][0].variable]
-        if order[rule.consequents[0].variable] <= before:
+        if order[said.conclusions[0][0].variable] <= before:
             return False
-    return last.weight == weight
-
-
-def split_hedges(rule: Rule) -> tuple[Expression, tuple[Hedge, ...], float]:
-    """Take the hedges around a whole antecedent off, with the weight they then need."""
-    if not isinstance(rule.antecedent, Hedged):
-        return rule.antecedent, (), rule.weight
-    hedges, operand = rule.antecedent.hedges, rule.antecedent.operand
-    weight = weight_before(rule.weight, hedges)
-    if weight is None:
-        return rule.antecedent, (), rule.weight
-    return operand, hedges, weight
+    return last.antecedent == said.antecedent and last.weight == said.weight
 
 
 def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
