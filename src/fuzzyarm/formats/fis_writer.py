@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from fuzzyarm.expression.formulas import FormulaError
+from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import MONOTONIC, VALUES, maximum_of_nothing
 from fuzzyarm.formats.findings import Exported, all_written, written
@@ -181,10 +181,15 @@ class _Writer(Writer):
         if shape.kind != "formula":
             return f"'{word}',[{all_written(values)}]"
         try:
-            return f"'{word}',[{fuzzylite_formula(shape.formula)}]"
+            odd = [name for name in read_formula(shape.formula).names if not name.isidentifier()]
+            text = fuzzylite_formula(shape.formula)
         except FormulaError as fault:
             self.bad_formula(shape, fault)
             return ""
+        if odd:  # names of a FIS may be any text, but not in its formulas
+            message = f"a formula of fuzzylite cannot have the name '{odd[0]}'"
+            self.findings.loss("bad-formula", message, term.span)
+        return f"'{word}',[{text}]"
 
     def _no_rule(self, output: Output) -> list[str]:
         self.warn_of_error(output)

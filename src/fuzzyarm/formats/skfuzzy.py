@@ -259,7 +259,8 @@ def _check_output(output: Output, findings: Findings) -> None:
         message = f"'{output.name}' is sampled; scikit-fuzzy integrates between its points"
         findings.loss("sampling", message)
     if output.aggregation != "max":
-        message = f"scikit-fuzzy joins the terms of '{output.name}' by the maximum, not {output.aggregation}"
+        what = f"the terms of '{output.name}' by the maximum, not {output.aggregation}"
+        message = f"scikit-fuzzy joins {what}"
         findings.loss("unsupported-norm", message)
     if output.no_rule != "error":
         message = f"'{output.name}' is left out of the result where no rule fires"

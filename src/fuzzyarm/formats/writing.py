@@ -60,8 +60,6 @@ class Writer:
     ----------
     file : str
         What messages call the file.
-    comment : str
-        What a comment begins with.
     descriptions : bool
         Whether the file has descriptions.
     """
