@@ -199,8 +199,7 @@ def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep
         if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
             draft.add(term)
         return
-    kept = "first" if keep == "first" else "last"
-    message = f"'{draft.name}' has two terms called '{word.text}'; the {kept} counts"
+    message = f"'{draft.name}' has two terms called '{word.text}'; the {keep} counts"
     findings.duplicate("duplicate-term-name", message, word, earlier.span)
     if keep == "last":
         draft.put(draft.terms.index(earlier), term)

@@ -25,7 +25,7 @@ from fuzzyarm.formats.writing import (
     Writer,
     best,
     identifiers,
-    sentences,
+    written_sentences,
 )
 from fuzzyarm.model.rulebase import Input, Output, RuleBase, RuleBlock, Shape, Term
 
@@ -160,7 +160,7 @@ class _Writer(Writer):
             ]
         else:
             lines += self._plain_norms(block)
-        rules = sentences(block, self.dialect, self.names, self.findings)
+        rules = written_sentences(block, self.dialect, self.names, self.findings)
         lines += [f"  RULE {number} : {rule};" for number, rule in enumerate(rules, 1)]
         return [*lines, "END_RULEBLOCK"]
 

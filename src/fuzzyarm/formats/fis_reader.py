@@ -527,14 +527,14 @@ class _Reader:
         weight = self._weight(match, line)
         is_or = self._is_or(match, line)
         conditions = [
-            Is(draft.name, said[0], said[1], word.span)
+            Is(draft.name, *term, word.span)
             for draft, word in zip(self.inputs, inputs, strict=True)
-            if (said := self._said(draft, word)) is not None
+            if (term := self._indexed(draft, word)) is not None
         ]
         conclusions = tuple(
-            Consequent(draft.name, said[0], said[1], word.span)
+            Consequent(draft.name, *term, word.span)
             for draft, word in zip(self.outputs, outputs, strict=True)
-            if (said := self._said(draft, word)) is not None
+            if (term := self._indexed(draft, word)) is not None
         )
         return self._joined(line.span, conditions, conclusions, weight, is_or=is_or)
 
@@ -560,7 +560,7 @@ class _Reader:
             antecedent, conclusions, weight, span, joined and not is_or, joined and is_or
         )
 
-    def _said(self, draft: Draft, word: Word) -> tuple[str, tuple[Hedge, ...]] | None:
+    def _indexed(self, draft: Draft, word: Word) -> tuple[str, tuple[Hedge, ...]] | None:
         """Return term and hedges of an index; None for 0 or where it is at fault."""
         value = number(word.text)
         if value is None or math.isnan(value) or abs(value) > 1e6:

@@ -15,11 +15,11 @@ from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import fuzzylite_formula, fuzzylite_shape, word_and_numbers
 from fuzzyarm.formats.writing import (
     HEADER,
-    Said,
+    Sentence,
     Writer,
+    as_sentences,
     best,
-    plain_rule,
-    said_rules,
+    plain_sentence,
     weight_before,
 )
 from fuzzyarm.model.rulebase import (
@@ -224,15 +224,15 @@ class _Writer(Writer):
             self.findings.info("dropped-blocks", "the rules of all blocks stand in one list")
         if self.is_own:
             order = {name: index for index, name in enumerate(self.outputs)}
-            said = [each for block in blocks for each in said_rules(block, order)]
+            sentences = [each for block in blocks for each in as_sentences(block, order)]
         else:
-            said = [self._said(rule) for rule in self.rulebase.rules]
-        return [line for each in said for line in self._rule_lines(each)]
+            sentences = [self._sentence(rule) for rule in self.rulebase.rules]
+        return [line for each in sentences for line in self._rule_lines(each)]
 
-    def _said(self, rule: Rule) -> Said:
+    def _sentence(self, rule: Rule) -> Sentence:
         """Give the hedges around an antecedent to values, of which Octave takes the root."""
         hedged_ones = tuple((c, c.hedges) for c in rule.consequents)
-        plain = replace(plain_rule(rule), conclusions=hedged_ones)
+        plain = replace(plain_sentence(rule), conclusions=hedged_ones)
         antecedent = rule.antecedent
         values = all(
             self.outputs[c.variable].defuzzifier.method in ("weighted-average", "weighted-sum")
@@ -246,11 +246,11 @@ class _Writer(Writer):
         if weight is None:
             return plain
         rooted = tuple((c, roots) for c in rule.consequents)
-        return Said(antecedent.operand, rooted, weight, rule)
+        return Sentence(antecedent.operand, rooted, weight, rule)
 
-    def _rule_lines(self, said: Said) -> list[str]:
+    def _rule_lines(self, sentence: Sentence) -> list[str]:
         """Return the line of a rule, several where an output stands twice."""
-        rule, antecedent = said.rule, said.antecedent
+        rule, antecedent = sentence.rule, sentence.antecedent
         conditions = self._conditions(antecedent)
         if conditions is None:
             message = "a rule of a FIS is one list of conditions on inputs, joined by and or by or"
@@ -260,9 +260,9 @@ class _Writer(Writer):
         codes = [self._code(by_name.get(name), rule) for name in self.inputs]
         connective = 2 if isinstance(antecedent, Or) else 1
         lines = []
-        for group in self._groups(said):
+        for group in self._groups(sentence):
             left, right = " ".join(codes), " ".join(self._conclusions(group, rule))
-            lines.append(f"{left}, {right} ({written(said.weight)}) : {connective}")
+            lines.append(f"{left}, {right} ({written(sentence.weight)}) : {connective}")
         return lines
 
     def _conditions(self, antecedent: Expression) -> list[Is] | None:
@@ -287,17 +287,17 @@ class _Writer(Writer):
         rest = hedges[1:] if negated else hedges
         fraction = 0.0 if not rest else _fraction_of(rest, self.dialect)
         if fraction is None or (rest and self.dialect.producer == "matlab"):
-            said = " ".join(hedge.name for hedge in rest)
-            message = f"the hedge '{said}' has no number in this FIS"
+            names = " ".join(hedge.name for hedge in rest)
+            message = f"the hedge '{names}' has no number in this FIS"
             self.findings.loss("unsupported-hedge", message, rule.span)
             fraction = 0.0
         code = self.numbers[variable, term] + fraction
         return f"-{written(round(code, 6))}" if negated else written(round(code, 6))
 
-    def _groups(self, said: Said) -> list[_Group]:
+    def _groups(self, sentence: Sentence) -> list[_Group]:
         """Split conclusions so that no output stands twice in one line."""
         groups: list[_Group] = []
-        for consequent, hedges in said.conclusions:
+        for consequent, hedges in sentence.conclusions:
             for group in groups:
                 if consequent.variable not in group:
                     group[consequent.variable] = (consequent, hedges)
@@ -305,12 +305,12 @@ class _Writer(Writer):
             else:
                 groups.append({consequent.variable: (consequent, hedges)})
         order = [
-            list(self.outputs).index(consequent.variable) for consequent, _ in said.conclusions
+            list(self.outputs).index(consequent.variable) for consequent, _ in sentence.conclusions
         ]
         in_order = len(groups) == 1 and order == sorted(order)
-        if self.is_own and said.hedges and not in_order:
+        if self.is_own and sentence.hedges and not in_order:
             message = "the order of the conclusions of a hedged rule cannot be kept"
-            self.findings.loss("rule-too-rich", message, said.rule.span)
+            self.findings.loss("rule-too-rich", message, sentence.rule.span)
         return groups
 
     def _conclusions(self, group: _Group, rule: Rule) -> list[str]:
@@ -337,8 +337,8 @@ def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
     """Return the fraction that says `hedges`, or None."""
     if not hedges:
         return 0.0
-    for fraction, said in fractions(dialect).items():
-        if said == hedges:
+    for fraction, meant in fractions(dialect).items():
+        if meant == hedges:
             return fraction
     if dialect.producer == "fuzzylite" or len(hedges) != 1 or hedges[0].name not in POWERS:
         return None

@@ -34,7 +34,7 @@ from fuzzyarm.formats.findings import (
 from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
-from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, sentences
+from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
 from fuzzyarm.model.rulebase import Defuzzifier, Input, Output, RuleBase, RuleBlock, Shape
 
 # --- FLL text, line by line: `key: value` with `#` comments ---
@@ -355,7 +355,7 @@ class _Reader:
         parts = line.words()
         method = parts[0].text if parts else "none"
         tnorms = words(TNORMS, FLL.kinds)
-        if method in tnorms:  # fuzzylite 5 said activation for implication
+        if method in tnorms:  # fuzzylite 5 wrote activation for implication
             block.implication = tnorms[method]
         elif method in _ACTIVATIONS:
             threshold = _threshold(parts)
@@ -463,7 +463,7 @@ class _Writer(Writer):
     def _block(self, block: RuleBlock) -> list[str]:
         above = block.threshold
         activation = "General" if above == 0.0 else f"Threshold > {written(above)}"
-        rules = sentences(block, FLL, self.names, self.findings)
+        rules = written_sentences(block, FLL, self.names, self.findings)
         return [
             f"RuleBlock: {self.one_line(block.name, '#')}",
             "  enabled: true",

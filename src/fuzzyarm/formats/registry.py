@@ -196,8 +196,8 @@ def _write_own(rulebase: RuleBase, *, lossy: bool) -> Exported:
         if diagnostic.is_error:
             findings.error(diagnostic.name, diagnostic.message)
     if parsed.rulebase is not None and not same_model(parsed.rulebase, rulebase):
-        kept = tuple(replace(block, threshold=0.0) for block in rulebase.blocks)
-        if same_model(parsed.rulebase, replace(rulebase, blocks=kept)):
+        blocks = tuple(replace(block, threshold=0.0) for block in rulebase.blocks)
+        if same_model(parsed.rulebase, replace(rulebase, blocks=blocks)):
             note_threshold(rulebase, findings, "the language", 0.0)
         else:
             findings.loss("not-in-language", "the text does not say all of the model")

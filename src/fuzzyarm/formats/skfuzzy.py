@@ -73,7 +73,7 @@ def from_skfuzzy(system: Any, name: str = "system", *, lossy: bool = False) -> I
     Returns
     -------
     Imported
-        The rule base where there is no error, and every finding (without places: there is
+        The rule base where there is no error, and every finding (without positions: there is
         no text).
     """
     findings = Findings(lossy=lossy)
@@ -123,12 +123,12 @@ def _terms(variable: Any) -> tuple[Term, ...]:
 
 def _points(xs: list[float], ys: list[float]) -> Shape:
     """Return straight lines through all points, without those inside a plateau."""
-    kept: list[float] = []
+    pairs: list[float] = []
     for i, (x, y) in enumerate(zip(xs, ys, strict=True)):
         if 0 < i < len(xs) - 1 and ys[i - 1] == y == ys[i + 1]:
             continue
-        kept += (x, y)
-    return Shape("points", tuple(kept))
+        pairs += (x, y)
+    return Shape("points", tuple(pairs))
 
 
 def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:

@@ -1,7 +1,7 @@
 """What all writers of foreign formats share: their frame, legal names, losses, and rules.
 
-:class:`Writer` is the frame, :func:`sentences` writes rules as FLL and FCL have them, and
-:func:`said_rules` undoes what :mod:`fuzzyarm.formats.meaning` does with hedges.
+:class:`Writer` is the frame, :func:`written_sentences` writes rules as FLL and FCL have them, and
+:func:`as_sentences` undoes what :mod:`fuzzyarm.formats.meaning` does with hedges.
 """
 
 from __future__ import annotations
@@ -309,7 +309,7 @@ def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: 
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Sentence:
     """A rule as fuzzylite says it: each conclusion with the hedges that stand before it."""
 
     antecedent: Expression
@@ -319,34 +319,34 @@ class Said:
     hedges: tuple[Hedge, ...] = ()
 
 
-def plain_rule(rule: Rule) -> Said:
+def plain_sentence(rule: Rule) -> Sentence:
     """Return a rule as it stands, for programs that have no hedges before conclusions."""
     conclusions = tuple((consequent, ()) for consequent in rule.consequents)
-    return Said(rule.antecedent, conclusions, rule.weight, rule)
+    return Sentence(rule.antecedent, conclusions, rule.weight, rule)
 
 
-def said_rules(block: RuleBlock, order: dict[str, int] | None = None) -> list[Said]:
+def as_sentences(block: RuleBlock, order: dict[str, int] | None = None) -> list[Sentence]:
     """Return the rules of a block; those that differ in outer hedges alone become one again.
 
     Hedges of a conclusion carry on to the conclusions after it, so that rules over one
-    antecedent whose hedges grow can be said as one. With `order`, the place of every
+    antecedent whose hedges grow can be said as one. With `order`, the index of every
     output, only where the conclusions then stand in that order.
     """
-    found: list[Said] = []
+    found: list[Sentence] = []
     for rule in block.rules:
-        said = _said(rule)
+        sentence = _as_sentence(rule)
         last = found[-1] if found else None
-        if last is not None and _carries_on(last, said, order):
-            (first, _), *others = said.conclusions
-            new = said.hedges[: len(said.hedges) - len(last.hedges)]
+        if last is not None and _carries_on(last, sentence, order):
+            (first, _), *others = sentence.conclusions
+            new = sentence.hedges[: len(sentence.hedges) - len(last.hedges)]
             conclusions = (*last.conclusions, (first, new), *others)
-            found[-1] = replace(said, conclusions=conclusions, rule=last.rule)
+            found[-1] = replace(sentence, conclusions=conclusions, rule=last.rule)
         else:
-            found.append(said)
+            found.append(sentence)
     return found
 
 
-def _said(rule: Rule) -> Said:
+def _as_sentence(rule: Rule) -> Sentence:
     """Put the hedges around a whole antecedent before the first conclusion, where that can be."""
     antecedent, weight = rule.antecedent, rule.weight
     hedges: tuple[Hedge, ...] = ()
@@ -355,19 +355,19 @@ def _said(rule: Rule) -> Said:
         if before is not None:
             hedges, weight, antecedent = antecedent.hedges, before, antecedent.operand
     conclusions = tuple((c, () if i else hedges) for i, c in enumerate(rule.consequents))
-    return Said(antecedent, conclusions, weight, rule, hedges)
+    return Sentence(antecedent, conclusions, weight, rule, hedges)
 
 
-def _carries_on(last: Said, said: Said, order: dict[str, int] | None) -> bool:
+def _carries_on(last: Sentence, sentence: Sentence, order: dict[str, int] | None) -> bool:
     """Whether a rule can be said as further conclusions of the last one."""
-    more = len(said.hedges) - len(last.hedges)
-    if more <= 0 or said.hedges[more:] != last.hedges:
+    more = len(sentence.hedges) - len(last.hedges)
+    if more <= 0 or sentence.hedges[more:] != last.hedges:
         return False
     if order is not None:
         before = order[last.conclusions[-1][0].variable]
-        if order[said.conclusions[0][0].variable] <= before:
+        if order[sentence.conclusions[0][0].variable] <= before:
             return False
-    return last.antecedent == said.antecedent and last.weight == said.weight
+    return last.antecedent == sentence.antecedent and last.weight == sentence.weight
 
 
 def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
@@ -385,16 +385,19 @@ def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
     return None
 
 
-def sentences(block: RuleBlock, dialect: Dialect, names: Names, findings: Findings) -> list[str]:
+def written_sentences(
+    block: RuleBlock, dialect: Dialect, names: Names, findings: Findings
+) -> list[str]:
     """Return the rules of a block as ``if … then …``; report what cannot be said so."""
-    said = said_rules(block) if dialect.activates else list(map(plain_rule, block.rules))
-    writer = _Sentences(block, dialect, names, findings)
-    return [writer.sentence(each) for each in said]
+    as_they_stand = map(plain_sentence, block.rules)
+    sentences = as_sentences(block) if dialect.activates else as_they_stand
+    writer = _SentenceWriter(block, dialect, names, findings)
+    return [writer.text(sentence) for sentence in sentences]
 
 
 @dataclass(frozen=True, slots=True)
-class _Sentences:
-    """Sentences of one block.
+class _SentenceWriter:
+    """Writes the rules of one block.
 
     fuzzylite has hedges behind *is* and nowhere else; jFuzzyLogic has *not* alone, before a
     proposition or a parenthesis, and writes key words in capitals.
@@ -411,11 +414,11 @@ class _Sentences:
     def closed(self, text: str) -> str:
         return f"( {text} )" if self.dialect.activates else f"({text})"
 
-    def sentence(self, said: Said) -> str:
-        condition = self.condition(said.antecedent, said.rule)
-        conclusions = [self.conclusion(*each, said.rule) for each in said.conclusions]
+    def text(self, sentence: Sentence) -> str:
+        condition = self.condition(sentence.antecedent, sentence.rule)
+        conclusions = [self.conclusion(*each, sentence.rule) for each in sentence.conclusions]
         joint = " and " if self.dialect.activates else ", "
-        ending = "" if said.weight == 1.0 else f" {self.key('with')} {written(said.weight)}"
+        ending = "" if sentence.weight == 1.0 else f" {self.key('with')} {written(sentence.weight)}"
         head, then = self.key("if"), self.key("then")
         return f"{head} {condition} {then} {joint.join(conclusions)}{ending}"
 
@@ -468,8 +471,8 @@ class _Sentences:
         for hedge in hedges:
             word = word_of(HEDGES, hedge.name, self.dialect.kinds)
             if word is None:
-                said = hedge.name if hedge.exponent is None else f"power({hedge.exponent})"
-                message = f"{self.dialect.program} has no hedge '{said}'"
+                name = hedge.name if hedge.exponent is None else f"power({hedge.exponent})"
+                message = f"{self.dialect.program} has no hedge '{name}'"
                 self.findings.loss("unsupported-hedge", message)
             else:
                 found.append(word)
