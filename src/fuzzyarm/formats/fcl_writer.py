@@ -18,7 +18,7 @@ from fuzzyarm.formats.dialects import (
 )
 from fuzzyarm.formats.fcl_text import KEYWORDS, is_cut
 from fuzzyarm.formats.findings import Exported, all_written, written
-from fuzzyarm.formats.shapes import word_and_numbers
+from fuzzyarm.formats.shapes import larger_wins, word_and_numbers
 from fuzzyarm.formats.writing import (
     FUZZYLITE_WORDS,
     HEADER,
@@ -219,7 +219,7 @@ class _Writer(Writer):
             case "singleton":
                 text = written(p[0])
             case "points":
-                text = _pairs(_first_wins(p))
+                text = _pairs(larger_wins(p, self.dialect.ties))
             case _:
                 return self._plain_numbers(shape) if all(map(math.isfinite, p)) else None
         return text
@@ -274,15 +274,6 @@ def _without_signs(root: Node) -> Node:
 def _pairs(values: tuple[float, ...]) -> str:
     pairs = zip(values[0::2], values[1::2], strict=True)
     return " ".join(f"({written(x)}, {written(y)})" for x, y in pairs)
-
-
-def _first_wins(parameters: tuple[float, ...]) -> tuple[float, ...]:
-    """Move points so that the first of two at one x is the larger, as the model takes it."""
-    values = list(parameters)
-    for i in range(2, len(values), 2):
-        if values[i] == values[i - 2] and values[i - 1] < values[i + 1]:
-            values[i - 2] = math.nextafter(values[i - 2], -math.inf)
-    return tuple(values)
 
 
 def _range(variable: Input | Output) -> str:

@@ -123,8 +123,9 @@ def _checked(
             message = f"the {name.replace('-', '_')} of a {kind} must be positive"
             findings.error("not-positive", message, at)
             return None
-    if kind == "bell" and values["width"] == 0.0:
-        findings.error("not-positive", "the width of a bell must not be zero", at)
+    zero = next((name for name in known.nonzero if values[name] == 0.0), None)
+    if zero is not None:
+        findings.error("not-positive", f"the {zero} of a {kind} must not be zero", at)
         return None
     if not _finite_enough(kind, parameters):
         findings.error("not-finite", f"a {kind} needs finite numbers", at)
@@ -270,13 +271,21 @@ def fuzzylite_shape(shape: Shape) -> Shape:
         right = math.nextafter(p[3], math.inf) if p[2] == p[3] else p[3]
         return replace(shape, parameters=(left, p[1], p[2], right))
     if shape.kind == "points":
-        return replace(shape, parameters=_last_wins(p))
+        return replace(shape, parameters=larger_wins(p, "last"))
     return shape
 
 
-def _last_wins(parameters: tuple[float, ...]) -> tuple[float, ...]:
+def larger_wins(parameters: tuple[float, ...], ties: str) -> tuple[float, ...]:
+    """Move points so that a program gives the larger of two at one x, as the model does.
+
+    `ties` says which of the two it takes, the ``first`` or the ``last``.
+    """
     values = list(parameters)
     for i in range(2, len(values), 2):
-        if values[i] == values[i - 2] and values[i - 1] > values[i + 1]:
+        if values[i] != values[i - 2]:
+            continue
+        if ties == "last" and values[i - 1] > values[i + 1]:
             values[i] = math.nextafter(values[i], math.inf)
+        elif ties == "first" and values[i - 1] < values[i + 1]:
+            values[i - 2] = math.nextafter(values[i - 2], -math.inf)
     return tuple(values)
