@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
 
+from fuzzyarm.expression.evaluation import evaluate
 from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
@@ -253,7 +254,7 @@ _PRODUCT = re.compile(r"[+-]*(?:[\d.pi*/]|e[+-]?\d)+", re.ASCII)
 
 
 def number(text: str) -> float | None:
-    """Return the value of `text`, or None where it is no number.
+    """Return the value of `text`, or None where it is not a number.
 
     Besides decimal numbers: ``nan``, ``inf`` and products and quotients with ``pi`` as in
     ``-pi/4`` or ``2*pi``, which people write into ``.fis`` files.
@@ -268,7 +269,7 @@ def number(text: str) -> float | None:
     if "pi" not in lowered or not _PRODUCT.fullmatch(lowered):
         return None
     try:
-        value = read_formula(lowered).evaluate({})
+        value = evaluate(read_formula(lowered).with_constants(()), {})
     except FormulaError:
         return None
     return value if math.isfinite(value) else None
