@@ -117,9 +117,7 @@ class _Writer(Writer):
             return ["  LOCK : PREVIOUS;"] if self.own else ["  DEFAULT := NC;"]
         self.warn_of_error(output)
         value = output.no_rule if isinstance(output.no_rule, float | int) else math.nan
-        if math.isfinite(value):
-            return [f"  DEFAULT := {written(value)};"]
-        return [f"  DEFAULT := {written(value)};"] if self.own else []
+        return [f"  DEFAULT := {written(value)};"] if self.own or math.isfinite(value) else []
 
     def _method(self, output: Output) -> str:
         method = output.defuzzifier.method

@@ -524,41 +524,27 @@ class _Reader:
             )
             self.findings.error("wrong-count", message, line)
             return None
-        weight = self._weight(match, line)
-        is_or = self._is_or(match, line)
-        conditions = [
-            Is(draft.name, *term, word.span)
-            for draft, word in zip(self.inputs, inputs, strict=True)
-            if (term := self._indexed(draft, word)) is not None
-        ]
-        conclusions = tuple(
-            Consequent(draft.name, *term, word.span)
-            for draft, word in zip(self.outputs, outputs, strict=True)
-            if (term := self._indexed(draft, word)) is not None
-        )
-        return self._joined(line.span, conditions, conclusions, weight, is_or=is_or)
-
-    def _joined(
-        self,
-        span: Span,
-        conditions: list[Is],
-        conclusions: tuple[Consequent, ...],
-        weight: float,
-        *,
-        is_or: bool,
-    ) -> RuleText | None:
+        weight, is_or = self._weight(match, line), self._is_or(match, line)
+        conditions = [Is(*each) for each in self._propositions(self.inputs, inputs)]
+        conclusions = [Consequent(*each) for each in self._propositions(self.outputs, outputs)]
         if not conditions or not conclusions:
             side = "condition" if not conditions else "conclusion"
             message = f"the rule has no {side} and never does anything; it is left out"
-            self.findings.warn("empty-rule", message, span)
+            self.findings.warn("empty-rule", message, line)
             return None
         antecedent: Expression = conditions[0]
         if len(conditions) > 1:
             antecedent = Or(tuple(conditions)) if is_or else And(tuple(conditions))
-        joined = len(conditions) > 1
-        return RuleText(
-            antecedent, conclusions, weight, span, joined and not is_or, joined and is_or
-        )
+        return RuleText(antecedent, tuple(conclusions), weight, line.span)
+
+    def _propositions(
+        self, drafts: list[Draft], codes: list[Word]
+    ) -> Iterator[tuple[str, str, tuple[Hedge, ...], Span]]:
+        """Yield variable, term, hedges and span of each index that is not 0 or at fault."""
+        for draft, word in zip(drafts, codes, strict=True):
+            term = self._indexed(draft, word)
+            if term is not None:
+                yield draft.name, *term, word.span
 
     def _indexed(self, draft: Draft, word: Word) -> tuple[str, tuple[Hedge, ...]] | None:
         """Return term and hedges of an index; None for 0 or where it is at fault."""

@@ -182,11 +182,9 @@ class _Activations:
         return block.in_model(rules)
 
     def _need_norms(self, text: RuleText, block: Block) -> None:
-        for used, norm, key in (
-            (text.uses_and, block.conjunction, "and"),
-            (text.uses_or, block.disjunction, "or"),
-        ):
-            if used and norm is None:
+        used = set(map(type, _parts(text.antecedent)))
+        for kind, norm, key in ((And, block.conjunction, "and"), (Or, block.disjunction, "or")):
+            if kind in used and norm is None:
                 message = f"the rule says '{key}' but its block names no norm for it"
                 self.findings.error("missing-norm", message, text.span)
 

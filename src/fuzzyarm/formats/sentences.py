@@ -35,8 +35,6 @@ class RuleText:
     conclusions: tuple[Consequent, ...]
     weight: float
     span: Span
-    uses_and: bool
-    uses_or: bool
 
 
 def hedged(hedges: tuple[Hedge, ...], inner: Expression) -> Expression:
@@ -76,10 +74,9 @@ class _Parser:
         self.hedges = {word: Hedge(name) for word, name in found.items()}
         self.words: list[Word] = []
         self.at = 0
-        self.seen: set[str] = set()
 
     def rule(self, sentence: list[Word]) -> RuleText:
-        self.words, self.at, self.seen = sentence, 0, set()
+        self.words, self.at = sentence, 0
         self.expect("if")
         antecedent = self.condition(0)
         self.expect("then")
@@ -95,8 +92,7 @@ class _Parser:
             word = self.words[self.at]
             raise FaultError(f"'{word.text[:40]}' is not expected here", word)
         span = self.words[0].span.to(self.words[-1].span)
-        uses = self.seen
-        return RuleText(antecedent, tuple(conclusions), weight, span, "and" in uses, "or" in uses)
+        return RuleText(antecedent, tuple(conclusions), weight, span)
 
     def key(self) -> str:
         if self.at >= len(self.words):
@@ -130,9 +126,7 @@ class _Parser:
         left = operand()
         chained = False  # what stood in parentheses stays a node of its own
         while self.key() in keys:
-            key = self.key()
-            kind = And if key == "and" else Or
-            self.seen.add(key)
+            kind = And if self.key() == "and" else Or
             self.at += 1
             earlier = left.operands if chained and isinstance(left, kind) else (left,)
             left = kind((*earlier, operand()))
