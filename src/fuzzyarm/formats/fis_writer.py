@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
@@ -19,7 +18,6 @@ from fuzzyarm.formats.writing import (
     Writer,
     as_sentences,
     best,
-    plain_sentence,
     weight_before,
 )
 from fuzzyarm.model.rulebase import (
@@ -231,8 +229,8 @@ class _Writer(Writer):
 
     def _sentence(self, rule: Rule) -> Sentence:
         """Give the hedges around an antecedent to values, of which Octave takes the root."""
-        hedged_ones = tuple((c, c.hedges) for c in rule.consequents)
-        plain = replace(plain_sentence(rule), conclusions=hedged_ones)
+        conclusions = tuple((c, c.hedges) for c in rule.consequents)
+        plain = Sentence(rule.antecedent, conclusions, rule.weight, rule)
         antecedent = rule.antecedent
         values = all(
             self.outputs[c.variable].defuzzifier.method in ("weighted-average", "weighted-sum")

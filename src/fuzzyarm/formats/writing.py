@@ -142,10 +142,11 @@ class Writer:
 
     def without_height(self, variable: Input | Output, term: Term) -> Shape:
         """Return the shape of a term without a height; report that it has one."""
-        if term.shape.height != 1.0:
-            what = f"the height of '{term.name}' of '{variable.name}'"
-            message = f"{what} has no place in {self.file}"
-            self.findings.loss("unsupported-height", message, term.span)
+        if term.shape.height == 1.0:
+            return term.shape
+        what = f"the height of '{term.name}' of '{variable.name}'"
+        message = f"{what} has no place in {self.file}"
+        self.findings.loss("unsupported-height", message, term.span)
         return replace(term.shape, height=1.0)
 
     def fuzzylite_term(self, variable: Input | Output, term: Term) -> str:
