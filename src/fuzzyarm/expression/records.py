@@ -70,10 +70,12 @@ class Kind:
     doc : str
         One line for help, completion and the reference.
     names : mapping of str to str
-        What other programs call it, by the name of the format: ``fll``, ``fis``, ``fcl``,
-        ``jfl`` (jFuzzyLogic's FCL), ``skfuzzy``. A shape may name the order of its numbers
-        behind the word, where it is another one: ``"gaussmf deviation mean"``. A format
-        that is not named does not know the kind.
+        What other programs call it: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
+        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``. Several
+        words stand with commas between, the one that is written first. A shape may name the
+        order of its numbers behind the word, where it is another one: ``"gaussmf deviation
+        mean"``; a hedge of a FIS is the fraction of a term's index. A program that is not
+        named does not know the kind.
     own : bool
         Whether a user registered it.
     """

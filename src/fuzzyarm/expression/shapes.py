@@ -234,7 +234,7 @@ _TWO_SIGMOIDS_FIS = "slope1 inflection1 slope2 inflection2"
 
 def _names(fll: str, mf: str = "", fcl: str = "", *, matlab: bool = False) -> dict[str, str]:
     """Return what the programs call a shape; `mf` is its word in a FIS."""
-    found = {"fll": fll, "fcl": fll.upper()}
+    found = {"fll": fll, "fcl": fll}
     if mf:
         found["fis"] = mf
     if matlab:
@@ -289,7 +289,8 @@ def register() -> None:
         doc="0 at the first number, 1 at the second and beyond, either way round",
         corners=lambda zero, one: sorted([(zero, 0.0), (one, 1.0)]),
         inverse=lambda degree, zero, one: zero + degree * (one - zero),
-        names=_names("Ramp", "rampmf"),
+        names=_names("Ramp", "rampmf")
+        | dict.fromkeys(("matlab", "octave"), "linsmf, linzmf one zero"),
     )
     kind(
         "binary",
@@ -307,7 +308,7 @@ def register() -> None:
         doc="straight lines through (x, y) pairs; two points may share an x",
         corners=lambda *pairs: list(zip(pairs[0::2], pairs[1::2], strict=True)),
         turns=lambda *pairs: pairs[0::2],
-        names={"fll": "Discrete", "fis": "discretemf", "fcl": "DISCRETE"},
+        names={"fll": "Discrete", "fcl": "Discrete", "fis": "discretemf"},
     )
     kind(
         "singleton",
@@ -317,7 +318,7 @@ def register() -> None:
         # Its corners are those of a set without a width: an output takes it as a number.
         corners=lambda value: [(value, 0.0), (value, 1.0), (value, 0.0)],
         centre=lambda value: value,
-        names={"fll": "Constant", "fis": "constant singletonmf", "fcl": "SINGLETON"}
+        names={"fll": "Constant", "fcl": "Constant", "fis": "constant, singletonmf"}
         | {"matlab": "constant", "octave": "constant"},
     )
     kind(
@@ -456,7 +457,7 @@ def register() -> None:
         arc,
         doc="a quarter of an ellipse from 0 to 1",
         inverse=lambda degree, zero, one: one + (zero - one) * math.sqrt(1.0 - degree * degree),
-        names={"fll": "Arc", "fis": "Arc", "fcl": "ARC"},
+        names={"fll": "Arc", "fcl": "Arc", "fis": "Arc"},
     )
     kind(
         "semi-ellipse",
@@ -464,7 +465,7 @@ def register() -> None:
         semi_ellipse,
         doc="half an ellipse between start and end",
         centre=_middle,
-        names={"fll": "SemiEllipse", "fis": "SemiEllipse", "fcl": "SEMIELLIPSE"},
+        names={"fll": "SemiEllipse", "fcl": "SemiEllipse", "fis": "SemiEllipse"},
     )
     kind(
         "linear",
@@ -472,11 +473,11 @@ def register() -> None:
         None,
         doc="consequent: inputs times numbers, plus a number",
         fuzzy=False,
-        names={"fll": "Linear", "fis": "linear", "fcl": "LINEAR", "matlab": "linear"}
-        | {"octave": "linear"},
+        names={"fll": "Linear", "fcl": "Linear", "fis": "linear", "jfl": "FUNCTION"}
+        | {"matlab": "linear", "octave": "linear"},
     )
     kind(
         "formula", (), None,
         doc="consequent or term: an arithmetic expression", fuzzy=False,
-        names={"fll": "Function", "fis": "function", "fcl": "FUNCTION", "jfl": "FUNCTION"},
+        names={"fll": "Function", "fcl": "Function", "fis": "function", "jfl": "FUNCTION"},
     )  # fmt: skip
