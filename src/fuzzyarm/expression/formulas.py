@@ -186,13 +186,18 @@ class Formula:
     root : Node
         What it computes. Its symbols are the names of variables, and of
         :data:`CONSTANTS` as long as :meth:`with_constants` has not been asked.
-    positions : mapping of str to int
-        Where each name stands first in the text.
+    mentions : tuple of (str, int)
+        Every name in the text and where it stands, in order.
     """
 
     text: str
     root: Node
-    positions: Mapping[str, int]
+    mentions: tuple[tuple[str, int], ...]
+
+    @cached_property
+    def positions(self) -> dict[str, int]:
+        """Where each name stands first in the text."""
+        return dict(reversed(self.mentions))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -270,7 +275,7 @@ def read_formula(text: str, dialect: Dialect = FRB) -> Formula:
     root = parser.sum()
     if parser.kind != "end":
         raise parser.fault(f"expected an operator {parser.found()}")
-    return Formula(text, root, parser.positions)
+    return Formula(text, root, tuple(parser.mentions))
 
 
 class _Parser:
@@ -282,7 +287,7 @@ class _Parser:
         self.tokens = list(_tokens(text, dialect.token))
         self.index = 0
         self.depth = 0
-        self.positions: dict[str, int] = {}
+        self.mentions: list[tuple[str, int]] = []
 
     @property
     def kind(self) -> str:
@@ -354,7 +359,7 @@ class _Parser:
             self.index += 1
             if kind == "name" and self.take("("):
                 return self.call(value, position)
-            self.positions.setdefault(value, position)
+            self.mentions.append((value, position))
             return symbol(value)
         if self.take("("):
             node = self.sum()

@@ -122,6 +122,8 @@ class Shape(Kind):
         Parameters that must be greater than 0.
     unbounded : tuple of str
         Parameters that may be infinite.
+    nonzero : tuple of str
+        Parameters that must not be 0.
     corners : callable or None
         From the parameters to the corners (x, y) of a shape of straight pieces, left to
         right; a vertical edge is two corners at one x, and the first and the last value go
@@ -141,6 +143,7 @@ class Shape(Kind):
     ordered: bool = False
     positive: tuple[str, ...] = ()
     unbounded: tuple[str, ...] = ()
+    nonzero: tuple[str, ...] = ()
     corners: Callable[..., Sequence[Corner]] | None = None
     bends: Callable[..., Sequence[float]] | None = None
     turns: Callable[..., Sequence[float]] | None = None
@@ -205,10 +208,16 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
     """Kinds of one sort by name, in the order of their registration.
 
     A name that is not built in is looked for among the entry points, once.
+
+    Attributes
+    ----------
+    words : dict of str to str
+        Every word that means a kind now, and the name of that kind: aliases are words too.
     """
 
     def __init__(self, sort: str) -> None:
         self.sort = sort
+        self.words: dict[str, str] = {}
         self._kinds: dict[str, _Kind] = {}
 
     def __getitem__(self, name: str) -> _Kind:
@@ -242,6 +251,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
             message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
             raise KindError(message, kind.name)
         self._kinds[kind.name] = kind
+        self.words |= dict.fromkeys((kind.name, *getattr(kind, "aliases", ())), kind.name)
         return kind
 
     def remove(self, name: str) -> None:
@@ -249,6 +259,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]
+        self.words = {word: kind for word, kind in self.words.items() if kind != name}
 
 
 SHAPES: Registry[Shape] = Registry("shape")
