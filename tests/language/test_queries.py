@@ -8,7 +8,7 @@ import pytest
 
 from fuzzyarm.api import check_text
 from fuzzyarm.language import parse
-from fuzzyarm.language.nodes import GridNode
+from fuzzyarm.language.statements import GridNode
 from fuzzyarm.language.queries import (
     Candidate,
     RenameError,

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.language.tokens import HEDGE_WORDS, LOOKUP_ITEMS, STATEMENTS
+from fuzzyarm.expression.kinds import HEDGES, SHAPES
+from fuzzyarm.language.statements import EVEN_SHAPES, LOOKUP_ITEMS, STATEMENTS
 from fuzzyarm.model.rulebase import DEFUZZIFIERS
-from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES
 from fuzzyarm.table.grid import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
@@ -25,7 +25,7 @@ def _words(grammar: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "words", [STATEMENTS, HEDGE_WORDS, SHAPES, EVEN_SHAPES, DEFUZZIFIERS, LOOKUP_ITEMS]
+    "words", [STATEMENTS, HEDGES.words, SHAPES, EVEN_SHAPES, DEFUZZIFIERS, LOOKUP_ITEMS]
 )
 def test_the_grammar_knows_every_word_of_the_language(words: object) -> None:
     assert set(words) <= _words(GRAMMAR)  # type: ignore[call-overload]

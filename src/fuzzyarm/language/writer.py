@@ -9,37 +9,35 @@ from math import isfinite
 
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.language.meaning import UNNAMED
-from fuzzyarm.language.nodes import (
-    BlockNode,
-    CellNode,
-    Document,
-    EvenTermsNode,
-    ExpectNode,
+from fuzzyarm.language.document import Document, Statement, print_document
+from fuzzyarm.language.phrases import (
     ExpressionNode,
-    Figure,
-    GridNode,
-    Heading,
     HedgedNode,
     HedgeNode,
-    InferenceNode,
     JunctionNode,
     LinearPart,
+    PropositionNode,
+    SettingNode,
+    ShapeNode,
+)
+from fuzzyarm.language.statements import (
+    BlockNode,
+    CellNode,
+    EvenTermsNode,
+    ExpectNode,
+    GridNode,
+    Heading,
+    InferenceNode,
     LookupItem,
     LookupNode,
     OutcomeNode,
-    PropositionNode,
     RowNode,
     RuleNode,
-    SettingNode,
-    ShapeNode,
-    Statement,
     StatementNode,
     TermNode,
-    Trivia,
     VariableNode,
-    Word,
 )
-from fuzzyarm.language.printer import print_document
+from fuzzyarm.language.tokens import Figure, Trivia, Word
 from fuzzyarm.model.rulebase import (
     And,
     Defuzzifier,

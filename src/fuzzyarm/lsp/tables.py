@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fold, Hover, RenameError, Symbol
 from fuzzyarm.language.tokens import Token
 from fuzzyarm.table.grid import KEYWORDS

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import (
     And,

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import product
 
-from fuzzyarm.language.tokens import RESERVED, Cursor, Fault, Token, tokenize
+from fuzzyarm.language.tokens import Cursor, Fault, Token, is_reserved, tokenize
 from fuzzyarm.table.axis import Axis, TableHeader
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.names import is_plain_name, near_hint, quote
@@ -403,5 +403,5 @@ def page_conditions(table: TableHeader) -> Iterator[str]:
 
 def spelled(name: str) -> str:
     """Return `name` as it stands in a file: in single quotes where it must."""
-    plain = is_plain_name(name) and name not in RESERVED and name not in KEYWORDS
+    plain = is_plain_name(name) and not is_reserved(name) and name not in KEYWORDS
     return name if plain else quote(name, "'")

@@ -10,8 +10,7 @@ import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from fuzzyarm.language.nodes import Figure, Word
-from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize
+from fuzzyarm.language.tokens import Cursor, Fault, Figure, Token, Word, tokenize
 from fuzzyarm.table.axis import MODES, Axis, PlainTable, TableError, TableHeader
 from fuzzyarm.table.grid import KEYWORDS, Grid, page_conditions, read_grids, spelled
 from fuzzyarm.text.diagnostic import (

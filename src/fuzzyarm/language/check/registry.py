@@ -13,7 +13,7 @@ from fuzzyarm.language.check.rules import (
     points_without_rule,
 )
 from fuzzyarm.language.check.terms import Subject, coverage_gaps, unfit_defuzzifiers, unused_names
-from fuzzyarm.language.nodes import Document
+from fuzzyarm.language.document import Document
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 from fuzzyarm.text.names import near_hint
