@@ -258,7 +258,7 @@ def _read_group(group: _Group) -> tuple[StatementNode, Found]:
         node: StatementNode = STATEMENTS[group.keyword].node.read(cursor)
         cursor.finish()
     except Fault as fault:
-        return Broken(group.keyword, cursor.whole), (*cursor.forgiven, fault.diagnostic)
+        return Broken(group.keyword, cursor.whole), (fault.diagnostic,)
     return node, tuple(cursor.forgiven)
 
 

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
 from fuzzyarm.language.phrases import SETTINGS, Setting, parameter_names
-from fuzzyarm.language.queries.reading import Reading
+from fuzzyarm.language.queries.reading import Reading, asked_variable
 from fuzzyarm.language.statements import EVEN_SHAPES, STATEMENTS, GridNode, LookupItem, RowNode
 from fuzzyarm.language.tokens import (
     Cursor,
@@ -133,7 +133,8 @@ class _AskingCursor(Cursor):
         self.offered: list[Candidate] = []
         self._stalled = -1
 
-    def _variable(self, name: str) -> Variable | None:
+    def variable_called(self, name: str) -> Variable | None:
+        """Return the declared variable of that name."""
         found = (v for v in (*self.model.inputs, *self.model.outputs) if v.name == name)
         return next(found, None)
 
@@ -169,7 +170,10 @@ class _AskingCursor(Cursor):
     def expect(self, text: str, where: str) -> Token:
         if self.at_end:
             self._last(_words((text,)) if text not in (")", ",") else [])
-        return self.take() if self.next_is(text) else self.tokens[self.position]
+        token = self.tokens[self.position]
+        if token.text == text or (text.isalpha() and nearest(token.text, (text,))):
+            self.position += 1
+        return token
 
     def name(self, what: str) -> Word:
         if self.at_end:
@@ -190,7 +194,7 @@ class _AskingCursor(Cursor):
 
     def term(self, what: str, variable: Word) -> Word:
         if self.at_end:
-            self._last(_terms(self._variable(variable.text)))
+            self._last(_terms(self.variable_called(variable.text)))
         return self.name(what)
 
     def word(self, what: str, choices: Collection[str], name: str) -> Word:
@@ -273,7 +277,7 @@ class _AskingCursor(Cursor):
         return [Candidate("\\", "keyword", "\\ ", "then the variable across")]
 
     def _suggest_columns(self, column: Word, named: Sequence[Word] = ()) -> NoReturn:
-        found = _terms(self._variable(column.text), without=[word.text for word in named])
+        found = _terms(self.variable_called(column.text), without=[word.text for word in named])
         if len(found) > 1:
             rest = "  ".join(candidate.insert for candidate in found)
             found.insert(0, Candidate(rest, "row", rest, "the header row"))
@@ -281,15 +285,15 @@ class _AskingCursor(Cursor):
 
     def _suggest_labels(self, grid: GridNode) -> NoReturn:
         if grid.row is None:
-            output = self._variable(grid.output.text)
+            output = self.variable_called(grid.output.text)
             self._last([c for c in self._variables("output") if output and c.label == output.name])
         used = [row.label.text for row in grid.rows]
-        self._last(_terms(self._variable(grid.row.text), without=used))
+        self._last(_terms(self.variable_called(grid.row.text), without=used))
 
     def _suggest_cells(self, grid: GridNode, count: int = 0) -> NoReturn:
         if count >= len(grid.columns):
             raise _Nothing
-        found = _terms(self._variable(grid.output.text))
+        found = _terms(self.variable_called(grid.output.text))
         self._last([*found, Candidate(".", "value", ".", "no rule for this cell")])
 
 
@@ -306,7 +310,9 @@ def _asked(read: Any, tokens: Sequence[Token], model: RuleBase, *about: Any) -> 
     try:
         read(cursor, *about)
     except (_Nothing, Fault):
-        pass
+        variable = None if cursor.at_end else asked_variable(tokens)
+        if variable is not None:  # the reader stuck before, but so much is certain
+            return [*_terms(cursor.variable_called(variable)), *map(_hedge, HEDGES.words)]
     return sorted(cursor.offered, key=_rank)
 
 
