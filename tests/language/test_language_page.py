@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.language import format_text, parse, write
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
+from fuzzyarm.language import format_text, parse, write
 from fuzzyarm.language.statements import EVEN_SHAPES, STATEMENTS
 from fuzzyarm.model.rulebase import DEFUZZIFIERS, DISJUNCTIONS
 from fuzzyarm.text.diagnostic import MAX_INPUTS, MAX_TERMS

@@ -185,8 +185,7 @@ def shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | N
         Index of the number at fault and one sentence.
     """
     if kind == "points":
-        fault = _magnitude_fault(kind, (), parameters) or _points_fault(parameters)
-        return fault
+        return _magnitude_fault(kind, (), parameters) or _points_fault(parameters)
     record = SHAPES[kind]
     fault = _magnitude_fault(kind, record.unbounded, parameters)
     if fault is None and record.ordered:

@@ -19,8 +19,9 @@ span and has
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple, Protocol
 
 from fuzzyarm.language.phrases import (
     ExpressionNode,
@@ -34,7 +35,7 @@ from fuzzyarm.language.phrases import (
     of_variable,
     read_expression,
 )
-from fuzzyarm.language.tokens import STARTERS, BlockLine, Cursor, Fault, Figure, Trivia, Word
+from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Figure, Trivia, Word
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span, display_width
 from fuzzyarm.text.names import quote
 
@@ -98,10 +99,10 @@ class StatementKind(NamedTuple):
     """
 
     word: str
-    node: type
+    node: type[Any]
     syntax: str
     doc: str
-    words: dict[str, str] = {}
+    words: Mapping[str, str] = MappingProxyType({})
     takes_lines: bool = False
     outline: str = ""
 
@@ -118,6 +119,7 @@ class Heading(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> Heading:
+        """Read it from the cursor."""
         cursor.take()
         return cls(cursor.name("the name of the rule base"), cursor.string(), cursor.whole)
 
@@ -125,6 +127,7 @@ class Heading(NamedTuple):
         return " ".join([f"rulebase {self.name}", *_described(self.description)])
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield declared(Kind.RULEBASE, self.name)
 
 
@@ -147,6 +150,7 @@ class VariableNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> VariableNode:
+        """Read it from the cursor."""
         role = cursor.take().text
         name = cursor.name(f"the name of the {role}")
         try:
@@ -165,6 +169,7 @@ class VariableNode(NamedTuple):
         return [declaration, f"{self.low} .. {self.high}", *_described(self.description)]
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield declared(Kind.VARIABLE, self.name)
 
 
@@ -186,6 +191,7 @@ class EvenTermsNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> EvenTermsNode:
+        """Read it from the cursor."""
         cursor.take()
         variables = [cursor.variable("the name of a variable")]
         while cursor.accept(","):
@@ -218,6 +224,7 @@ class EvenTermsNode(NamedTuple):
         return f"terms {variables}: {self.family.text} {' '.join(map(str, self.names))}"
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield from map(of_variable, self.variables)
         owners = tuple(word.text for word in self.variables)
         yield from (declared(Kind.TERM, word, owners) for word in self.names)
@@ -233,6 +240,7 @@ class TermNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> TermNode:
+        """Read it from the cursor."""
         cursor.take()
         variable = cursor.variable("the name of a variable")
         name = cursor.name("the name of the term")
@@ -251,6 +259,7 @@ class TermNode(NamedTuple):
         return [f"term {self.variable} {self.name}:", str(self.shape)]
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield of_variable(self.variable)
         yield declared(Kind.TERM, self.name, (self.variable.text,))
         if self.shape is not None:
@@ -269,6 +278,7 @@ class InferenceNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> InferenceNode:
+        """Read it from the cursor."""
         cursor.take()
         target = _read_target(cursor, "the name of a variable")
         return cls(target, SettingNode.read_all(cursor), cursor.whole)
@@ -278,6 +288,7 @@ class InferenceNode(NamedTuple):
         return f"inference {target}{', '.join(map(str, self.settings))}"
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         if self.target is not None:
             yield of_variable(self.target)
 
@@ -302,6 +313,7 @@ class BlockNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> BlockNode:
+        """Read it from the cursor."""
         cursor.take()
         name = cursor.name("the name of the block")
         more = cursor.accept(":", likely=True)
@@ -313,6 +325,7 @@ class BlockNode(NamedTuple):
         return f"block {self.name}{settings}"
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield declared(Kind.BLOCK, self.name)
 
 
@@ -328,6 +341,7 @@ class CellNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor, output: Word) -> CellNode:
+        """Read it from the cursor."""
         start = cursor.span
         try:
             term = cursor.term("a term or a dot", output) if not cursor.accept(".") else None
@@ -356,11 +370,11 @@ class RowNode(NamedTuple):
     trivia: Trivia = Trivia()
 
     @classmethod
-    def read(cls, cursor: Cursor, grid: GridNode, trivia: Trivia = Trivia()) -> RowNode:
+    def read(cls, cursor: Cursor, grid: GridNode, trivia: Trivia) -> RowNode:
         """Read a row below the header of `grid`."""
-        what, columns = "the term that labels the row", grid.columns
+        columns = grid.columns
         cursor.suggest("labels", grid)
-        label = cursor.name(what)
+        label = cursor.name("the term that labels the row")
         cells: list[CellNode] = []
         cursor.suggest("cells", grid)
         while not cursor.at_end:
@@ -399,6 +413,7 @@ class GridNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> GridNode:
+        """Read it from the cursor."""
         output, condition = cls.read_first(cursor)
         cursor.finish()
         span = cursor.whole
@@ -466,6 +481,7 @@ class GridNode(NamedTuple):
         return list(zip(aligned(cells), trivia, strict=True))
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield of_variable(self.output)
         if self.condition is not None:
             yield from self.condition.mentions()
@@ -488,6 +504,7 @@ class RuleNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> RuleNode:
+        """Read it from the cursor."""
         cursor.take()
         cursor.expect("if", "after 'rule'")
         antecedent = read_expression(cursor)
@@ -510,6 +527,7 @@ class RuleNode(NamedTuple):
         return line if len(line) <= WIDTH else "rule {}\n     {}".format(*self.parts)
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield from self.antecedent.mentions()
         for consequent in self.consequents:
             yield from consequent.mentions()
@@ -541,7 +559,8 @@ class LookupItem(NamedTuple):
     span: Span = NOWHERE
 
     @classmethod
-    def read(cls, cursor: Cursor, trivia: Trivia = Trivia()) -> LookupItem:
+    def read(cls, cursor: Cursor, trivia: Trivia) -> LookupItem:
+        """Read it from the cursor."""
         key = cursor.word("levels, bins or round", LOOKUP_ITEMS, "unknown-setting")
         variable = None
         if key.text != "round" or cursor.next_is(":", 1):
@@ -577,6 +596,7 @@ class LookupNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> LookupNode:
+        """Read it from the cursor."""
         cursor.take()
         cursor.finish()
         items = []
@@ -596,6 +616,7 @@ class LookupNode(NamedTuple):
         return list(zip(lines, (item.trivia for item in self.items), strict=True))
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         return (of_variable(item.variable) for item in self.items if item.variable is not None)
 
 
@@ -609,6 +630,7 @@ class OutcomeNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> OutcomeNode:
+        """Read it from the cursor."""
         name = cursor.variable("the name of an output", "output")
         for relation in ("=", "<", "<=", ">", ">=", "in"):
             if cursor.accept(relation, likely=True):
@@ -640,6 +662,7 @@ class ExpectNode(NamedTuple):
 
     @classmethod
     def read(cls, cursor: Cursor) -> ExpectNode:
+        """Read it from the cursor."""
         cursor.take()
         inputs = [cls._assignment(cursor)]
         cursor.suggest("comma")
@@ -663,6 +686,7 @@ class ExpectNode(NamedTuple):
         return f"expect {inputs} -> {', '.join(map(str, self.outcomes))}"
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         yield from (of_variable(word) for word, _ in self.inputs)
         yield from (of_variable(outcome.variable) for outcome in self.outcomes)
 
@@ -674,6 +698,7 @@ class Broken(NamedTuple):
     span: Span = NOWHERE
 
     def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
         return iter(())
 
 
@@ -737,6 +762,7 @@ STATEMENTS: dict[str, StatementKind] = {
             InferenceNode,
             "[VARIABLE:] KEY VALUE, KEY VALUE …",
             "how rules are evaluated",
+            {"exact": "the integral itself, without samples"},
         ),
         StatementKind(
             "block",

@@ -8,8 +8,8 @@ from itertools import pairwise
 from math import isfinite
 
 from fuzzyarm.language.declarations import even_shapes
-from fuzzyarm.language.meaning import UNNAMED
 from fuzzyarm.language.document import Document, Statement, print_document
+from fuzzyarm.language.meaning import UNNAMED
 from fuzzyarm.language.phrases import (
     ExpressionNode,
     HedgedNode,

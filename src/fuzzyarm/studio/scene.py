@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import explain, infer
 from fuzzyarm.inference.trace import Trace
-from fuzzyarm.language.statements import GridNode
 from fuzzyarm.language.queries import Reading
+from fuzzyarm.language.statements import GridNode
 from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.model.shapes import SHAPES, centre

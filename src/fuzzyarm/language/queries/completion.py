@@ -21,6 +21,7 @@ from fuzzyarm.language.tokens import (
     Fault,
     Figure,
     Token,
+    Trivia,
     Word,
     is_reserved,
     name_text,
@@ -380,7 +381,7 @@ def _offered(
         # The line starts a statement, though its word may be misspelt.
         meant = nearest(tokens[0].text, STATEMENTS)
         if meant is not None:
-            return _asked(STATEMENTS[meant].node.read, tokens, reading.model)  # type: ignore[attr-defined]
+            return _asked(STATEMENTS[meant].node.read, tokens, reading.model)
     above: list[tuple[Token, ...]] = []
     for number in range(line - 1, 0, -1):
         earlier = reading.tokens_of(number)
@@ -392,7 +393,7 @@ def _offered(
             if record.takes_lines:
                 return _below(reading, record.word, above, tokens, line)
             joined = [token for part in above for token in part]
-            return _asked(record.node.read, (*joined, *tokens), reading.model)  # type: ignore[attr-defined]
+            return _asked(record.node.read, (*joined, *tokens), reading.model)
     return []
 
 
@@ -410,7 +411,7 @@ def _below(
     """Return what could stand in a line below a grid or ``lookup``; `above` starts with that."""
     model = reading.model
     if word == "lookup":
-        return _asked(LookupItem.read, tokens, model)
+        return _asked(LookupItem.read, tokens, model, Trivia())
     if len(above) == 1:
         return _asked(GridNode.read_header, tokens, model)
     if len(above[0]) < 2:
@@ -424,4 +425,4 @@ def _below(
     rows = [reading.tokens_of(n) for n in range(above[1][0].line + 1, last + 1) if n != line]
     labels = tuple(RowNode(Word(row[0].text), ()) for row in rows if row)
     grid = GridNode(Word(above[0][1].text), None, row, column, columns, labels)
-    return _asked(RowNode.read, tokens, model, grid)
+    return _asked(RowNode.read, tokens, model, grid, Trivia())

@@ -73,6 +73,7 @@ def rule_sentence(rule: Rule) -> str:
 
 # --- What a word means, in Markdown ---
 
+
 @dataclass(frozen=True, slots=True)
 class Hover:
     """An explanation.
@@ -209,20 +210,14 @@ def _help(text: str, *, first: bool) -> str:
         return STATEMENTS[text].doc
     if text in SHAPES.words:
         numbers = " ".join(parameter_names(text))
-        doc = SHAPES[text].doc
-        return f"`{text} {numbers}`  \n{doc}" if numbers else doc
-    if text in EVEN_SHAPES:
-        return f"evenly spread terms: {EVEN_SHAPES[text]}"
+        return f"`{text} {numbers}`  \n{SHAPES[text].doc}" if numbers else SHAPES[text].doc
     if text in HEDGES.words:
         return f"hedge: {HEDGES[HEDGES.words[text]].doc}"
-    if text in SETTINGS:
-        return SETTINGS[text].doc
-    if text == "exact":
-        return "the integral itself, without samples"
-    if WORDS.get(text):
-        return WORDS[text]
-    norms = [f"{sort} {kinds[text].doc}" for sort, kinds in _NORMS if text in kinds.words]
-    return "; ".join(norms)
+    if text in EVEN_SHAPES:
+        return f"evenly spread terms: {EVEN_SHAPES[text]}"
+    norms = [f"{sort}: {kinds[text].doc}" for sort, kinds in _NORMS if text in kinds.words]
+    setting = SETTINGS[text].doc if text in SETTINGS else ""
+    return setting or WORDS.get(text, "") or "; ".join(norms)
 
 
-_NORMS = (("T-norm:", TNORMS), ("S-norm:", SNORMS))
+_NORMS = (("T-norm", TNORMS), ("S-norm", SNORMS))
