@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
-from fuzzyarm.language.statements import EVEN_SHAPES, LOOKUP_ITEMS, STATEMENTS
+from fuzzyarm.language.statements import LOOKUP_ITEMS, STATEMENTS
 from fuzzyarm.model.rulebase import DEFUZZIFIERS
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.table.grid import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"

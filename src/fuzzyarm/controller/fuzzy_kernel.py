@@ -7,19 +7,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from fuzzyarm.controller.sources import SourceError
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference.defuzzify.aggregate import places, weights
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, plan
-from fuzzyarm.inference.profile import Piece, profile
+from fuzzyarm.inference.sets import Piece, profile
 from fuzzyarm.kernels import kernel
-from fuzzyarm.model.membership import apply_hedge, membership
 from fuzzyarm.model.rulebase import And, Expression, Input, Is, RuleBase
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import apply_hedge, membership
 
 # --- Mamdani inference as a kernel: from numbers of inputs to the crisp output ---
 #
-# A rule base is data, a stretch of a flat list that `controller.fuzzy_kernel`
-# writes; another rule base is other data for the same machine code. Only the rules whose
-# first proposition holds are visited, and only the sets that fired are integrated.
+# A rule base is data, a stretch of a flat list that `rule_numbers` (below) writes; another rule
+# base is other data for the same machine code. Only the rules whose first proposition holds are
+# visited, and only the sets that fired are integrated.
 
 INPUTS, DEGREES, PRODUCT_AND, PRODUCT_THEN, MEMBERS, SAMPLES, SILENT = range(7)
 INPUTS_AT, RULES_AT, OUTPUT_AT = range(7, 10)
@@ -276,7 +276,7 @@ def highest(
     return best, steep, until
 
 
-# --- A rule base as the flat numbers that `controller.fuzzy_kernel` reads ---
+# --- A rule base as the flat numbers that the kernel reads ---
 
 
 @dataclass(frozen=True)
@@ -459,7 +459,7 @@ def _degree(variable: Input, part: Is, x: float) -> float:
 
 def _straight(variable: Input, part: Is) -> tuple[Piece, ...]:
     shape = variable.term(part.term).shape
-    if not SHAPES[shape.kind].piecewise_linear or shape.kind == "singleton":
+    if not SHAPES[shape.kind].straight or shape.kind == "singleton":
         raise SourceError(
             f"term {part.term} of '{variable.name}' is not piecewise linear",
             hint="compile the rule base to a table and run fuzzy-lut with that",

@@ -19,7 +19,7 @@ from typing import Any
 from fuzzyarm.expression import op
 from fuzzyarm.expression.records import Shape, shape
 
-__all__ = ["register"]
+__all__ = ["parameters_and_middles", "register"]
 
 X = Any
 """An expression, a number or an array; a definition takes and gives any of them."""

@@ -36,11 +36,11 @@ from fuzzyarm.language.phrases import (
     read_expression,
 )
 from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Figure, Trivia, Word
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span, display_width
 from fuzzyarm.text.names import quote
 
 __all__ = [
-    "EVEN_SHAPES",
     "STATEMENTS",
     "BlockNode",
     "Broken",
@@ -171,14 +171,6 @@ class VariableNode(NamedTuple):
     def mentions(self) -> Iterator[Occurrence]:
         """Yield the names in it."""
         yield declared(Kind.VARIABLE, self.name)
-
-
-EVEN_SHAPES: dict[str, str] = {
-    "triangles": "each foot under its neighbour's peak",
-    "gaussians": "neighbours cross at one half",
-    "singletons": "evenly spaced values of an output",
-}
-"""The families that ``terms`` can spread evenly over a range."""
 
 
 class EvenTermsNode(NamedTuple):

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import (
     And,
     Expression,
@@ -24,7 +24,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Variable,
 )
-from fuzzyarm.model.shapes import SHAPES, centre, corner_points
+from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, block, scale_of
 from fuzzyarm.text.numbers import number_text
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference.trace import RuleTrace, Trace
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Variable
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import membership
 from fuzzyarm.show.drawing import Scale, marker
 from fuzzyarm.show.rulebase import (
     blocks,

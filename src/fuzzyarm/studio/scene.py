@@ -10,13 +10,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference import explain, infer
 from fuzzyarm.inference.trace import Trace
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.language.statements import GridNode
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
-from fuzzyarm.model.shapes import SHAPES, centre
+from fuzzyarm.model.shapes import centre, membership
 from fuzzyarm.show.drawing import scale_of
 from fuzzyarm.show.rulebase import (
     RuleGrid,

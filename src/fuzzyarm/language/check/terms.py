@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.statements import EvenTermsNode, GridNode
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Input, Output, RuleBase, Variable, propositions
-from fuzzyarm.model.shapes import corners, probe_points
+from fuzzyarm.model.shapes import corners, membership, probe_points
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 
 # --- What a check looks at ---

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
 from fuzzyarm.language.phrases import SETTINGS, Setting, parameter_names
 from fuzzyarm.language.queries.reading import Reading, asked_variable
-from fuzzyarm.language.statements import EVEN_SHAPES, STATEMENTS, GridNode, LookupItem, RowNode
+from fuzzyarm.language.statements import STATEMENTS, GridNode, LookupItem, RowNode
 from fuzzyarm.language.tokens import (
     Cursor,
     Fault,
@@ -28,6 +28,7 @@ from fuzzyarm.language.tokens import (
     tokenize_line,
 )
 from fuzzyarm.model.rulebase import RuleBase, Variable
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.names import nearest
 from fuzzyarm.text.numbers import number_text

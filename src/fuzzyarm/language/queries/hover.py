@@ -11,12 +11,11 @@ from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_name
 from fuzzyarm.language.queries.completion import term_detail
 from fuzzyarm.language.queries.reading import Reading, contains
 from fuzzyarm.language.queries.references import occurrence_at, references
-from fuzzyarm.language.statements import EVEN_SHAPES, STATEMENTS, WORDS, CellNode, GridNode
+from fuzzyarm.language.statements import STATEMENTS, WORDS, CellNode, GridNode
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import rule_node
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Input, Rule, Shape, Variable
-from fuzzyarm.model.shapes import corner_points
+from fuzzyarm.model.shapes import EVEN_SHAPES, corner_points, membership
 from fuzzyarm.text.diagnostic import Span
 from fuzzyarm.text.numbers import number_text
 

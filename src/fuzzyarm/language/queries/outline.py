@@ -10,7 +10,6 @@ from fuzzyarm.language.phrases import SETTINGS, Kind
 from fuzzyarm.language.queries.completion import variable_detail
 from fuzzyarm.language.queries.reading import Reading
 from fuzzyarm.language.statements import (
-    EVEN_SHAPES,
     STATEMENTS,
     WORDS,
     BlockNode,
@@ -20,6 +19,7 @@ from fuzzyarm.language.statements import (
 )
 from fuzzyarm.language.tokens import RESERVED, Token
 from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Span
 
 # --- What kind of word each word is, for colouring a text ---

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from fuzzyarm.model.membership import membership
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.model.rulebase import Input, Output, RuleBase, Term, Variable
-from fuzzyarm.model.shapes import SHAPES, centre, corner_points
+from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.figures.style import COLOURS, axis_label, line_style, new_figure, safe, tidy
 from fuzzyarm.show.figures.surface import draw_response
 from fuzzyarm.show.rulebase import number_words, shape_words, visible_range
