@@ -370,7 +370,7 @@ def _in_comment(text: str, line: int, column: int) -> list[Candidate] | None:
     from fuzzyarm.language.check import CHECKS
 
     span = Span(line, match.start(1) + 1, line, column)
-    return [Candidate(n, "value", n, c.summary, span=span) for n, c in CHECKS.items()]
+    return [Candidate(c.name, "value", c.name, c.doc, span=span) for c in CHECKS.values()]
 
 
 def _offered(
