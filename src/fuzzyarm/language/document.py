@@ -11,6 +11,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.language.statements import STATEMENTS, BlockNode, Broken, StatementNode, aligned
 from fuzzyarm.language.tokens import BlockLine, Cursor, Fault, Line, Token, Trivia, tokenize_line
 from fuzzyarm.model.rulebase import Rule
@@ -254,10 +255,13 @@ def _read_group(group: _Group) -> tuple[StatementNode, Found]:
     # A token that the lexer has already complained of needs no second complaint.
     if any(token.kind == "bad" for token in group.tokens):
         return Broken(group.keyword, cursor.whole), ()
+    hedges = len(HEDGES.words)
     try:
         node: StatementNode = STATEMENTS[group.keyword].node.read(cursor)
         cursor.finish()
     except Fault as fault:
+        if len(HEDGES.words) > hedges:
+            return _read_group(group)  # another package has brought the hedge that was missing
         return Broken(group.keyword, cursor.whole), (fault.diagnostic,)
     return node, tuple(cursor.forgiven)
 

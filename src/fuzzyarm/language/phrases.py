@@ -120,32 +120,18 @@ class PropositionNode(NamedTuple):
     @classmethod
     def read(cls, cursor: Cursor, what: str, role: str = "") -> PropositionNode:
         """Read a proposition that starts with `what`, the name of a variable of `role`."""
-        start = cursor.position
         variable = cursor.variable(what, role, " is")
         if cursor.next_is("("):
-            return cls._behind_hedge(cursor, variable, start, what, role)
+            raise _unknown_hedge(variable)
         cursor.expect("is", f"after the variable '{variable.text}'")
         hedges = HedgeNode.read_all(cursor)
         term = cursor.term(f"a term of '{variable.text}'", variable)
         following = cursor.peek()
         if following is not None and following.kind == "name" and following.text not in _FOLLOW:
-            return cls._behind_hedge(cursor, term, start, what, role)
+            raise _unknown_hedge(term)
+        if cursor.next_is("(") and (number := cursor.peek(1)) and number.kind == "number":
+            raise _unknown_hedge(term)
         return cls(variable, hedges, term)
-
-    @classmethod
-    def _behind_hedge(
-        cls, cursor: Cursor, word: Word, start: int, what: str, role: str
-    ) -> PropositionNode:
-        """Read again where `word` turns out to be a hedge that another package brings."""
-        if word.text in HEDGES:
-            cursor.position = start
-            return cls.read(cursor, what, role)
-        hint, replacement = near_hint(word.text, HEDGES.words)
-        hint = hint or f"hedges are {', '.join(HEDGES.words)}"
-        message = f"unknown hedge '{word.text}'"
-        raise Fault(
-            Diagnostic("unknown-hedge", message, word.span, hint=hint, replacement=replacement)
-        )
 
     def __str__(self) -> str:
         return f"{self.variable} is {_hedged(self.hedges, str(self.term))}"
@@ -158,6 +144,17 @@ class PropositionNode(NamedTuple):
 
 _FOLLOW = ("and", "or", "then", "with")
 """Words that may stand behind a proposition."""
+
+
+def _unknown_hedge(word: Word) -> Fault:
+    """Return the fault of a word that stands where only a hedge can."""
+    HEDGES.get(word.text)  # looks among other packages' kinds, then it is read again
+    hint, replacement = near_hint(word.text, HEDGES.words)
+    hint = hint or f"hedges are {', '.join(HEDGES.words)}"
+    message = f"unknown hedge '{word.text}'"
+    return Fault(
+        Diagnostic("unknown-hedge", message, word.span, hint=hint, replacement=replacement)
+    )
 
 
 # --- Antecedents (`and` binds tighter than `or`) ---

@@ -783,7 +783,7 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "lookup",
             LookupNode,
-            "and below it levels, bins, round",
+            "",
             "how the lookup table is sampled",
             LOOKUP_ITEMS
             | {
