@@ -72,6 +72,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # A command makes many small objects and ends soon: looking for cycles among them takes
     # longer than reading the file that they come from.
     gc.set_threshold(200_000)
+    if sys.stderr.isatty():
+        from fuzzyarm.kernels import watch_compiling
+
+        watch_compiling(_show_compiling)
     try:
         return _dispatch(words)
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
@@ -109,6 +113,16 @@ def _dispatch(words: list[str]) -> int:
     status = run(parser.parse_intermixed_args(words[1:]))
     sys.stdout.flush()
     return int(status)
+
+
+def _show_compiling(name: str | None) -> None:
+    """Say in one line of the terminal what is being compiled; wipe the line afterwards."""
+    untouched = sys.stderr is sys.__stderr__
+    if not untouched:  # a live display has taken over and shows that something happens
+        return
+    told = f"compiling machine code, once: {name}" if name else ""
+    sys.stderr.write(f"\r\x1b[2K{told}")
+    sys.stderr.flush()
 
 
 def _all_mistakes(error: RuleBaseError) -> str:

@@ -177,7 +177,13 @@ def _busy(message: str) -> Any:
         return nullcontext()
     from rich.console import Console
 
-    return Console(stderr=True).status(message)
+    from fuzzyarm.kernels import watch_compiling
+
+    status = Console(stderr=True).status(message)
+    watch_compiling(
+        lambda name: status.update(f"{message}: compiling {name}, once" if name else message)
+    )
+    return status
 
 
 def _as_json(result: Run) -> dict[str, Any]:
