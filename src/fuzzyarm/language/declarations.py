@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TypedDict
 
@@ -39,37 +38,33 @@ _MOST_HINTS = 200
 """Findings beyond these are told without a guess at what was meant."""
 
 
-@dataclass(slots=True)
 class Draft:
     """A variable under construction."""
 
-    node: VariableNode
-    terms: dict[str, Term] = field(default_factory=dict)
-    spread: set[str] = field(default_factory=set)
-    outside: str = "clamp"
-    aggregation: str = "max"
-    defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
-    no_rule: float | str = "error"
-
-    @property
-    def name(self) -> str:
-        """Name of the variable."""
-        return self.node.name.text
-
-    @property
-    def is_input(self) -> bool:
-        """Whether it is an input."""
-        return self.node.role == "input"
+    def __init__(self, node: VariableNode) -> None:
+        self.node = node
+        self.name = node.name.text
+        self.is_input = node.role == "input"
+        self.terms: dict[str, Term] = {}
+        self.spread: set[str] = set()  # names of terms from a `terms` line
+        self.outside = "clamp"
+        self.aggregation = "max"
+        self.defuzzifier = Defuzzifier()
+        self.no_rule: float | str = "error"
 
 
-@dataclass(slots=True)
 class Scope:
-    """The variables of a file by name, and the findings so far."""
+    """The variables of a file by name, and the findings so far.
 
-    drafts: dict[str, Draft] = field(default_factory=dict)
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-    broken_variables: bool = False
-    full: set[str] = field(default_factory=set)
+    `broken_variables` says whether a declaration could not be read, `full` which roles have
+    had more variables than the language takes.
+    """
+
+    def __init__(self) -> None:
+        self.drafts: dict[str, Draft] = {}
+        self.diagnostics: list[Diagnostic] = []
+        self.broken_variables = False
+        self.full: set[str] = set()
 
     @property
     def overflows(self) -> bool:

@@ -7,8 +7,8 @@ next statement. A memory of the last reading keeps an editor quick.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES
@@ -34,8 +34,7 @@ class Statement(NamedTuple):
     trivia: Trivia = Trivia()
 
 
-@dataclass(frozen=True, slots=True)
-class Document:
+class Document(NamedTuple):
     """A whole file.
 
     Attributes
@@ -44,7 +43,7 @@ class Document:
         In order.
     ending : tuple of str
         Comments and blank lines after the last statement.
-    allowed : dict of int to frozenset of str
+    allowed : mapping of int to frozenset of str
         Names that ``# allow`` silences, by line.
     diagnostics : tuple of Diagnostic
         What the lexer and the parser found.
@@ -52,7 +51,7 @@ class Document:
 
     statements: tuple[Statement, ...]
     ending: tuple[str, ...] = ()
-    allowed: dict[int, frozenset[str]] = field(default_factory=dict)
+    allowed: Mapping[int, frozenset[str]] = MappingProxyType({})
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
@@ -61,22 +60,16 @@ class Document:
 _ALLOW = re.compile(r"#\s*allow\s+([\w-]+(?:\s*,\s*[\w-]+)*)")
 
 
-@dataclass(slots=True)
 class _Group:
     """The tokens of one statement and the lines below it, if it takes any."""
 
-    tokens: list[Token]
-    before: tuple[str, ...]
-    behind: str
-    lines: list[BlockLine] = field(default_factory=list)
-
-    @property
-    def keyword(self) -> str:
-        return self.tokens[0].text
-
-    @property
-    def takes_lines(self) -> bool:
-        return STATEMENTS[self.keyword].takes_lines
+    def __init__(self, tokens: tuple[Token, ...], before: tuple[str, ...], behind: str) -> None:
+        self.tokens = list(tokens)
+        self.before = before
+        self.behind = behind
+        self.lines: list[BlockLine] = []
+        self.keyword = tokens[0].text
+        self.takes_lines = STATEMENTS[self.keyword].takes_lines
 
     def takes(self, line: Line) -> bool:
         """Whether `line` belongs here: if indented, or below a grid if it looks like a row."""
@@ -113,7 +106,7 @@ def _group_lines(
             continue
         first = line.tokens[0]
         if first.kind == "name" and first.text in STATEMENTS:
-            groups.append(_Group(list(line.tokens), tuple(waiting), line.comment))
+            groups.append(_Group(line.tokens, tuple(waiting), line.comment))
         elif groups and groups[-1].takes(line):
             groups[-1].extend(line, waiting)
         else:
@@ -131,7 +124,7 @@ def _group_lines(
                 continue
             # Read on as what was probably meant, so that one slip does not look like many.
             meant = first._replace(kind="name", text=replacement)
-            groups.append(_Group([meant, *line.tokens[1:]], tuple(waiting), line.comment))
+            groups.append(_Group((meant, *line.tokens[1:]), tuple(waiting), line.comment))
         waiting = []
     while waiting and waiting[-1] == "":
         waiting.pop()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from fuzzyarm.language.document import Document, ParseMemory, parse_document, print_document
 from fuzzyarm.language.meaning import elaborate
@@ -19,8 +20,7 @@ from fuzzyarm.text.diagnostic import (
 # --- Reading ---
 
 
-@dataclass(frozen=True, slots=True)
-class Parsed:
+class Parsed(NamedTuple):
     """What a text says.
 
     Attributes

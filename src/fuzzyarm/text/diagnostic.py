@@ -39,8 +39,7 @@ NOWHERE = Span(1, 1, 1, 1)
 """The span of what has no place in a text, for instance a model built in Python."""
 
 
-@dataclass(frozen=True, slots=True)
-class Related:
+class Related(NamedTuple):
     """Another place that a diagnostic speaks of, for instance the first of two duplicates."""
 
     message: str

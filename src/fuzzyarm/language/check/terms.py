@@ -6,7 +6,7 @@ Each check is a function from a :class:`Subject`, which is defined here, to its 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.document import Document
@@ -18,8 +18,7 @@ from fuzzyarm.text.diagnostic import Diagnostic, Span
 # --- What a check looks at ---
 
 
-@dataclass(frozen=True, slots=True)
-class Subject:
+class Subject(NamedTuple):
     """A rule base and, where it came from a text, its syntax tree."""
 
     rulebase: RuleBase
