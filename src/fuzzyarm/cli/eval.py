@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.arguments import WordError, read_assignments, require_all
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 from fuzzyarm.text.numbers import number_text
 

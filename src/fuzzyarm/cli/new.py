@@ -20,8 +20,8 @@ from pathlib import Path
 from fuzzyarm.api import check_text
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text
-from fuzzyarm.language.printer import name_text
 from fuzzyarm.language.queries import apply_edits, fixes
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.numbers import number_text
 

@@ -313,7 +313,8 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]
-        self.words = {word: kind for word, kind in self.words.items() if kind != name}
+        for word in [word for word, kind in self.words.items() if kind == name]:
+            del self.words[word]
 
 
 SHAPES: Registry[Shape] = Registry("shape")

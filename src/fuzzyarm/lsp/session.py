@@ -7,9 +7,9 @@ import time
 from collections.abc import Sequence
 
 from fuzzyarm.api import Review, check_parsed, failed_expectations
-from fuzzyarm.language.nodes import GridNode
-from fuzzyarm.language.parser import ParseMemory
+from fuzzyarm.language.document import ParseMemory
 from fuzzyarm.language.queries import Reading, read
+from fuzzyarm.language.statements import GridNode
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Span, split_lines
 

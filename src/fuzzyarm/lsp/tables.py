@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 
-from fuzzyarm.language.printer import name_text
 from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fold, Hover, RenameError, Symbol
-from fuzzyarm.language.tokens import Token
+from fuzzyarm.language.tokens import Token, name_text
 from fuzzyarm.table.header import KEYWORDS
 from fuzzyarm.table.text import line_tokens, parse_lut
 from fuzzyarm.text.diagnostic import Span, split_lines

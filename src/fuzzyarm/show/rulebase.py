@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import (
     And,
     Expression,

@@ -13,8 +13,8 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference import explain, infer
 from fuzzyarm.inference.trace import Trace
-from fuzzyarm.language.nodes import GridNode
 from fuzzyarm.language.queries import Reading
+from fuzzyarm.language.statements import GridNode
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.model.shapes import centre, membership
 from fuzzyarm.show.drawing import scale_of

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from fuzzyarm.language.nodes import Figure, Word
-from fuzzyarm.language.tokens import RESERVED, Cursor, Fault
+from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word, is_reserved
 from fuzzyarm.table.axis import MODES, Axis, TableError, TableHeader
 from fuzzyarm.text.diagnostic import MAX_LEVELS, Diagnostic, Related, Span
 from fuzzyarm.text.names import is_plain_name, near_hint, quote
@@ -36,7 +35,7 @@ VERSION = 1
 
 def spelled(name: str) -> str:
     """Return `name` as a file has it: in single quotes where it must."""
-    plain = is_plain_name(name) and name not in RESERVED and name not in KEYWORDS
+    plain = is_plain_name(name) and not is_reserved(name) and name not in KEYWORDS
     return name if plain else quote(name, "'")
 
 
