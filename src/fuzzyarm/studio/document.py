@@ -77,6 +77,11 @@ class StudioDocument:
         return self.session.review().diagnostics
 
     @property
+    def summary(self) -> str:
+        """How many findings there are of each severity."""
+        return self.session.review().summary
+
+    @property
     def broken(self) -> bool:
         """Whether the text has errors."""
         return self.session.review().failed
