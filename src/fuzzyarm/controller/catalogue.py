@@ -111,9 +111,6 @@ def changed(law: Law, values: dict[str, float], origin: Origin = "printed") -> C
 
 
 # --- The conventional and adaptive controllers of the catalogue ---
-#
-# The values are those of the study where it prints them; the others were identified from
-# its figures (`fuzzyarm identify`) and say so.
 
 UNKNOWN_BODY = ("m_1", "m_2", "x_1", "x_2", "I_1", "I_2", "F_1", "F_2")
 """What a cold start does not know of the arm."""

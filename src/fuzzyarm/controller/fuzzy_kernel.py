@@ -17,9 +17,9 @@ from fuzzyarm.model.shapes import SHAPES
 
 # --- Mamdani inference as a kernel: from numbers of inputs to the crisp output ---
 #
-# A rule base is data, a stretch of a flat list that `controller.fuzzy_kernel`
-# writes; another rule base is other data for the same machine code. Only the rules whose
-# first proposition holds are visited, and only the sets that fired are integrated.
+# A rule base is data, a stretch of a flat list that `rule_numbers` (below) writes; another rule
+# base is other data for the same machine code. Only the rules whose first proposition holds are
+# visited, and only the sets that fired are integrated.
 
 INPUTS, DEGREES, PRODUCT_AND, PRODUCT_THEN, MEMBERS, SAMPLES, SILENT = range(7)
 INPUTS_AT, RULES_AT, OUTPUT_AT = range(7, 10)
@@ -276,7 +276,7 @@ def highest(
     return best, steep, until
 
 
-# --- A rule base as the flat numbers that `controller.fuzzy_kernel` reads ---
+# --- A rule base as the flat numbers that the kernel reads ---
 
 
 @dataclass(frozen=True)

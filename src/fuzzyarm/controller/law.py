@@ -160,7 +160,7 @@ class Law:
     name : str
         Short name.
     kind : int
-        See :mod:`fuzzyarm.controller.law`.
+        One of the numbers above, by which the loop finds the kernel.
     summary : str
         One line.
     gains : tuple of Gain

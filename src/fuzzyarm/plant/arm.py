@@ -372,7 +372,7 @@ def semi_implicit(
     pose : Pose
         Of `state`.
     numbers, at
-        The constants of the arm, see :func:`fuzzyarm.plant.arm.joint_acceleration`.
+        The constants of the arm, see :func:`joint_acceleration`.
     step : float
         dt, s.
     single : bool

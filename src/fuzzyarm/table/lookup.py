@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable
 
 
-# --- Looking up many points as machine code: the twin of `table.lookup` ---
+# --- Machine code for many points ---
 #
 # A number finds its place among the points of an axis without a search: the range is cut into
 # even buckets, each of which knows how many points lie in buckets below, and a comparison with
