@@ -251,7 +251,7 @@ def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
 
 
 def _report_lines(report: CompileReport, out: str) -> list[str]:
-    from fuzzyarm.show.rulebase import number_words
+    from fuzzyarm.show.drawing import number_words
 
     lines = [_table_words(report.table, out)]
     if report.default_levels:
@@ -292,7 +292,7 @@ def _export_data(exported: Exported) -> dict[str, Any]:
 
 
 def _export_lines(exported: Exported) -> list[str]:
-    from fuzzyarm.show.rulebase import number_words
+    from fuzzyarm.show.drawing import number_words
 
     lines = [f"{path}: {len(text.encode()):,} bytes of source" for path, text in exported.files]
     for call, routine in zip(exported.calls, exported.routines, strict=True):

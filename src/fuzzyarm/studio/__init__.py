@@ -1,6 +1,5 @@
 """The studio: a rule base on the left, what it means on the right, redrawn while it is typed.
 
-The scene and its drawings (:mod:`fuzzyarm.studio.scene`, :mod:`fuzzyarm.studio.drawing`) need
-rich alone, and ``fuzzyarm watch`` shows them too; :mod:`fuzzyarm.studio.app` needs the extra
-``fuzzyarm[studio]``.
+The scenes (:mod:`fuzzyarm.studio.scene`) need rich alone, and ``fuzzyarm watch`` shows them
+too; :mod:`fuzzyarm.studio.app` needs the extra ``fuzzyarm[studio]``.
 """

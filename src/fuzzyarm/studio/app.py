@@ -17,7 +17,6 @@ from textual.widgets.option_list import Option
 from fuzzyarm.language.queries import apply_edits, coloured, fixes
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.panes import Editor, View
-from fuzzyarm.studio.scene import findings_text
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 from fuzzyarm.text.files import write_atomically
 
@@ -104,7 +103,7 @@ class Studio(App[int]):
     def _show_title(self) -> None:
         text = Text(f" {Path(self.document.path).name}", "bold", no_wrap=True)
         text.append(" • " if self.is_changed else "   ", "yellow")
-        text.append(findings_text(self.document.findings), "not bold")
+        text.append(self.document.summary, "not bold")
         if not self.document.is_current and self.document.scene is not None:
             text.append("   the drawing shows the last sound text", "not bold yellow")
         self.query_one("#title", Static).update(text)

@@ -13,23 +13,17 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import explain, infer
 from fuzzyarm.inference.trace import Trace
 from fuzzyarm.language.nodes import GridNode
+from fuzzyarm.language.printer import name_text
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
-from fuzzyarm.model.shapes import SHAPES, centre
-from fuzzyarm.show.drawing import scale_of
-from fuzzyarm.show.rulebase import (
-    RuleGrid,
-    find_grids,
-    grid_title,
-    name_words,
-    number_words,
-    rule_grid,
-    rule_words,
-    visible_range,
-)
-from fuzzyarm.studio.drawing import LinePlot, SurfaceMap, firing_view, term_lines
-from fuzzyarm.text.diagnostic import Diagnostic, Span
+from fuzzyarm.model.shapes import centre
+from fuzzyarm.show.drawing import number_words, scale_of
+from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rules_view
+from fuzzyarm.show.surface import LinePlot, SurfaceMap
+from fuzzyarm.show.terms import TermPlots, is_set, visible_range
+from fuzzyarm.show.trace import firing_view
+from fuzzyarm.text.diagnostic import Span
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -134,21 +128,12 @@ class Scene(ABC):
         text = Text(no_wrap=False)
         for name, value in self.point.items():
             moves = "←→" if name == self.across else "↑↓" if name == self.down else ""
-            text.append(f"{name_words(name)} ", "bold")
+            text.append(f"{name_text(name)} ", "bold")
             text.append(f"{number_words(value, 4)}", "cyan")
             text.append(f" {moves}  " if moves and keys else "  ", "dim")
         text.append("→ ", "dim")
         text.append(self.result(), "bold")
         return text
-
-
-def findings_text(found: tuple[Diagnostic, ...]) -> str:
-    """Return how many findings there are of each gravity."""
-    counts: dict[str, int] = {}
-    for diagnostic in found:
-        counts[str(diagnostic.severity)] = counts.get(str(diagnostic.severity), 0) + 1
-    words = [f"{n} {kind}{'s' if n > 1 and kind != 'info' else ''}" for kind, n in counts.items()]
-    return ", ".join(words) if words else "no findings"
 
 
 # --- A rule base in the studio: its surface, its rules, its terms and one inference ---
@@ -216,9 +201,7 @@ class RulebaseScene(Scene):
         trace = self.trace()
         if isinstance(trace, str):
             return "no value"
-        return ", ".join(
-            f"{name_words(o.name)} = {number_words(o.value, 4)}" for o in trace.outputs
-        )
+        return ", ".join(f"{name_text(o.name)} = {number_words(o.value, 4)}" for o in trace.outputs)
 
     def _values(self, inputs: Mapping[str, Any], output: Output) -> Any:
         """Return the output over arrays, NaN where no rule fires and nothing is said of that."""
@@ -251,7 +234,7 @@ class RulebaseScene(Scene):
 
         output = self.rulebase.output(self.output)
         low, high = visible_range(output)
-        title = Text(f"{name_words(output.name)}  {output.description}", "bold", no_wrap=True)
+        title = Text(f"{name_text(output.name)}  {output.description}", "bold", no_wrap=True)
         across = self.ranges[self.across]
         if not self.down:
             count = 2 * max(8, width - 9)
@@ -277,48 +260,18 @@ class RulebaseScene(Scene):
         return Group(title, drawing)
 
     def _rules(self, width: int, height: int) -> RenderableType:
-        from rich.console import Group
-        from rich.text import Text
-
         trace = self.trace()
         strengths: dict[Span, float] = {}
         if not isinstance(trace, str):
             rules = self.rulebase.rules
-            strengths = {
-                rules[r.number - 1].span: r.strength for r in trace.rules if r.strength > 0
-            }
-        parts: list[RenderableType] = []
-        for block in self.rulebase.blocks:
-            grids, others = find_grids(block)
-            for grid in grids:
-                parts += [Text(grid_title(grid), "bold"), self._marked(grid, strengths), Text()]
-            for rule in others:
-                strength = strengths.get(rule.span, 0.0)
-                style = "bold" if strength else "dim"
-                parts.append(Text(f"{strength:.2f}  {rule_words(rule)}", style))
-        return Group(*parts)
-
-    def _marked(self, grid: RuleGrid, strengths: Mapping[Span, float]) -> RenderableType:
-        drawn = rule_grid(grid, self.rulebase)
-        rows = drawn.rows if grid.row else [""]
-        chosen = self._chosen(grid)
-        cells = []
-        for label, line in zip(rows, drawn.cells, strict=True):
-            row = []
-            for column, (text, style) in zip(drawn.columns, line, strict=True):
-                rules = grid.cells.get((label, column), [])
-                fires = max((strengths.get(rule.span, 0.0) for rule, _ in rules), default=0.0)
-                marked = f"bold underline {style}" if fires else style
-                row.append((text, "bold black on yellow" if (label, column) == chosen else marked))
-            cells.append(row)
-        return replace(drawn, cells=cells)
+            strengths = {rules[r.number - 1].span: r.strength for r in trace.fired}
+        return rules_view(self.rulebase, strengths, self._chosen)
 
     def _terms(self, width: int, height: int) -> RenderableType:
         from rich.console import Group
 
-        parts = [term_lines(v, width, self.point[v.name]) for v in self.rulebase.inputs]
-        parts += [term_lines(output, width) for output in self.rulebase.outputs]
-        return Group(*parts)
+        inputs = [TermPlots(v, at=self.point[v.name], width=width) for v in self.rulebase.inputs]
+        return Group(*inputs, *(TermPlots(v, width=width) for v in self.rulebase.outputs))
 
     def _firing(self) -> RenderableType:
         from rich.text import Text
@@ -406,7 +359,7 @@ class RulebaseScene(Scene):
 
 
 def _fuzzy_terms(variable: Variable) -> list[Any]:
-    return [term for term in variable.terms if SHAPES[term.shape.kind].fuzzy]
+    return [term for term in variable.terms if is_set(term.shape)]
 
 
 def _index(value: float, ends: tuple[float, float], count: int) -> int:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from fuzzyarm.show.drawing import scale_of
-from fuzzyarm.show.rulebase import name_words, number_words
-from fuzzyarm.studio.drawing import LinePlot, SurfaceMap
+from fuzzyarm.language.printer import name_text
+from fuzzyarm.show.drawing import number_words, scale_of
+from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.studio.scene import Scene
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.text.diagnostic import Span, split_lines
@@ -67,7 +67,7 @@ class TableScene(Scene):
     def result(self) -> str:
         """Return the value that the table gives."""
         value = float(self.table.lookup(*(self.point[name] for name in self.table.names)))
-        return f"{name_words(self.table.output)} = {number_words(value, 6)}"
+        return f"{name_text(self.table.output)} = {number_words(value, 6)}"
 
     def draw(self, view: str, width: int, height: int) -> RenderableType:
         """Return the drawing of a view in a given room."""
@@ -81,7 +81,7 @@ class TableScene(Scene):
         from rich.console import Group
         from rich.text import Text
 
-        title = Text(f"{name_words(self.table.output)}  {self.table.description}", "bold")
+        title = Text(f"{name_text(self.table.output)}  {self.table.description}", "bold")
         names, cell = self.table.names, list(self.cell)
         i = names.index(self.across)
         columns = len(self.table.axes[i].levels)
