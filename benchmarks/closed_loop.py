@@ -26,8 +26,8 @@ from fuzzyarm.controller import controller
 from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
 from fuzzyarm.inference.defuzzify.aggregate import places
 from fuzzyarm.loop import Options, simulate, simulate_batch
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import RuleBase, propositions
+from fuzzyarm.model.shapes import membership
 from fuzzyarm.plant import reach_return
 
 ROUNDS = 7

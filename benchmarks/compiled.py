@@ -36,7 +36,7 @@ from ratios import Ratio, in_turns, number, quarters, ratio
 
 from fuzzyarm import compiled, infer
 from fuzzyarm.inference.kernel.compiled import machine
-from fuzzyarm.inference.profile import polyline
+from fuzzyarm.inference.sets import polyline
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.files import write_atomically
 

@@ -15,9 +15,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.model.rulebase import (
-    CONJUNCTIONS,
-    DISJUNCTIONS,
     SAMPLINGS,
     And,
     Consequent,
@@ -39,6 +38,8 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+
+CONJUNCTIONS, DISJUNCTIONS = tuple(TNORMS), tuple(SNORMS)
 
 Draw = Any
 

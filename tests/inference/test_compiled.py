@@ -13,8 +13,6 @@ from hypothesis import strategies as st
 from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer
 from fuzzyarm.inference.kernel.compiled import machine
 from fuzzyarm.model.rulebase import (
-    CONJUNCTIONS,
-    DISJUNCTIONS,
     And,
     Consequent,
     Defuzzifier,
@@ -29,7 +27,15 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases
+from tests.strategies import (
+    CONJUNCTIONS,
+    DISJUNCTIONS,
+    SMOOTH,
+    STRAIGHT,
+    input_points,
+    plain_mamdani,
+    rulebases,
+)
 
 slow_draws = settings(
     deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large]

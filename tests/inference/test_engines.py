@@ -253,7 +253,7 @@ def test_importing_and_a_single_point_need_no_array_library() -> None:
 
 @pytest.mark.slow
 def test_every_combination_of_norms_agrees_in_both_engines(pd7: RuleBase) -> None:
-    from fuzzyarm.model.rulebase import CONJUNCTIONS, DISJUNCTIONS
+    from tests.strategies import CONJUNCTIONS, DISJUNCTIONS
 
     e, ce = np.array([1.3, -6.0, 0.0, 3.0]), np.array([-2.2, 6.0, 0.0, 5.5])
     for implication, aggregation in itertools.product(CONJUNCTIONS, DISJUNCTIONS):

@@ -12,15 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.defuzzify import centroid
-from fuzzyarm.inference.membership import SNORMS as ARRAY_SNORMS
-from fuzzyarm.inference.membership import TNORMS as ARRAY_TNORMS
-from fuzzyarm.inference.membership import membership as array_membership
 from fuzzyarm.inference.overlap import closed_form
 from fuzzyarm.inference.plan import OutputPlan, plan
-from fuzzyarm.model.membership import SNORMS, TNORMS, membership
+from fuzzyarm.inference.sets import degrees as array_membership
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape
+from fuzzyarm.model.shapes import membership
 from tests.strategies import SMOOTH, STRAIGHT, plain_mamdani
 
 
@@ -49,14 +48,14 @@ def integrals(
 
 def brute_force(output: OutputPlan, fired: list[tuple[int, float]], parts: int) -> float | None:
     """Integrate the definition itself: no fold, no pieces, no shared code but the shapes."""
-    norm = SNORMS[output.output.aggregation]
+    norm = SNORMS[output.output.aggregation].scalar
 
     def aggregate(y: float) -> float:
         total = 0.0
         for index, strength in fired:
             member = output.members[index]
             total = norm(
-                total, TNORMS[member.implication](strength, membership(member.term.shape, y))
+                total, TNORMS[member.implication].scalar(strength, membership(member.term.shape, y))
             )
         return total
 
@@ -113,8 +112,8 @@ def fine_sum(output: OutputPlan, fired: list[tuple[int, float]], count: int) -> 
     for index, strength in fired:
         member = output.members[index]
         degree = array_membership(member.term.shape, places)
-        cut = ARRAY_TNORMS[member.implication](np.full(count, strength), degree)
-        total = ARRAY_SNORMS[output.output.aggregation](total, cut)
+        cut = TNORMS[member.implication].array(np.full(count, strength), degree)
+        total = SNORMS[output.output.aggregation].array(total, cut)
     return float((total * places).sum() / total.sum()) if total.max() > 1e-9 else None
 
 

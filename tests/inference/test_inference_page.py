@@ -22,7 +22,8 @@ def test_the_example_runs_as_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_every_norm_and_defuzzifier_is_named() -> None:
-    from fuzzyarm.model.rulebase import CONJUNCTIONS, DEFUZZIFIERS, DISJUNCTIONS, SAMPLINGS
+    from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+    from tests.strategies import CONJUNCTIONS, DISJUNCTIONS
 
     for name in (*CONJUNCTIONS, *DISJUNCTIONS, *DEFUZZIFIERS, *SAMPLINGS):
         assert f"`{name}" in PAGE, name

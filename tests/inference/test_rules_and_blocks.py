@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.inference import (
     CyclicRulesError,
     InferenceError,
@@ -20,7 +21,6 @@ from fuzzyarm.inference import (
     compiled,
     infer,
 )
-from fuzzyarm.model.formula import FormulaError
 from fuzzyarm.model.rulebase import (
     And,
     Defuzzifier,

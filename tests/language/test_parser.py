@@ -89,7 +89,7 @@ def test_even_triangles_have_their_feet_under_the_neighbours_peaks():
 
 
 def test_even_gaussians_cross_at_one_half():
-    from fuzzyarm.model.membership import membership
+    from fuzzyarm.model.shapes import membership
 
     rulebase = parse(
         "rulebase t\ninput e 0 .. 10\noutput u 0 .. 1\nterms e: gaussians A B C\n"

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.tokens import HEDGE_WORDS, LOOKUP_ITEMS, STATEMENTS
 from fuzzyarm.model.rulebase import DEFUZZIFIERS
-from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.table.grid import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"

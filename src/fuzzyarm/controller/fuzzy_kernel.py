@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from fuzzyarm.controller.sources import SourceError
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference.defuzzify.aggregate import places, weights
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, plan
-from fuzzyarm.inference.profile import Piece, profile
+from fuzzyarm.inference.sets import Piece, profile
 from fuzzyarm.kernels import kernel
-from fuzzyarm.model.membership import apply_hedge, membership
 from fuzzyarm.model.rulebase import And, Expression, Input, Is, RuleBase
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import apply_hedge, membership
 
 # --- Mamdani inference as a kernel: from numbers of inputs to the crisp output ---
 #
@@ -459,7 +459,7 @@ def _degree(variable: Input, part: Is, x: float) -> float:
 
 def _straight(variable: Input, part: Is) -> tuple[Piece, ...]:
     shape = variable.term(part.term).shape
-    if not SHAPES[shape.kind].piecewise_linear or shape.kind == "singleton":
+    if not SHAPES[shape.kind].straight or shape.kind == "singleton":
         raise SourceError(
             f"term {part.term} of '{variable.name}' is not piecewise linear",
             hint="compile the rule base to a table and run fuzzy-lut with that",

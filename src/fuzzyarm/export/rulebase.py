@@ -28,10 +28,10 @@ from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import C_TYPES, Precision, c_number, precision_named
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference import infer
-from fuzzyarm.inference.profile import polyline
 from fuzzyarm.model.rulebase import Input, RuleBase
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import polyline
 from fuzzyarm.table.compiler import choose_output, defuzzifier_words
 
 _DENSE_POINTS = 60_000
@@ -317,7 +317,7 @@ def corners_of(variable: Input) -> list[float]:
     """Return the corners of the straight terms of a variable, in order; its ends too."""
     places = {x for x in (variable.low, variable.high) if math.isfinite(x)}
     for term in variable.terms:
-        if SHAPES[term.shape.kind].piecewise_linear and term.shape.kind != "singleton":
+        if SHAPES[term.shape.kind].straight and term.shape.kind != "singleton":
             places |= {x for x, _ in polyline(term.shape) if math.isfinite(x)}
         elif term.shape.kind == "singleton":
             places.add(term.shape.parameters[0])

@@ -24,11 +24,12 @@ from fuzzyarm.export.expression import (
     times,
 )
 from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.profile import Piece, polyline
+from fuzzyarm.inference.sets import Piece
 from fuzzyarm.model.rulebase import Hedge, Term
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import polyline
 
 # --- Membership in straight terms, hedges and norms as straight-line arithmetic ---
 
@@ -49,7 +50,7 @@ def degree_of(term: Term, variable: str, x: Expression) -> Expression:
     shape = term.shape
     if shape.kind == "singleton":
         return Select("==", x, Number(shape.parameters[0]), Number(shape.height), ZERO)
-    if not SHAPES[shape.kind].piecewise_linear:
+    if not SHAPES[shape.kind].straight:
         raise ExportError(
             f"the direct inference cannot be exported: term '{term.name}' of '{variable}' is"
             f" {shape.kind}, and only straight shapes do without a mathematical library",

@@ -8,6 +8,7 @@ calls as a user's own (:mod:`~fuzzyarm.expression.kinds`).
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,7 +16,7 @@ from itertools import product
 from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.expression.nodes import Node, symbols, trace
+from fuzzyarm.expression.nodes import Node, apply, symbol, symbols, trace
 
 __all__ = [
     "HEDGES",
@@ -79,7 +80,7 @@ class Kind:
 
     name: str
     parameters: tuple[str, ...]
-    function: Definition
+    function: Definition | None
     doc: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
     own: bool = False
@@ -94,6 +95,8 @@ class Kind:
     @cached_property
     def expression(self) -> Node:
         """The definition as an expression, traced at the first use."""
+        if self.function is None:
+            raise TypeError(f"a {self.name} has no expression of its own")
         return trace(self.function, self.symbols)
 
     @cached_property
@@ -120,6 +123,8 @@ class Shape(Kind):
         Whether its numbers must not decrease.
     positive : tuple of str
         Parameters that must be greater than 0.
+    nonzero : tuple of str
+        Parameters that must not be 0.
     unbounded : tuple of str
         Parameters that may be infinite.
     corners : callable or None
@@ -140,18 +145,54 @@ class Shape(Kind):
 
     ordered: bool = False
     positive: tuple[str, ...] = ()
+    nonzero: tuple[str, ...] = ()
     unbounded: tuple[str, ...] = ()
     corners: Callable[..., Sequence[Corner]] | None = None
     bends: Callable[..., Sequence[float]] | None = None
     turns: Callable[..., Sequence[float]] | None = None
     centre: Callable[..., float] | None = None
     fuzzy: bool = True
-    summary_of_numbers: str = ""
 
     @property
     def straight(self) -> bool:
         """Whether it is made of straight pieces."""
         return self.corners is not None
+
+    @cached_property
+    def scalar(self) -> Callable[..., float]:
+        """The degree of a float: x, then the parameters."""
+        if self.function is None and self.corners is not None:
+            corners = self.corners
+            return lambda x, *parameters: degree_on_polyline(corners(*parameters), x)
+        return super().scalar
+
+    def array(self, *arguments: Any) -> Any:
+        """Return the degrees over an array: x, then the parameters."""
+        if self.function is None and self.corners is not None:
+            return degrees_on_polyline(self.corners(*arguments[1:]), arguments[0])
+        return super().array(*arguments)
+
+
+def degree_on_polyline(corners: Sequence[Corner], x: float) -> float:
+    """Return the height of a line through corners; the greatest on a vertical edge."""
+    i = bisect_left(corners, x, key=lambda corner: corner[0])
+    if i < len(corners) and corners[i][0] == x:
+        return max(y for a, y in corners[i : i + 3] if a == x)
+    if i in {0, len(corners)}:
+        return corners[0 if i == 0 else -1][1]
+    (x0, y0), (x1, y1) = corners[i - 1], corners[i]
+    return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+
+
+def degrees_on_polyline(corners: Sequence[Corner], x: Any) -> Any:
+    """Return the heights of a line through corners over an array."""
+    import numpy as np
+
+    xs, ys = np.array(corners).T
+    degrees = np.interp(x, xs, ys)
+    for edge in np.unique(xs[1:][xs[1:] == xs[:-1]]):
+        degrees = np.where(x == edge, ys[xs == edge].max(), degrees)
+    return np.asarray(degrees, dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,6 +216,16 @@ class Norm(Kind):
     aggregates: bool = False
 
     arguments: ClassVar[tuple[str, ...]] = ("a", "b")
+
+    def array(self, *arguments: Any) -> Any:
+        """Return the norm of two arrays of degrees."""
+        for name in ("minimum", "maximum"):
+            if self.expression is apply(name, *map(symbol, self.symbols)):
+                import numpy as np
+
+                # NumPy's own are faster; they differ in NaN and -0.0, which are not degrees.
+                return getattr(np, name)(*arguments)
+        return super().array(*arguments)
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,10 +256,16 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
     """Kinds of one sort by name, in the order of their registration.
 
     A name that is not built in is looked for among the entry points, once.
+
+    Attributes
+    ----------
+    words : dict of str to str
+        Every word that means a kind now, and the name of that kind: aliases are words too.
     """
 
     def __init__(self, sort: str) -> None:
         self.sort = sort
+        self.words: dict[str, str] = {}
         self._kinds: dict[str, _Kind] = {}
 
     def __getitem__(self, name: str) -> _Kind:
@@ -242,6 +299,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
             message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
             raise KindError(message, kind.name)
         self._kinds[kind.name] = kind
+        self.words |= dict.fromkeys((kind.name, *getattr(kind, "aliases", ())), kind.name)
         return kind
 
     def remove(self, name: str) -> None:
@@ -249,6 +307,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]
+        self.words = {word: kind for word, kind in self.words.items() if kind != name}
 
 
 SHAPES: Registry[Shape] = Registry("shape")
@@ -279,7 +338,7 @@ def load_entry_points() -> None:
 # ── registration ─────────────────────────────────────────────────────────────────────
 
 
-def shape(name: str, parameters: Sequence[str], function: Definition, **facts: Any) -> Shape:
+def shape(name: str, parameters: Sequence[str], function: Definition | None, **facts: Any) -> Shape:
     """Register a kind of membership function.
 
     Parameters

@@ -19,7 +19,7 @@ from typing import Any
 from fuzzyarm.expression import op
 from fuzzyarm.expression.records import Shape, shape
 
-__all__ = ["register"]
+__all__ = ["parameters_and_middles", "register"]
 
 X = Any
 """An expression, a number or an array; a definition takes and gives any of them."""
@@ -329,6 +329,7 @@ def register() -> None:
         ("centre", "width", "slope"),
         bell,
         doc="1 / (1 + |(x − centre) / width|^(2 slope))",
+        nonzero=("width",),
         bends=lambda centre, width, slope: _around(centre, width),
         turns=lambda *p: p[:1],
         centre=lambda *p: p[0],
@@ -416,6 +417,7 @@ def register() -> None:
         ("centre", "width"),
         spike,
         doc="exp(−|10 (x − centre) / width|)",
+        nonzero=("width",),
         bends=lambda centre, width: _around(centre, 0.1 * width),
         turns=lambda centre, width: (centre,),
         centre=lambda centre, width: centre,

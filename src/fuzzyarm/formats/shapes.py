@@ -6,9 +6,9 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.findings import Findings, Word
 from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import SHAPES
 
 # --- Make a Shape of a foreign term, or say what is wrong with its numbers ---
 

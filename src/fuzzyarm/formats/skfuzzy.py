@@ -21,7 +21,6 @@ from fuzzyarm.formats.findings import VALUES, Findings, Imported
 from fuzzyarm.formats.rules import NOT, hedged
 from fuzzyarm.formats.shapes import reverse
 from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -38,6 +37,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.model.shapes import membership
 from fuzzyarm.text.diagnostic import Diagnostic
 
 # --- From a control system of scikit-fuzzy to a rule base ---

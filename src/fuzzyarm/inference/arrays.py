@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.defuzzify.arrays import Strengths
 from fuzzyarm.inference.defuzzify.dispatch import defuzzify_over_arrays
 from fuzzyarm.inference.errors import (
@@ -23,9 +24,10 @@ from fuzzyarm.inference.errors import (
     NothingHeldError,
     OutsideRangeError,
 )
-from fuzzyarm.inference.membership import SNORMS, TNORMS, apply_hedges, membership
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan
 from fuzzyarm.inference.point import check_names, stands_in_for_nan
+from fuzzyarm.inference.sets import degrees as degrees_in
+from fuzzyarm.inference.sets import hedged
 from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Output, RuleBase, Variable
 
 # --- Cut the shape of a result into blocks that stay in the processor's cache ---
@@ -244,12 +246,12 @@ class _Chunk:
             return self._proposition(expression, planned)
         if isinstance(expression, Hedged):
             inner = self._truth(expression.operand, planned)
-            return apply_hedges(
+            return hedged(
                 expression.hedges, np.zeros((1,) * len(self.shape)) if inner is None else inner
             )
         if isinstance(expression, And):
             return self._conjunction(expression, planned)
-        norm = SNORMS[planned.disjunction]
+        norm = SNORMS[planned.disjunction].array
         truth: Array | None = None
         for operand in expression.operands:
             degree = self._truth(operand, planned)
@@ -264,7 +266,7 @@ class _Chunk:
             if degree is None:
                 return None
             degrees.append(degree)
-        norm = TNORMS[planned.conjunction]
+        norm = TNORMS[planned.conjunction].array
         truth = degrees[0]
         for degree in degrees[1:]:
             truth = norm(truth, degree)
@@ -278,7 +280,7 @@ class _Chunk:
         if key not in degrees:
             shape = self.plan.rulebase.variable(part.variable).term(part.term).shape
             value = self.values[part.variable]
-            degree = membership(shape, value, part.hedges)
+            degree = degrees_in(shape, value, part.hedges)
             if part.variable in self.plan.outputs:  # an earlier output may be without a value
                 degree = np.where(np.isnan(value), 0.0, degree)
             degrees[key] = degree if degree.any() else None
@@ -287,12 +289,12 @@ class _Chunk:
     def _degree_so_far(self, part: Is) -> Array:
         """How far the rules so far assert a term of an output of the same block."""
         output = self.plan.outputs[part.variable]
-        norm = SNORMS[output.output.aggregation]
+        norm = SNORMS[output.output.aggregation].array
         total: Array = np.zeros((1,) * len(self.shape))
         for member, strength in self._strengths[part.variable]:
             if output.members[member].term.name == part.term:
                 total = norm(total, strength)
-        return apply_hedges(part.hedges, total)
+        return hedged(part.hedges, total)
 
     def _conclude(self, output_plan: OutputPlan) -> Array:
         output = output_plan.output

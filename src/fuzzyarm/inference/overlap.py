@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from fuzzyarm.inference.profile import Piece
+from fuzzyarm.inference.sets import Piece
 
 MOST_OVERLAPPING = 10
 """With more sets than this over one place the closed form grows too long."""

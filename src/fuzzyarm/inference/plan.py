@@ -12,11 +12,19 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+from fuzzyarm.expression.formulas import CONSTANTS, Formula
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
-from fuzzyarm.inference.profile import Piece, Stretch, middle_of_core, profile, stretches
-from fuzzyarm.model.formula import CONSTANTS, Node, names, parse_formula
-from fuzzyarm.model.membership import FUNCTIONS, apply_hedges, membership
+from fuzzyarm.inference.sets import (
+    POSITION,
+    Piece,
+    Stretch,
+    formula_of,
+    middle_of_core,
+    profile,
+    stretches,
+    term_function,
+)
 from fuzzyarm.model.rulebase import (
     Consequent,
     Hedge,
@@ -33,9 +41,6 @@ from fuzzyarm.model.rulebase import (
 
 WEIGHTED = frozenset({"weighted-average", "weighted-sum", "tsukamoto"})
 """Defuzzifiers that turn every consequent into a number first."""
-
-PLACE = "x"
-"""The name under which a formula that is a membership function knows its place."""
 
 
 class Member(NamedTuple):
@@ -67,7 +72,7 @@ class Member(NamedTuple):
     membership: Callable[[float], float]
     pieces: tuple[Piece, ...] = ()
     value: float | None = None
-    formula: Node | None = None
+    formula: Formula | None = None
 
 
 class OutputPlan(NamedTuple):
@@ -251,7 +256,7 @@ def _outputs_used(rulebase: RuleBase, block: RuleBlock) -> list[str]:
         for consequent in rule.consequents:
             shape = outputs[consequent.variable].term(consequent.term).shape
             if shape.kind == "formula":
-                used += [n for n in names(parse_formula(shape.formula)) if n != consequent.variable]
+                used += [n for n in formula_of(shape).names if n != consequent.variable]
     return [name for name in dict.fromkeys(used) if name in outputs]
 
 
@@ -328,7 +333,7 @@ def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
 
 def _is_value(shape: Shape) -> bool:
     if shape.kind == "formula":
-        return PLACE not in names(parse_formula(shape.formula))
+        return POSITION not in formula_of(shape).names
     return shape.kind in {"singleton", "linear"}
 
 
@@ -355,42 +360,42 @@ def _member(
     *,
     discrete: bool,
 ) -> Member:
-    shape, node = term.shape, None
+    shape, formula = term.shape, None
     if shape.kind == "formula":
-        node = parse_formula(shape.formula)
-        _check_formula(rulebase, output, term, node, discrete=discrete)
+        formula = formula_of(shape)
+        _check_formula(rulebase, output, term, formula, discrete=discrete)
     if shape.kind == "linear" and len(shape.parameters) != len(rulebase.inputs) + 1:
         raise InferenceError(
             f"'{output.name} is {term.name}' needs {len(rulebase.inputs) + 1} numbers"
             f" (one for each input and the constant), not {len(shape.parameters)}"
         )
-    function = set_function(shape, hedges, node)
+    function = term_function(shape, hedges)
     if _is_value(shape) and discrete:
         if hedges:
             raise InferenceError(
                 f"'{output.name} is {term.name}' is a value, and hedges modify sets only"
             )
         value = shape.parameters[0] if shape.kind == "singleton" else None
-        return Member(term, hedges, implication, function, value=value, formula=node)
-    pieces = _pieces(output, term, hedges, function, node)
+        return Member(term, hedges, implication, function, value=value, formula=formula)
+    pieces = _pieces(output, term, hedges, function, formula)
     if output.defuzzifier.method in {"weighted-average", "weighted-sum"}:
         value = middle_of_core(pieces, function)
         return Member(term, hedges, implication, function, pieces, value)
-    return Member(term, hedges, implication, function, pieces, formula=node)
+    return Member(term, hedges, implication, function, pieces, formula=formula)
 
 
 def _check_formula(
-    rulebase: RuleBase, output: Output, term: Term, node: Node, *, discrete: bool
+    rulebase: RuleBase, output: Output, term: Term, formula: Formula, *, discrete: bool
 ) -> None:
     known = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
-    for name in names(node):
-        if name == PLACE and name not in known and not discrete:
+    for name in formula.names:
+        if name == POSITION and name not in known and not discrete:
             continue
         if name not in known and name not in CONSTANTS:
             raise UnknownNameError(name, known, what="variable")
         if name in known and not _is_value(term.shape):
             raise InferenceError(
-                f"'{output.name} is {term.name}' is a set: its formula may use {PLACE} only"
+                f"'{output.name} is {term.name}' is a set: its formula may use {POSITION} only"
             )
 
 
@@ -399,65 +404,17 @@ def _pieces(
     term: Term,
     hedges: tuple[Hedge, ...],
     function: Callable[[float], float],
-    node: Node | None,
+    formula: Formula | None,
 ) -> tuple[Piece, ...]:
     if not (math.isfinite(output.low) and math.isfinite(output.high)):
         raise InferenceError(
             f"{output.defuzzifier.method} needs a finite range, and that of '{output.name}'"
             f" is {output.low:g} .. {output.high:g}"
         )
-    if node is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown place
+    if formula is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown place
         framed = Shape("arc", (output.low, output.high))
         return profile(framed, (), function, output.low, output.high)
     return profile(term.shape, hedges, function, output.low, output.high)
-
-
-def set_function(
-    shape: Shape, hedges: tuple[Hedge, ...], node: Node | None = None
-) -> Callable[[float], float]:
-    """Return the membership of one place in a set, as a function.
-
-    Parameters
-    ----------
-    shape : Shape
-        The set.
-    hedges : tuple of Hedge
-        The last acts first.
-    node : formula tree, optional
-        Of a ``formula`` in the place `x`.
-
-    Returns
-    -------
-    callable
-        From a float to a float.
-    """
-    if node is not None:
-        from fuzzyarm.model.formula import evaluate
-
-        def base(x: float) -> float:
-            return shape.height * evaluate(node, {PLACE: x})
-
-    elif shape.kind in FUNCTIONS:
-
-        def base(x: float) -> float:
-            return membership(shape, x)
-
-    else:
-
-        def base(x: float) -> float:
-            raise InferenceError(f"a {shape.kind} consequent is no set")
-
-    if not hedges:
-        return base
-
-    return lambda x: apply_hedges(hedges, base(x))
-
-
-def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> Callable[[float], float]:
-    """Return the membership in a term of an input, as a function of the place."""
-    return set_function(
-        shape, hedges, parse_formula(shape.formula) if shape.kind == "formula" else None
-    )
 
 
 def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, product
 from typing import NamedTuple
 
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference.defuzzify.dispatch import defuzzify_at_point
 from fuzzyarm.inference.errors import (
     MissingInputError,
@@ -22,9 +23,8 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
-from fuzzyarm.inference.plan import Plan, PlannedRule, plan, term_function
-from fuzzyarm.inference.profile import LINEAR_HEDGES, polyline
-from fuzzyarm.model.membership import SNORMS, TNORMS, Norm, apply_hedges
+from fuzzyarm.inference.plan import Plan, PlannedRule, plan
+from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import (
     And,
     Expression,
@@ -37,7 +37,7 @@ from fuzzyarm.model.rulebase import (
     Variable,
     propositions,
 )
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import apply_hedges, polyline
 
 # --- The terms of one variable that hold at a place, found by bisection ---
 #
@@ -100,9 +100,9 @@ class Partition:
 
 def is_straight(shape: Shape, hedges: Sequence[Hedge]) -> bool:
     """Whether a proposition consists of straight lines, hedges included."""
-    if shape.kind == "singleton" or not SHAPES[shape.kind].piecewise_linear:
+    if shape.kind == "singleton" or not SHAPES[shape.kind].straight:
         return False
-    return all(hedge.name in LINEAR_HEDGES for hedge in hedges)
+    return all(HEDGES[hedge.name].straight for hedge in hedges)
 
 
 def inside(edges: list[float]) -> list[float]:
@@ -170,7 +170,7 @@ class _Conjunction(NamedTuple):
     rule: int
     numbers: tuple[int, ...]
     weight: float
-    norm: Norm
+    norm: Callable[[float, float], float]
     threshold: float
 
 
@@ -243,7 +243,7 @@ class Prepared:
             planned = self.plan.rules[index]
             parts = list(propositions(planned.rule.antecedent))
             numbers = tuple(self._number(part) for part in parts)
-            weight, norm = planned.rule.weight, TNORMS[planned.conjunction]
+            weight, norm = planned.rule.weight, TNORMS[planned.conjunction].scalar
             entry = _Conjunction(index, numbers, weight, norm, planned.threshold)
             order = sorted(range(len(parts)), key=lambda i: (parts[i].variable, i))
             variables = tuple(parts[i].variable for i in order)
@@ -305,9 +305,9 @@ class Prepared:
             inner, hedges = self._compile_expression(expression.operand, planned), expression.hedges
             return lambda point: apply_hedges(hedges, inner(point))
         norm = (
-            TNORMS[planned.conjunction]
+            TNORMS[planned.conjunction].scalar
             if isinstance(expression, And)
-            else SNORMS[planned.disjunction]
+            else SNORMS[planned.disjunction].scalar
         )
         first, *rest = [self._compile_expression(each, planned) for each in expression.operands]
 
@@ -323,7 +323,7 @@ class Prepared:
         """How far the rules so far assert a term of an output of the same block."""
         output = self.plan.outputs[part.variable]
         members = {i for i, member in enumerate(output.members) if member.term.name == part.term}
-        norm = SNORMS[output.output.aggregation]
+        norm = SNORMS[output.output.aggregation].scalar
 
         def degree(point: Point) -> float:
             total = 0.0

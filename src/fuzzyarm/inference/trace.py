@@ -8,13 +8,13 @@ from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
 
+from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.inference.defuzzify.aggregate import aggregate, fold_at_point
 from fuzzyarm.inference.defuzzify.dispatch import consequent_value
 from fuzzyarm.inference.defuzzify.weighted import tsukamoto_at_point
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.point import Point, Prepared, prepare
-from fuzzyarm.inference.profile import Piece, crossing
-from fuzzyarm.model.membership import TNORMS
+from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Rule, RuleBase
 
 SAMPLES = 201
@@ -208,7 +208,7 @@ def explain(
 def _fuzzy_value(
     rulebase: RuleBase, name: str, given: Mapping[str, float], point: Point
 ) -> FuzzyValue:
-    from fuzzyarm.inference.plan import term_function
+    from fuzzyarm.inference.sets import term_function
 
     value = point.values[name]
     degrees = tuple(
@@ -282,7 +282,7 @@ def _consequent(
 
 
 def _clipped(member: Member, strength: float) -> Curve:
-    implication = TNORMS[member.implication]
+    implication = TNORMS[member.implication].scalar
     corners: list[tuple[float, float]] = []
     for piece in member.pieces:
         for x, y in _along(piece, member, strength):

@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TypedDict
 
+from fuzzyarm.expression.formulas import CONSTANTS, FormulaError, read_formula
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.nodes import (
     BlockNode,
     EvenTermsNode,
@@ -18,9 +20,7 @@ from fuzzyarm.language.nodes import (
     Word,
 )
 from fuzzyarm.language.printer import name_text
-from fuzzyarm.model.formula import CONSTANTS, FormulaError, names, parse_formula
 from fuzzyarm.model.rulebase import Defuzzifier, Shape, Term
-from fuzzyarm.model.shapes import SHAPES
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
     MAX_INPUTS,
@@ -194,11 +194,12 @@ def shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | N
 
 
 def _infinite_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    record = SHAPES[kind]
     for i, value in enumerate(parameters):
         if math.isnan(value):
             return i, f"a {kind} cannot have the number nan"
-        shoulder = kind in ("trapezoid", "rectangle") or (kind, i) == ("binary", 1)
-        if math.isinf(value) and not shoulder:
+        may_be_infinite = bool(record.parameters) and record.parameters[i] in record.unbounded
+        if math.isinf(value) and not may_be_infinite:
             return i, f"a {kind} cannot have an infinite number here"
         if MAX_MAGNITUDE < abs(value) < math.inf:
             return i, f"a {kind} cannot have numbers beyond {MAX_MAGNITUDE:g}"
@@ -222,16 +223,15 @@ def _size_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | N
         for i in range(1, len(parameters), 2):
             if not 0.0 <= parameters[i] <= 1.0:
                 return i, "a membership must lie between 0 and 1"
-    info = SHAPES[kind]
-    for i, parameter in enumerate(info.parameters):
-        if parameter in info.positive and not parameters[i] > 0.0:
-            return i, f"the {parameter.replace('_', ' ')} of a {kind} must be above 0"
-        if parameter in info.positive and parameters[i] < MIN_WIDTH:
-            return i, f"the {parameter.replace('_', ' ')} of a {kind} is below {MIN_WIDTH:g}"
-    if kind in ("bell", "spike") and parameters[1] == 0.0:
-        return 1, f"the width of a {kind} must not be 0"
-    if kind in ("bell", "spike") and abs(parameters[1]) < MIN_WIDTH:
-        return 1, f"the width of a {kind} is below {MIN_WIDTH:g}"
+    record = SHAPES[kind]
+    for i, (name, value) in enumerate(zip(record.parameters, parameters, strict=False)):
+        words = f"the {name.replace('-', ' ')} of a {kind}"
+        if name in record.positive and not value > 0.0:
+            return i, f"{words} must be above 0"
+        if name in record.nonzero and value == 0.0:
+            return i, f"{words} must not be 0"
+        if name in {*record.positive, *record.nonzero} and abs(value) < MIN_WIDTH:
+            return i, f"{words} is below {MIN_WIDTH:g}"
     return None
 
 
@@ -249,11 +249,11 @@ def _linear(node: ShapeNode, scope: Scope) -> Shape | None:
 
 def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
     try:
-        tree = parse_formula(node.formula)
+        formula = read_formula(node.formula)
     except FormulaError as error:
         scope.report("bad-formula", error.message, node.formula_span)
         return None
-    for name in sorted(names(tree)):
+    for name in sorted(formula.names):
         if name not in scope.drafts and name not in CONSTANTS and name != "x":
             hint, _ = near_hint(name, scope.drafts)
             scope.report(

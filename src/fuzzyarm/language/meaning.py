@@ -11,6 +11,7 @@ import math
 from collections.abc import Hashable
 from typing import TypeVar
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.declarations import (
     Draft,
     Norms,
@@ -67,7 +68,6 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     propositions,
 )
-from fuzzyarm.model.shapes import SHAPES
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
     MAX_LEVELS,

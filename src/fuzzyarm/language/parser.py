@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.nodes import (
     BlockNode,
     Broken,
@@ -53,8 +54,8 @@ from fuzzyarm.language.tokens import (
     group_lines,
     tokenize_line,
 )
-from fuzzyarm.model.rulebase import CONJUNCTIONS, DEFUZZIFIERS, DISJUNCTIONS, SAMPLINGS, Rule
-from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES
+from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS, Rule
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import (
     MAX_CHARACTERS,
     MAX_DIAGNOSTICS,
@@ -70,10 +71,10 @@ from fuzzyarm.text.diagnostic import (
 
 OUTSIDE = ("clamp", "extend", "error")
 CHOICES: dict[str, tuple[str, ...]] = {
-    "and": CONJUNCTIONS,
-    "or": tuple(name for name in DISJUNCTIONS if name not in ("sum", "normalized")),
-    "implication": CONJUNCTIONS,
-    "aggregation": DISJUNCTIONS,
+    "and": tuple(TNORMS),
+    "or": tuple(name for name, norm in SNORMS.items() if not norm.aggregates),
+    "implication": tuple(TNORMS),
+    "aggregation": tuple(SNORMS),
     "outside": OUTSIDE,
 }
 """The words that each setting takes; ``defuzzifier`` and ``no-rule`` are read apart."""

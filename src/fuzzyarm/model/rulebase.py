@@ -11,24 +11,8 @@ from dataclasses import dataclass, field
 
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
-CONJUNCTIONS = (
-    "min", "product", "bounded", "drastic", "hamacher", "einstein", "nilpotent",
-)  # fmt: skip
-"""T-norms by the names the language uses (bounded is Łukasiewicz's)."""
-
-DISJUNCTIONS = (
-    "max", "probor", "bounded", "drastic", "hamacher", "einstein", "nilpotent", "sum",
-    "normalized",
-)  # fmt: skip
-"""S-norms, in the order of their duals; ``sum`` and ``normalized`` are for aggregation."""
-
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
 """How a sampled defuzzifier spreads N points over the range of an output."""
-
-HEDGES = (
-    "not", "very", "somewhat", "extremely", "intensify", "seldom", "any", "power",
-)  # fmt: skip
-"""Hedges by name; ``more-or-less`` is read as ``somewhat``. Only ``power`` has a number."""
 
 DEFUZZIFIERS = (
     "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
@@ -44,7 +28,7 @@ class Shape:
     Attributes
     ----------
     kind : str
-        A key of :data:`fuzzyarm.model.shapes.SHAPES`.
+        A key of :data:`fuzzyarm.expression.kinds.SHAPES`.
     parameters : tuple of float
         Its numbers in the order of the registry. For ``points``: x1, y1, x2, y2, …;
         for ``linear``: one coefficient for each input in order, then the constant.
@@ -135,7 +119,7 @@ class Output(Variable):
     Attributes
     ----------
     aggregation : str
-        How the clipped sets of several rules become one: one of :data:`DISJUNCTIONS`.
+        How the clipped sets of several rules become one: an S-norm.
     defuzzifier : Defuzzifier
         The way from the aggregate to a number.
     no_rule : float or str
@@ -155,7 +139,7 @@ class Hedge:
     Attributes
     ----------
     name : str
-        One of :data:`HEDGES`.
+        A key of :data:`fuzzyarm.expression.kinds.HEDGES`.
     exponent : float or None
         The number of ``power``; None for the others.
     """

@@ -1,132 +1,43 @@
-"""The shapes a term can have: parameters, what makes them sensible, corners, support and middle.
+"""Terms as sets: membership, hedges, corners, centre; the truth of an antecedent.
 
-The registry is data. What a shape *computes* stands in
-:mod:`fuzzyarm.model.membership` (one point, plain Python) and in
-:mod:`fuzzyarm.inference.membership` (arrays).
+What each kind computes and what is known of it stands in its record
+(:mod:`fuzzyarm.expression.kinds`); here the records meet the numbers of a model. One point
+at a time, in plain Python: checks, expectations and traces would wait longer for an array
+library than for the answer.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from fuzzyarm.model.membership import membership
-from fuzzyarm.model.rulebase import Shape, Variable
-
-# --- The shapes a term can have: names, parameters and what makes their numbers sensible ---
-
-
-@dataclass(frozen=True, slots=True)
-class ShapeKind:
-    """What the language knows of one kind of shape.
-
-    Attributes
-    ----------
-    name : str
-        The word in a file.
-    parameters : tuple of str
-        Names of its numbers, in order. Empty for the kinds with a syntax of their own
-        (``points``, ``linear``, ``formula``).
-    ordered : bool
-        Whether the numbers must not decrease.
-    positive : tuple of str
-        Parameters that must be greater than zero.
-    piecewise_linear : bool
-        Whether the membership function consists of straight pieces.
-    fuzzy : bool
-        False for the consequents of Takagi and Sugeno, which are values rather than sets.
-    summary : str
-        One line for help and completion.
-    """
-
-    name: str
-    parameters: tuple[str, ...]
-    summary: str
-    ordered: bool = False
-    positive: tuple[str, ...] = ()
-    piecewise_linear: bool = False
-    fuzzy: bool = True
-
-
-_KINDS = (
-    ShapeKind(
-        "triangle",
-        ("left", "peak", "right"),
-        "straight up from left to peak, straight down to right",
-        ordered=True,
-        piecewise_linear=True,
-    ),
-    ShapeKind(
-        "trapezoid",
-        ("left", "top_left", "top_right", "right"),
-        "up, flat, down; equal corners make a shoulder",
-        ordered=True,
-        piecewise_linear=True,
-    ),
-    ShapeKind(
-        "rectangle",
-        ("start", "end"),
-        "1 between start and end, both included",
-        ordered=True,
-        piecewise_linear=True,
-    ),
-    ShapeKind(
-        "ramp",
-        ("zero", "one"),
-        "0 at the first number, 1 at the second and beyond, either way round",
-        piecewise_linear=True,
-    ),
-    ShapeKind(
-        "binary",
-        ("start", "direction"),
-        "1 from start on, towards direction (inf or -inf)",
-        piecewise_linear=True,
-    ),
-    ShapeKind("points", (), "straight lines through (x, y) pairs", piecewise_linear=True),
-    ShapeKind("singleton", ("value",), "1 at one value, 0 elsewhere", piecewise_linear=True),
-    ShapeKind("gaussian", ("mean", "deviation"), "the bell curve", positive=("deviation",)),
-    ShapeKind(
-        "two-sided-gaussian",
-        ("left_mean", "left_deviation", "right_mean", "right_deviation"),
-        "a gaussian flank on either side, 1 between the means",
-        positive=("left_deviation", "right_deviation"),
-    ),
-    ShapeKind(
-        "bell",
-        ("centre", "width", "slope"),
-        "1 / (1 + |(x - centre) / width| ^ (2 slope))",
-    ),
-    ShapeKind("sigmoid", ("inflection", "slope"), "1 / (1 + exp(-slope (x - inflection)))"),
-    ShapeKind(
-        "sigmoid-difference",
-        ("inflection1", "slope1", "inflection2", "slope2"),
-        "|sigmoid 1 - sigmoid 2|",
-    ),
-    ShapeKind(
-        "sigmoid-product",
-        ("inflection1", "slope1", "inflection2", "slope2"),
-        "sigmoid 1 × sigmoid 2",
-    ),
-    ShapeKind("z", ("one", "zero"), "smooth fall from 1 to 0 by two parabolas", ordered=True),
-    ShapeKind("s", ("zero", "one"), "smooth rise from 0 to 1 by two parabolas", ordered=True),
-    ShapeKind(
-        "pi",
-        ("left", "top_left", "top_right", "right"),
-        "s on the left, z on the right",
-        ordered=True,
-    ),
-    ShapeKind("concave", ("inflection", "end"), "hyperbolic rise (or fall) that reaches 1 at end"),
-    ShapeKind("cosine", ("centre", "width"), "one period of a raised cosine", positive=("width",)),
-    ShapeKind("spike", ("centre", "width"), "exp(-|10 (x - centre) / width|)"),
-    ShapeKind("arc", ("zero", "one"), "a quarter of an ellipse from 0 to 1"),
-    ShapeKind("semi-ellipse", ("start", "end"), "half an ellipse between start and end"),
-    ShapeKind("linear", (), "consequent: inputs times numbers, plus a number", fuzzy=False),
-    ShapeKind("formula", (), "consequent or term: an arithmetic expression", fuzzy=False),
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.shapes import parameters_and_middles
+from fuzzyarm.model.rulebase import (
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    RuleBlock,
+    Shape,
+    Variable,
 )
 
-SHAPES: dict[str, ShapeKind] = {kind.name: kind for kind in _KINDS}
-"""Every kind of shape by its name."""
+__all__ = [
+    "EVEN_SHAPES",
+    "apply_hedge",
+    "apply_hedges",
+    "bends",
+    "centre",
+    "corner_points",
+    "corners",
+    "membership",
+    "polyline",
+    "probe_points",
+    "truth",
+]
 
 EVEN_SHAPES: dict[str, str] = {
     "triangles": "each foot under its neighbour's peak",
@@ -136,34 +47,100 @@ EVEN_SHAPES: dict[str, str] = {
 """The families that ``terms`` can spread evenly over a range."""
 
 
-# --- Where a shape changes, where it is zero and where its middle is ---
+# ── membership ───────────────────────────────────────────────────────────────────────
 
-_BOUNDED = {"cosine": lambda p: (p[0] - 0.5 * p[1], p[0], p[0] + 0.5 * p[1])}
-_CENTRES = {
-    "triangle": lambda p: p[1],
-    "trapezoid": lambda p: 0.5 * (p[1] + p[2]),
-    "rectangle": lambda p: 0.5 * (p[0] + p[1]),
-    "gaussian": lambda p: p[0],
-    "two-sided-gaussian": lambda p: 0.5 * (p[0] + p[2]),
-    "bell": lambda p: p[0],
-    "cosine": lambda p: p[0],
-    "spike": lambda p: p[0],
-    "pi": lambda p: 0.5 * (p[1] + p[2]),
-    "semi-ellipse": lambda p: 0.5 * (p[0] + p[1]),
-    "singleton": lambda p: p[0],
-}
+
+def membership(shape: Shape, x: float) -> float:
+    """Return the membership of `x` in `shape`.
+
+    Parameters
+    ----------
+    shape : Shape
+        A fuzzy shape; ``linear`` and ``formula`` have no membership.
+    x : float
+        Any number.
+
+    Returns
+    -------
+    float
+        Between 0 and the height of the shape.
+    """
+    return shape.height * SHAPES[shape.kind].scalar(x, *shape.parameters)
+
+
+def apply_hedge(hedge: Hedge, degree: float) -> float:
+    """Return `degree` as modified by `hedge`."""
+    numbers = () if hedge.exponent is None else (hedge.exponent,)
+    return HEDGES[hedge.name].scalar(degree, *numbers)
+
+
+def apply_hedges(hedges: Sequence[Hedge], degree: float) -> float:
+    """Return `degree` as modified by `hedges`, the last of which acts first."""
+    for hedge in reversed(hedges):
+        degree = apply_hedge(hedge, degree)
+    return degree
+
+
+Degree = Callable[[str, str], float]
+"""Membership of the present value of a variable in one of its terms, by their names."""
+
+
+def truth(expression: Expression, degree: Degree, block: RuleBlock) -> float:
+    """Return the truth of `expression`, 0 to 1, by the norms of `block`.
+
+    Parameters
+    ----------
+    expression : Expression
+        An antecedent.
+    degree : callable
+        ``degree(variable, term)`` gives the membership.
+    block : RuleBlock
+        Names the conjunction and the disjunction.
+    """
+    if isinstance(expression, Is):
+        return apply_hedges(expression.hedges, degree(expression.variable, expression.term))
+    if isinstance(expression, Hedged):
+        return apply_hedges(expression.hedges, truth(expression.operand, degree, block))
+    norms = SNORMS[block.disjunction] if isinstance(expression, Or) else TNORMS[block.conjunction]
+    result, *rest = (truth(operand, degree, block) for operand in expression.operands)
+    for value in rest:
+        result = norms.scalar(result, value)
+    return result
+
+
+# ── where a shape changes, and where its middle is ───────────────────────────────────
+
+
+def polyline(shape: Shape) -> list[tuple[float, float]]:
+    """Return the corners of a straight shape, left to right.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of a straight kind.
+
+    Returns
+    -------
+    list of (float, float)
+        A vertical edge is two corners at one x; the first and the last value go on to
+        infinity. Values include the height.
+    """
+    corners_of = SHAPES[shape.kind].corners
+    assert corners_of is not None
+    return [(x, shape.height * y) for x, y in corners_of(*shape.parameters)]
+
+
+def bends(shape: Shape) -> Sequence[float]:
+    """Return the positions between which a curved shape is smooth, and some on its flanks."""
+    bends_of = SHAPES[shape.kind].bends or parameters_and_middles
+    return bends_of(*shape.parameters)
 
 
 def corner_points(shape: Shape) -> tuple[float, ...]:
     """Return the finite numbers on the axis at which `shape` may start, end or turn."""
-    if shape.kind in _BOUNDED:
-        return tuple(_BOUNDED[shape.kind](shape.parameters))
-    xs = shape.parameters[0::2] if shape.kind == "points" else shape.parameters
-    if shape.kind in ("gaussian", "bell", "sigmoid", "spike"):
-        xs = shape.parameters[:1]
-    elif shape.kind in ("two-sided-gaussian", "sigmoid-difference", "sigmoid-product"):
-        xs = shape.parameters[0::2]
-    return tuple(x for x in xs if math.isfinite(x))
+    turns = SHAPES[shape.kind].turns
+    positions = shape.parameters if turns is None else turns(*shape.parameters)
+    return tuple(x for x in positions if math.isfinite(x))
 
 
 def centre(shape: Shape, low: float, high: float) -> float | None:
@@ -172,10 +149,11 @@ def centre(shape: Shape, low: float, high: float) -> float | None:
     For a shape without a middle of its own (ramps, sigmoids, …) it is the middle of the
     stretch where the membership is largest.
     """
-    if not SHAPES[shape.kind].fuzzy:
+    kind = SHAPES[shape.kind]
+    if not kind.fuzzy:
         return None
-    if shape.kind in _CENTRES:
-        middle = float(_CENTRES[shape.kind](shape.parameters))
+    if kind.centre is not None:
+        middle = float(kind.centre(*shape.parameters))
         if math.isfinite(middle):
             return min(high, max(low, middle))
     if not (math.isfinite(low) and math.isfinite(high)):
@@ -192,7 +170,7 @@ def corners(variable: Variable) -> list[float]:
     found = {x for term in variable.terms for x in corner_points(term.shape)}
     low = variable.low if math.isfinite(variable.low) else min(found, default=0.0) - 1.0
     high = variable.high if math.isfinite(variable.high) else max(found, default=0.0) + 1.0
-    if any(not SHAPES[term.shape.kind].piecewise_linear for term in variable.terms):
+    if any(not SHAPES[term.shape.kind].straight for term in variable.terms):
         found |= {low + (high - low) * i / 64 for i in range(65)}
     return sorted({low, high} | {x for x in found if low < x < high})
 

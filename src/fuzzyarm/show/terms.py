@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.printer import name_text
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import RuleBase, Shape, Variable
-from fuzzyarm.model.shapes import corner_points
+from fuzzyarm.model.shapes import corner_points, membership
 from fuzzyarm.show.drawing import block, marker, number_words, ruler
 from fuzzyarm.text.numbers import number_text
 

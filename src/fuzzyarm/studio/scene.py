@@ -15,9 +15,8 @@ from fuzzyarm.inference.trace import Trace
 from fuzzyarm.language.nodes import GridNode
 from fuzzyarm.language.printer import name_text
 from fuzzyarm.language.queries import Reading
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
-from fuzzyarm.model.shapes import centre
+from fuzzyarm.model.shapes import centre, membership
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rules_view
 from fuzzyarm.show.surface import LinePlot, SurfaceMap

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.fcl.dialect import RULES
 from fuzzyarm.formats.fcl.tokens import KEYWORDS, SECTIONS, Cursor, SyntaxFaultError
 from fuzzyarm.formats.findings import MAX_RULES, Draft, Findings, Word, same_value
@@ -25,7 +26,6 @@ from fuzzyarm.formats.shapes import (
 )
 from fuzzyarm.formats.writing import variables_in
 from fuzzyarm.model.rulebase import Rule, RuleBlock, Shape
-from fuzzyarm.model.shapes import SHAPES
 
 # --- Rule blocks of FCL ---
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.findings import (
     MAX_RULES,
     MAX_TERMS,
@@ -36,7 +37,6 @@ from fuzzyarm.formats.fis.rules import RuleReader
 from fuzzyarm.formats.fll.reader import FLL_SHAPES, formula_shape, fuzzylite_formula, linear_shape
 from fuzzyarm.formats.shapes import make_shape
 from fuzzyarm.model.rulebase import RuleBase, RuleBlock, Shape, Term
-from fuzzyarm.model.shapes import SHAPES
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 # --- Membership functions of FIS: MATLAB's and Octave's, and fuzzylite's additions ---

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.findings import (
     MAX_RULES,
     MAX_TERMS,
@@ -35,7 +36,6 @@ from fuzzyarm.formats.rules import (
 )
 from fuzzyarm.formats.shapes import FLL_CONJUNCTIONS, FLL_DISJUNCTIONS, make_shape
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, RuleBlock, Shape
-from fuzzyarm.model.shapes import SHAPES
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
 # --- FLL text, line by line: `key: value` with `#` comments ---

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.plan import OutputPlan, term_function
-from fuzzyarm.model.membership import SNORMS, TNORMS
+from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
 
 # --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
@@ -62,9 +63,9 @@ Fired = Sequence[tuple[int, float]]
 
 def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
     """Return the aggregate as a function of the place in the output's range."""
-    norm = SNORMS[plan.output.aggregation]
+    norm = SNORMS[plan.output.aggregation].scalar
     parts = [
-        (TNORMS[plan.members[member].implication], strength, plan.members[member].membership)
+        (TNORMS[plan.members[member].implication].scalar, strength, plan.members[member].membership)
         for member, strength in fired
     ]
 
@@ -111,14 +112,14 @@ def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[flo
     """Return the samples of an output and the aggregate there."""
     output = plan.output
     samples = sample_places(output.low, output.high, output.defuzzifier)
-    norm = SNORMS[output.aggregation]
+    norm = SNORMS[output.aggregation].scalar
     total = [0.0] * len(samples)
     for member, strength in fired:
         term, hedges, implication = plan.members[member][:3]
         first, heights = sampled_set(
             term.shape, hedges, output.low, output.high, output.defuzzifier
         )
-        cut = TNORMS[implication]
+        cut = TNORMS[implication].scalar
         for i, height in enumerate(heights, first):
             total[i] = norm(total[i], cut(strength, height))
     return samples, total
@@ -126,7 +127,7 @@ def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[flo
 
 def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
     """Return one strength for each member: those of its rules under the aggregation."""
-    norm = SNORMS[plan.output.aggregation]
+    norm = SNORMS[plan.output.aggregation].scalar
     folded: dict[int, float] = {}
     for member, strength in fired:
         folded[member] = norm(folded[member], strength) if member in folded else strength

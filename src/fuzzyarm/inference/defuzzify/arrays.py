@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.defuzzify.aggregate import places, weights
 from fuzzyarm.inference.defuzzify.quadrature import (
     CLIPPING,
@@ -19,9 +20,8 @@ from fuzzyarm.inference.defuzzify.quadrature import (
     noise_of,
     panels,
 )
-from fuzzyarm.inference.membership import SNORMS, TNORMS, membership
-from fuzzyarm.inference.plan import PLACE, Member, OutputPlan
-from fuzzyarm.inference.profile import FORMS, gaps
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.sets import cut_lines, degrees, gaps
 
 # --- The aggregate of one output at many points of the inputs ---
 
@@ -85,12 +85,12 @@ class Strengths:
 
 def member_at(member: Member, places: Array) -> Array:
     """Return the membership of places in the set of a member."""
-    return membership(member.term.shape, places, member.hedges, {PLACE: places})
+    return degrees(member.term.shape, places, member.hedges)
 
 
 def fold_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict[int, Array]:
     """Return one strength for each member: those of its rules under the aggregation."""
-    norm = SNORMS[plan.output.aggregation]
+    norm = SNORMS[plan.output.aggregation].array
     folded: dict[int, Array] = {}
     for member, strength in entries:
         folded[member] = norm(folded[member], strength) if member in folded else strength
@@ -114,7 +114,7 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Arr
     ndarray of shape (P, K)
         The aggregate there.
     """
-    norm = SNORMS[plan.output.aggregation]
+    norm = SNORMS[plan.output.aggregation].array
     total = np.zeros(places.shape)
     low, high = places.min(axis=1), places.max(axis=1)
     for index, strength in entries:
@@ -125,7 +125,7 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Arr
             continue
         part = slice(None) if rows.size == strength.size else rows
         degree = member_at(member, places[part])
-        cut = TNORMS[member.implication](strength[part, None], degree)
+        cut = TNORMS[member.implication].array(strength[part, None], degree)
         total[part] = norm(total[part], cut)
     return total
 
@@ -147,7 +147,7 @@ def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tup
     output, count = plan.output, plan.output.defuzzifier.resolution
     assert count is not None
     samples = np.array(places(output.low, output.high, count, output.defuzzifier.sampling))
-    norm = SNORMS[output.aggregation]
+    norm = SNORMS[output.aggregation].array
     total = np.zeros((int(np.prod(strengths.shape)), samples.size))
     for member, strength in strengths.flat():
         degree = member_at(plan.members[member], samples)
@@ -155,7 +155,7 @@ def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tup
         if not where.size:
             continue
         part = slice(where[0], where[-1] + 1)
-        cut = TNORMS[plan.members[member].implication](strength[:, None], degree[None, part])
+        cut = TNORMS[plan.members[member].implication].array(strength[:, None], degree[None, part])
         total[:, part] = norm(total[:, part], cut)
     return samples, total
 
@@ -270,9 +270,9 @@ def _first_panels(
 
 def _crossings_over_arrays(plan: OutputPlan, entries: Entries) -> list[Array]:
     forms = {
-        index: (FORMS[plan.members[index].implication](strength), strength > 0.0)
+        index: (lines, strength > 0.0)
         for index, strength in entries
-        if plan.members[index].implication in FORMS
+        if (lines := cut_lines(plan.members[index].implication, strength)) is not None
     }
     found = []
     for stretch in plan.stretches:

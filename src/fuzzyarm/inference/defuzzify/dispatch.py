@@ -24,7 +24,6 @@ from fuzzyarm.inference.defuzzify.weighted import (
     weighted_over_arrays,
 )
 from fuzzyarm.inference.plan import WEIGHTED, Member, OutputPlan
-from fuzzyarm.model.formula import evaluate
 
 if TYPE_CHECKING:
     import numpy as np
@@ -108,7 +107,7 @@ def _values_at_point(
 def consequent_value(member: Member, values: Mapping[str, float], inputs: tuple[str, ...]) -> float:
     """Return the number of a linear or formula consequent."""
     if member.formula is not None:
-        return member.term.shape.height * evaluate(member.formula, values)
+        return member.term.shape.height * member.formula.evaluate(values)
     *coefficients, constant = member.term.shape.parameters
     for coefficient, name in zip(coefficients, inputs, strict=True):
         constant += coefficient * values[name]
@@ -203,10 +202,9 @@ def consequent_values(
     """Return the numbers of a linear or formula consequent."""
     import numpy as np
 
-    from fuzzyarm.inference.membership import evaluate_arrays
-
     if member.formula is not None:
-        return member.term.shape.height * evaluate_arrays(member.formula, values)
+        found: Array = member.term.shape.height * member.formula.evaluate_arrays(values)
+        return found
     *coefficients, constant = member.term.shape.parameters
     total = np.asarray(constant)
     for coefficient, name in zip(coefficients, inputs, strict=True):

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
+from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.inference.defuzzify.aggregate import (
     Fired,
     aggregate,
@@ -18,8 +19,7 @@ from fuzzyarm.inference.defuzzify.aggregate import (
 )
 from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves_at_point, noise_of, rule
 from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.profile import cut, peak
-from fuzzyarm.model.membership import TNORMS
+from fuzzyarm.inference.sets import cut, peak
 
 if TYPE_CHECKING:
     import numpy as np
@@ -63,7 +63,7 @@ def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
     for index, strength in fold_at_point(plan, fired).items():
         member = plan.members[index]
         top = peak(member.pieces)
-        height = TNORMS[member.implication](strength, top)
+        height = TNORMS[member.implication].scalar(strength, top)
         clips = member.implication in CLIPPING and strength < top
         reached.append((height, index, strength if clips else top))
     greatest = max((height for height, _, _ in reached), default=0.0)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from fuzzyarm.inference.defuzzify.aggregate import Fired, fold_at_point
 from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.profile import FORMS, gaps
+from fuzzyarm.inference.sets import cut_lines, gaps
 
 NODES = (0.20929921790247888, 0.5917001814331423, 0.8717401485096066, 1.0)
 """Positive nodes of the eight-point rule on −1 … 1; exact to the 13th degree."""
@@ -87,9 +87,9 @@ def edges_of(plan: OutputPlan, fired: Fired) -> list[float]:
 def _crossings_at_point(plan: OutputPlan, fired: Fired) -> set[float]:
     strengths = dict(fold_at_point(plan, fired)) if plan.stretches else {}
     forms = {
-        member: FORMS[plan.members[member].implication](strength)
+        member: lines
         for member, strength in strengths.items()
-        if plan.members[member].implication in FORMS
+        if (lines := cut_lines(plan.members[member].implication, strength)) is not None
     }
     return {
         stretch.start + (stretch.end - stretch.start) * (before / (before - after))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.inference.defuzzify.aggregate import Fired, fold_at_point
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.profile import bisect
+from fuzzyarm.inference.sets import bisect
 
 if TYPE_CHECKING:
     import numpy as np

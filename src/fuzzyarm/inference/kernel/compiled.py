@@ -14,9 +14,9 @@ from fuzzyarm.inference.arrays import blocks, infer_arrays, into_range, part_of,
 from fuzzyarm.inference.infer import holds_arrays, infer, merged
 from fuzzyarm.inference.kernel.layout import Block, Curved, Layout, NotCovered, lay_out, make_block
 from fuzzyarm.inference.kernel.point import sweep
-from fuzzyarm.inference.membership import membership
-from fuzzyarm.inference.plan import plan, term_function
+from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.point import check_names
+from fuzzyarm.inference.sets import degrees, term_function
 from fuzzyarm.kernels import build, jit_wanted
 from fuzzyarm.model.rulebase import RuleBase
 
@@ -260,7 +260,7 @@ class _Engine:
                 block.columns[len(values) :], self._curved, strict=True
             ):
                 proper = into_range(self.rulebase.inputs[i], np.asarray(values[i], dtype=float))
-                column[:count].reshape(shape)[...] = membership(each.shape, proper, each.hedges)
+                column[:count].reshape(shape)[...] = degrees(each.shape, proper, each.hedges)
             missing += self._kernel(block.numbers)
             results[:, *part] = block.results[:, :count].reshape(-1, *shape)
         self._large.append(block)

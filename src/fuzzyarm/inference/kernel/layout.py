@@ -42,10 +42,11 @@ from fuzzyarm.inference.kernel.point import (
     WORK_ROWS,
 )
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule, term_function
+from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule
 from fuzzyarm.inference.point import is_straight, line_at
-from fuzzyarm.inference.profile import polyline
+from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import And, Hedge, Is, Or, Output, Shape
+from fuzzyarm.model.shapes import polyline
 
 # --- The range of an input cut at the corners of its terms ---
 #

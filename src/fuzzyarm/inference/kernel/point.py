@@ -23,9 +23,14 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.kernels import kernel
-from fuzzyarm.model.rulebase import CONJUNCTIONS, DISJUNCTIONS
 
 # --- Norms as a kernel: T-norms and S-norms by number ---
+
+CONJUNCTIONS = ("min", "product", "bounded", "drastic", "hamacher", "einstein", "nilpotent")
+DISJUNCTIONS = (
+    "max", "probor", "bounded", "drastic", "hamacher", "einstein", "nilpotent", "sum",
+    "normalized",
+)  # fmt: skip
 
 CODES = {f"and {name}": i for i, name in enumerate(CONJUNCTIONS)} | {
     f"or {name}": len(CONJUNCTIONS) + i for i, name in enumerate(DISJUNCTIONS)

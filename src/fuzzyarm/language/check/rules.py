@@ -13,7 +13,6 @@ from math import prod
 from fuzzyarm.language.check.terms import FAINT, Subject
 from fuzzyarm.language.nodes import CellNode, GridNode
 from fuzzyarm.language.printer import expression_text
-from fuzzyarm.model.membership import membership, truth
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -28,7 +27,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     propositions,
 )
-from fuzzyarm.model.shapes import centre, probe_points
+from fuzzyarm.model.shapes import centre, membership, probe_points, truth
 from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity
 
 # --- Rules that are missing: combinations of terms for which an output has no rule ---

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from fuzzyarm.expression.formulas import FormulaError, read_formula
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.nodes import Document, EvenTermsNode, GridNode
-from fuzzyarm.model.formula import FormulaError, names, parse_formula
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import Input, Output, RuleBase, Variable, propositions
-from fuzzyarm.model.shapes import SHAPES, corners, probe_points
+from fuzzyarm.model.shapes import corners, membership, probe_points
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 
 # --- What a check looks at ---
@@ -172,7 +172,7 @@ def _used_in_values(rulebase: RuleBase) -> set[str]:
                 found |= {variable.name for variable, factor in pairs if factor != 0.0}
             elif shape.kind == "formula":
                 try:
-                    found |= set(names(parse_formula(shape.formula)))
+                    found |= set(read_formula(shape.formula).names)
                 except FormulaError:
                     continue
     return found

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
 
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.kinds import Shape as ShapeKind
 from fuzzyarm.language.parser import CHOICES
 from fuzzyarm.language.printer import name_text
 from fuzzyarm.language.queries.reading import Reading
@@ -18,9 +20,8 @@ from fuzzyarm.language.tokens import (
     Token,
     tokenize_line,
 )
-from fuzzyarm.model.membership import FUNCTIONS
 from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS, RuleBase, Variable
-from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES, ShapeKind
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.names import nearest
 from fuzzyarm.text.numbers import number_text
@@ -139,7 +140,7 @@ def _shape(kind: ShapeKind) -> Candidate:
     numbers = " ".join(f"${{{i}:{name}}}" for i, name in enumerate(kind.parameters, start=1))
     snippet = special.get(kind.name) or f"{kind.name} {numbers}"
     parameters = " ".join(kind.parameters)
-    detail = f"{parameters} — {kind.summary}" if kind.name in FUNCTIONS else kind.summary
+    detail = f"{parameters} — {kind.doc}" if kind.fuzzy else kind.doc
     return Candidate(kind.name, "shape", kind.name, detail.lstrip(" —"), snippet)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.check.terms import gaps_of
 from fuzzyarm.language.nodes import CellNode, GridNode
 from fuzzyarm.language.printer import expression_text, figure_text, name_text, proposition_text
@@ -13,9 +14,8 @@ from fuzzyarm.language.queries.reading import Kind, Occurrence, Reading, contain
 from fuzzyarm.language.queries.references import occurrence_at, references
 from fuzzyarm.language.tokens import HEDGE_WORDS, STATEMENTS
 from fuzzyarm.language.writer import rule_node
-from fuzzyarm.model.membership import FUNCTIONS, membership
 from fuzzyarm.model.rulebase import Input, Rule, Shape, Variable
-from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES, corner_points
+from fuzzyarm.model.shapes import EVEN_SHAPES, corner_points, membership
 from fuzzyarm.text.diagnostic import Span
 from fuzzyarm.text.numbers import number_text
 
@@ -31,7 +31,7 @@ def picture(shape: Shape, variable: Variable) -> str:
 
     Empty for the values of Takagi and Sugeno, which have no membership.
     """
-    if shape.kind not in FUNCTIONS:
+    if not SHAPES[shape.kind].fuzzy:
         return ""
     low, high = shown_range(variable)
     step = (high - low) / (WIDTH - 1)
@@ -226,7 +226,7 @@ def _of_word(reading: Reading, line: int, column: int) -> Hover | None:
     elif text in SHAPES:
         kind = SHAPES[text]
         numbers = " ".join(kind.parameters)
-        words = f"`{text} {numbers}`  \n{kind.summary}" if numbers else kind.summary
+        words = f"`{text} {numbers}`  \n{kind.doc}" if numbers else kind.doc
     elif text in EVEN_SHAPES:
         words = f"evenly spread terms: {EVEN_SHAPES[text]}"
     elif text in HEDGE_WORDS:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container
 from dataclasses import dataclass
 
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.nodes import (
     BlockNode,
     ExpectNode,
@@ -26,8 +27,8 @@ from fuzzyarm.language.tokens import (
     STATEMENTS,
     Token,
 )
-from fuzzyarm.model.rulebase import CONJUNCTIONS, DEFUZZIFIERS, DISJUNCTIONS, SAMPLINGS
-from fuzzyarm.model.shapes import EVEN_SHAPES, SHAPES
+from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Span
 
 # --- What kind of word each word is, for colouring a text ---
@@ -46,7 +47,7 @@ _NAMES = {
     Kind.TERM: "enumMember",
 }
 _TYPES = {
-    *SHAPES, *EVEN_SHAPES, *CONJUNCTIONS, *DISJUNCTIONS, *DEFUZZIFIERS, *SAMPLINGS, *OUTSIDE,
+    *SHAPES, *EVEN_SHAPES, *TNORMS, *SNORMS, *DEFUZZIFIERS, *SAMPLINGS, *OUTSIDE,
     "exact", "hold",
 }  # fmt: skip
 _KEYWORDS = {

@@ -8,6 +8,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Any
 
+from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.language.nodes import (
     BlockNode,
     Broken,
@@ -30,7 +31,6 @@ from fuzzyarm.language.nodes import (
 from fuzzyarm.language.parser import ParseMemory
 from fuzzyarm.language.reading import Parsed, parse
 from fuzzyarm.language.tokens import HEDGE_WORDS, RESERVED, Line, Token
-from fuzzyarm.model.formula import Call, FormulaError, Name, Node, parse_formula
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.text.diagnostic import Span, split_lines
 
@@ -163,25 +163,17 @@ def _of_shape(shape: ShapeNode) -> Iterator[Occurrence]:
 
 def _of_formula(text: str, span: Span) -> Iterator[Occurrence]:
     try:
-        tree = parse_formula(text)
+        formula = read_formula(text)
     except FormulaError:
         return
     # Where the text has escapes, positions within it are not those of the file.
     if span.end_column - span.column != len(text) + 2:
         return
-    for name in _formula_names(tree):
-        quoted = text[name.position - 1 : name.position] == "'"
-        start = span.column + 1 + name.position - quoted
-        end = start + len(name.name) + 2 * quoted
-        yield Occurrence(Kind.VARIABLE, name.name, Span(span.line, start, span.line, end))
-
-
-def _formula_names(node: Node) -> Iterator[Name]:
-    if isinstance(node, Name):
-        yield node
-    elif isinstance(node, Call):
-        for argument in node.arguments:
-            yield from _formula_names(argument)
+    for name, position in formula.mentions:
+        quoted = text[position - 1 : position] == "'"
+        start = span.column + 1 + position - quoted
+        end = start + len(name) + 2 * quoted
+        yield Occurrence(Kind.VARIABLE, name, Span(span.line, start, span.line, end))
 
 
 def _of_grid(node: GridNode) -> Iterator[Occurrence]:

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.membership import membership
 from fuzzyarm.model.rulebase import RuleBase, Term, Variable
-from fuzzyarm.model.shapes import centre, corner_points
+from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.figures.style import (
     COLOURS,

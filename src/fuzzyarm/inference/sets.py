@@ -1,25 +1,136 @@
-"""A set over a finite range, cut into pieces on which it is monotone, and where two sets cross.
+"""A set of a term: its degrees at points and over arrays, its pieces, where two sets cross.
 
-Straight shapes give straight pieces, exactly; vertical edges are jumps between pieces.
-Everything that needs more of a set than its value at a point builds on this: the closed
-form of the centroid, level cuts, and the panels of the quadrature.
+A set is a shape under hedges. Cut into pieces on which it is monotone over a finite range
+it serves everything that needs more than degrees: the closed form of the centroid, level
+cuts, and the panels of the quadrature. Straight shapes give straight pieces, exactly;
+vertical edges are jumps between pieces.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fuzzyarm.model.membership import apply_hedge, membership
+from fuzzyarm.expression.formulas import Formula, read_formula
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
+from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import Hedge, Shape
-from fuzzyarm.model.shapes import SHAPES
+from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, polyline
 
-# --- A set over a finite range, cut into pieces on which it is monotone ---
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-LINEAR_HEDGES = frozenset({"not", "any"})
-"""Hedges that keep straight pieces straight."""
+POSITION = "x"
+"""The name under which a formula that is a membership function knows where it is."""
+
+SetFunction = Callable[[float], float]
+"""The degree at one point."""
+
+
+# ── degrees ──────────────────────────────────────────────────────────────────────────
+
+
+@lru_cache(maxsize=512)
+def formula_of(shape: Shape) -> Formula:
+    """Return the formula of a shape, read once."""
+    return read_formula(shape.formula)
+
+
+def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
+    """Return the degree in a set as a function of a float.
+
+    Parameters
+    ----------
+    shape : Shape
+        A fuzzy shape, or a ``formula`` in `x`.
+    hedges : tuple of Hedge
+        The last acts first.
+
+    Returns
+    -------
+    callable
+        From a float to a float; for a ``linear`` consequent it raises InferenceError.
+    """
+    height, parameters = shape.height, shape.parameters
+    if shape.kind == "formula":
+        names = formula_of(shape).names
+        if names not in {(), (POSITION,)}:  # a value: whoever asks it for a degree is at fault
+            return _not_a_set(shape)
+        computed = formula_of(shape).function((POSITION,))
+
+        def degree(x: float) -> float:
+            return height * computed(x)
+
+    elif not SHAPES[shape.kind].fuzzy:
+        return _not_a_set(shape)
+    else:
+        scalar = SHAPES[shape.kind].scalar
+
+        def degree(x: float) -> float:
+            return height * scalar(x, *parameters)
+
+    return (lambda x: apply_hedges(hedges, degree(x))) if hedges else degree
+
+
+def _not_a_set(shape: Shape) -> SetFunction:
+    def refuse(x: float) -> float:
+        raise InferenceError(f"a {shape.kind} consequent is not a set")
+
+    return refuse
+
+
+def degrees(
+    shape: Shape,
+    x: NDArray[np.float64],
+    hedges: Sequence[Hedge] = (),
+    values: Mapping[str, NDArray[np.float64]] | None = None,
+) -> NDArray[np.float64]:
+    """Return the degree of every element of `x` in a set.
+
+    Parameters
+    ----------
+    shape : Shape
+        A fuzzy shape, or a ``formula`` in `x` (and in `values`).
+    x : ndarray of float64
+        Any shape.
+    hedges : sequence of Hedge
+        The last acts first.
+    values : mapping of str to ndarray, optional
+        Variables that a formula may use.
+
+    Returns
+    -------
+    ndarray of float64
+        As `x`, between 0 and the height of the shape.
+    """
+    import numpy as np
+
+    if shape.kind == "formula":
+        found = formula_of(shape).evaluate_arrays({**(values or {}), POSITION: x})
+    else:
+        found = SHAPES[shape.kind].array(x, *shape.parameters)
+    found = np.broadcast_to(found, np.broadcast_shapes(np.shape(found), x.shape))
+    if shape.height != 1.0:
+        found = found * shape.height
+    return hedged(hedges, found) if hedges else found
+
+
+def hedged(hedges: Sequence[Hedge], degree: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an array of degrees as modified by hedges, the last of which acts first."""
+    import numpy as np
+
+    for hedge in reversed(hedges):
+        numbers = () if hedge.exponent is None else (hedge.exponent,)
+        found = HEDGES[hedge.name].array(degree, *numbers)
+        degree = np.broadcast_to(found, np.shape(degree)).astype(float, copy=False)
+    return degree
+
+
+# ── pieces ───────────────────────────────────────────────────────────────────────────
 
 
 class Piece(NamedTuple):
@@ -32,43 +143,8 @@ class Piece(NamedTuple):
     straight: bool
 
 
-Membership = Callable[[float], float]
-
-
-def polyline(shape: Shape) -> list[tuple[float, float]]:
-    """Return the corners of a straight shape, left to right.
-
-    Parameters
-    ----------
-    shape : Shape
-        Of a piecewise-linear kind other than a singleton.
-
-    Returns
-    -------
-    list of (float, float)
-        A vertical edge is two corners at one x; the first and the last value go on to
-        infinity. Values include the height.
-    """
-    p = shape.parameters
-    if shape.kind == "triangle":
-        corners = [(p[0], 0.0), (p[1], 1.0), (p[2], 0.0)]
-    elif shape.kind == "trapezoid":
-        corners = [(p[0], 0.0), (p[1], 1.0), (p[2], 1.0), (p[3], 0.0)]
-        corners = [corner for corner in corners if math.isfinite(corner[0])]
-    elif shape.kind == "rectangle":
-        corners = [(p[0], 0.0), (p[0], 1.0), (p[1], 1.0), (p[1], 0.0)]
-    elif shape.kind == "ramp":
-        corners = sorted([(p[0], 0.0), (p[1], 1.0)])
-    elif shape.kind == "binary":
-        rises = p[1] > p[0]
-        corners = [(p[0], 0.0 if rises else 1.0), (p[0], 1.0 if rises else 0.0)]
-    else:
-        corners = list(zip(p[0::2], p[1::2], strict=True))
-    return [(x, shape.height * y) for x, y in corners]
-
-
 def profile(
-    shape: Shape, hedges: Sequence[Hedge], membership: Membership, low: float, high: float
+    shape: Shape, hedges: Sequence[Hedge], membership: SetFunction, low: float, high: float
 ) -> tuple[Piece, ...]:
     """Cut a set into monotone pieces from `low` to `high`, without gaps.
 
@@ -86,7 +162,7 @@ def profile(
     tuple of Piece
         In order; each has a positive width.
     """
-    if not SHAPES[shape.kind].piecewise_linear:
+    if not SHAPES[shape.kind].straight:
         return _smooth(shape, hedges, membership, low, high)
     straight = _clip(polyline(shape), low, high)
     for hedge in reversed(hedges):
@@ -110,15 +186,15 @@ def _clip(corners: list[tuple[float, float]], low: float, high: float) -> list[P
 
 
 def _apply(hedge: Hedge, pieces: list[Piece]) -> list[Piece]:
-    if hedge.name in {"intensify", "seldom"}:  # these have a bend where the degree is ½
-        pieces = [half for piece in pieces for half in _split_at_level(piece, 0.5)]
+    for level in HEDGES[hedge.name].bends:
+        pieces = [half for piece in pieces for half in _split_at_level(piece, level)]
     return [
         Piece(
             piece.x0,
             apply_hedge(hedge, piece.y0),
             piece.x1,
             apply_hedge(hedge, piece.y1),
-            straight=piece.straight and (hedge.name in LINEAR_HEDGES or piece.y0 == piece.y1),
+            straight=piece.straight and (HEDGES[hedge.name].straight or piece.y0 == piece.y1),
         )
         for piece in pieces
     ]
@@ -133,42 +209,15 @@ def _split_at_level(piece: Piece, level: float) -> list[Piece]:
     return [piece._replace(x1=x, y1=level), piece._replace(x0=x, y0=level)]
 
 
-def _features(shape: Shape) -> list[float]:
-    """Return the places where a smooth shape bends, and a few that frame its flanks."""
-    p, kind = shape.parameters, shape.kind
-    if kind in _FLANKS:
-        return [x for i, j in _FLANKS[kind] for x in _around(p[i], p[j])]
-    if "sigmoid" in kind:
-        inverse = [1.0 / slope if slope else 0.0 for slope in p[1::2]]
-        return [x for centre, w in zip(p[0::2], inverse, strict=True) for x in _around(centre, w)]
-    if kind == "cosine":
-        return [p[0] - 0.5 * p[1], p[0], p[0] + 0.5 * p[1]]
-    if kind == "spike":
-        return _around(p[0], 0.1 * p[1])
-    return [*p, *(0.5 * (a + b) for a, b in pairwise(p))]  # s, z, pi, concave, arc, semi-ellipse
-
-
-_FLANKS = {
-    "gaussian": ((0, 1),),
-    "two-sided-gaussian": ((0, 1), (2, 3)),
-    "bell": ((0, 1),),
-}
-"""Indexes of (centre, width) among the parameters."""
-
-
-def _around(centre: float, width: float) -> list[float]:
-    return [centre, *(centre + sign * k * width for k in (0.5, 1, 2, 4, 8, 16) for sign in (-1, 1))]
-
-
 def _smooth(
-    shape: Shape, hedges: Sequence[Hedge], membership: Membership, low: float, high: float
+    shape: Shape, hedges: Sequence[Hedge], membership: SetFunction, low: float, high: float
 ) -> tuple[Piece, ...]:
-    features = [x for x in _features(shape) if low < x < high]
+    features = [x for x in bends(shape) if low < x < high]
     grid = [low + (high - low) * i / 16 for i in range(1, 16)]
     edges = sorted({low, high, *features, *grid})
     edges = sorted({*edges, *_turns(edges, membership)})
-    if any(hedge.name in {"intensify", "seldom"} for hedge in hedges):
-        edges = sorted({*edges, *_halves(shape, hedges, edges, low, high)})
+    if any(HEDGES[hedge.name].bends for hedge in hedges):
+        edges = sorted({*edges, *_bent_by_hedges(shape, tuple(hedges), edges, low, high)})
     pieces = []
     for x0, x1 in pairwise(edges):
         y0, y1 = membership(math.nextafter(x0, x1)), membership(math.nextafter(x1, x0))
@@ -176,7 +225,7 @@ def _smooth(
     return tuple(pieces)
 
 
-def _turns(edges: list[float], membership: Membership) -> list[float]:
+def _turns(edges: list[float], membership: SetFunction) -> list[float]:
     """Find maxima and minima between the edges (golden section where samples show one)."""
     xs = sorted({a + (b - a) * i / 8 for a, b in pairwise(edges) for i in range(8)} | {edges[-1]})
     ys = [membership(x) for x in xs]
@@ -189,7 +238,7 @@ def _turns(edges: list[float], membership: Membership) -> list[float]:
     return turns
 
 
-def _golden(function: Membership, a: float, b: float, sign: float, best: float) -> float:
+def _golden(function: SetFunction, a: float, b: float, sign: float, best: float) -> float:
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     c, d = b - ratio * (b - a), a + ratio * (b - a)
     fc, fd = sign * function(c), sign * function(d)
@@ -206,28 +255,21 @@ def _golden(function: Membership, a: float, b: float, sign: float, best: float) 
     return best if sign * function(best) >= sign * function(found) else found
 
 
-def _halves(
-    shape: Shape, hedges: Sequence[Hedge], edges: list[float], low: float, high: float
+def _bent_by_hedges(
+    shape: Shape, hedges: tuple[Hedge, ...], edges: list[float], low: float, high: float
 ) -> list[float]:
-    """Find where the degree below an ``intensify`` or ``seldom`` passes one half."""
+    """Find where the degree below a hedge passes a level at which the hedge bends."""
     found = []
     for depth, hedge in enumerate(hedges):
-        if hedge.name not in {"intensify", "seldom"}:
-            continue
-
-        def below(x: float, inner: Sequence[Hedge] = hedges[depth + 1 :]) -> float:
-            degree = membership(shape, x)
-            for each in reversed(inner):
-                degree = apply_hedge(each, degree)
-            return degree
-
-        for a, b in pairwise(edges):
-            if (below(a) - 0.5) * (below(b) - 0.5) < 0.0:
-                found.append(bisect(below, a, b, 0.5))
+        for level in HEDGES[hedge.name].bends:
+            below = term_function(shape, hedges[depth + 1 :])
+            for a, b in pairwise(edges):
+                if (below(a) - level) * (below(b) - level) < 0.0:
+                    found.append(bisect(below, a, b, level))
     return [x for x in found if low < x < high]
 
 
-def bisect(function: Membership, a: float, b: float, level: float) -> float:
+def bisect(function: SetFunction, a: float, b: float, level: float) -> float:
     """Return where a monotone function passes `level` between `a` and `b`."""
     rising = function(b) > function(a)
     for _ in range(80):
@@ -246,7 +288,9 @@ def peak(pieces: Sequence[Piece]) -> float:
     return max(max(piece.y0, piece.y1) for piece in pieces)
 
 
-def cut(pieces: Sequence[Piece], membership: Membership, level: float) -> list[tuple[float, float]]:
+def cut(
+    pieces: Sequence[Piece], membership: SetFunction, level: float
+) -> list[tuple[float, float]]:
     """Return the intervals where a set is at least `level`, in order, maybe touching."""
     intervals = []
     for piece in pieces:
@@ -259,7 +303,7 @@ def cut(pieces: Sequence[Piece], membership: Membership, level: float) -> list[t
     return intervals
 
 
-def crossing(piece: Piece, membership: Membership, level: float) -> float:
+def crossing(piece: Piece, membership: SetFunction, level: float) -> float:
     """Return where a piece passes `level`, which lies between its ends."""
     if piece.straight:
         share = (level - piece.y0) / (piece.y1 - piece.y0)
@@ -269,7 +313,7 @@ def crossing(piece: Piece, membership: Membership, level: float) -> float:
     )
 
 
-def middle_of_core(pieces: Sequence[Piece], membership: Membership) -> float:
+def middle_of_core(pieces: Sequence[Piece], membership: SetFunction) -> float:
     """Return the middle of the stretch where a set is greatest (its peak, equation 6.4).
 
     Where several stretches are equally high, the middle from the first to the last.
@@ -289,12 +333,11 @@ def middle_of_core(pieces: Sequence[Piece], membership: Membership) -> float:
 Forms = tuple[tuple[Any, Any], ...]
 """(α, β) for each line, floats or arrays."""
 
-FORMS: dict[str, Callable[[Any], Forms]] = {
-    "min": lambda w: ((0.0, 1.0), (w, 0.0)),
-    "product": lambda w: ((0.0, w),),
-    "bounded": lambda w: ((w - 1.0, 1.0),),
-}
-"""The lines of a set cut at a strength, by implication."""
+
+def cut_lines(implication: str, strength: Any) -> Forms | None:
+    """Return the lines of a set cut at a strength; None where the implication may bend them."""
+    lines = TNORMS[implication].lines
+    return None if lines is None else lines(strength)
 
 
 class Stretch(NamedTuple):
