@@ -14,8 +14,9 @@ from pygls.protocol.language_server import lsp_method
 from pygls.uris import to_fs_path
 
 from fuzzyarm import __version__
+from fuzzyarm.lsp.documents import open_text
 from fuzzyarm.lsp.protocol import Converter
-from fuzzyarm.lsp.session import SLOW, UTF16, Session
+from fuzzyarm.lsp.session import SLOW, UTF16, OpenText
 
 
 class Protocol(LanguageServerProtocol):
@@ -52,7 +53,7 @@ class FuzzyarmServer(LanguageServer):
 
     def __init__(self) -> None:
         super().__init__("fuzzyarm", __version__, protocol_cls=Protocol)
-        self.sessions: dict[str, Session] = {}
+        self.texts: dict[str, OpenText] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._running: set[asyncio.Task[None]] = set()
 
@@ -64,7 +65,7 @@ class FuzzyarmServer(LanguageServer):
         agreed = self.workspace.position_encoding or UTF16
         return str(getattr(agreed, "value", agreed))
 
-    def session(self, uri: str) -> Session:
+    def text(self, uri: str) -> OpenText:
         """Return the open file at `uri`.
 
         Raises
@@ -72,37 +73,41 @@ class FuzzyarmServer(LanguageServer):
         JsonRpcInvalidParams
             If it is not open: that is the editor's mistake, and it is told so.
         """
-        if uri not in self.sessions:
+        if uri not in self.texts:
             raise JsonRpcInvalidParams(message=f"the file {uri} is not open")
-        return self.sessions[uri]
+        return self.texts[uri]
 
-    def converter(self, session: Session) -> Converter:
-        """Return what turns positions in the text of `session` into places."""
-        return Converter(session.lines, self.encoding)
+    def converter(self, uri: str) -> Converter:
+        """Return what turns positions in an open file into places, and back."""
+        capabilities = self.client_capabilities.text_document
+        completion = capabilities.completion if capabilities else None
+        item = completion.completion_item if completion else None
+        snippets = bool(item and item.snippet_support)
+        return Converter(uri, self.text(uri).lines, self.encoding, snippets)
 
     def open(self, document: types.TextDocumentItem) -> None:
         """Take an opened file."""
         path = to_fs_path(document.uri) or document.uri
         if document.language_id == "fuzzyarm-table" and not path.lower().endswith(".lut"):
             path += ".lut"
-        self.sessions[document.uri] = Session(path, document.text, document.version)
-        self.schedule(document.uri, pause=False)
+        self.texts[document.uri] = open_text(path, document.text, document.version)
+        self._schedule(document.uri, pause=False)
 
     def change(self, params: types.DidChangeTextDocumentParams) -> None:
         """Take the changes of a file."""
-        session = self.session(params.text_document.uri)
+        text = self.text(params.text_document.uri)
         for change in params.content_changes:
             where = None
             if isinstance(change, types.TextDocumentContentChangePartial):
                 start, end = change.range.start, change.range.end
                 where = (start.line, start.character, end.line, end.character)
-            session.change(where, change.text, self.encoding)
-        session.version = params.text_document.version
-        self.schedule(params.text_document.uri)
+            text.change(where, change.text, self.encoding)
+        text.version = params.text_document.version
+        self._schedule(params.text_document.uri)
 
     def close(self, uri: str) -> None:
         """Forget a file and what was found in it."""
-        self.sessions.pop(uri, None)
+        self.texts.pop(uri, None)
         timer = self._timers.pop(uri, None)
         if timer is not None:
             timer.cancel()
@@ -110,37 +115,37 @@ class FuzzyarmServer(LanguageServer):
 
     # ── diagnostics ──────────────────────────────────────────────────────────────────
 
-    def schedule(self, uri: str, *, pause: bool = True) -> None:
+    def _schedule(self, uri: str, *, pause: bool = True) -> None:
         """Check a file soon: at once if that is quick, else (with `pause`) when typing pauses."""
         waiting = self._timers.pop(uri, None)
         if waiting is not None:
             waiting.cancel()
-        cost = self.sessions[uri].cost
+        cost = self.texts[uri].cost
         delay = 0.0 if cost < SLOW or not pause else min(1.5, 2.0 * cost)
         self._timers[uri] = asyncio.get_running_loop().call_later(delay, self._check, uri)
 
     def _check(self, uri: str) -> None:
         self._timers.pop(uri, None)
-        session = self.sessions.get(uri)
-        if session is None:
+        text = self.texts.get(uri)
+        if text is None:
             return
-        if session.cost < SLOW:
-            self.publish(uri, session)
+        if text.cost < SLOW:
+            self._publish(uri, text)
             return
-        task = asyncio.ensure_future(self._check_aside(uri, session))
+        task = asyncio.ensure_future(self._check_aside(uri, text))
         self._running.add(task)
         task.add_done_callback(self._running.discard)
 
-    async def _check_aside(self, uri: str, session: Session) -> None:
-        copy = Session(session.path, session.text, session.version)
+    async def _check_aside(self, uri: str, text: OpenText) -> None:
+        copy = open_text(text.path, text.text, text.version)
         await asyncio.to_thread(copy.review)
-        if self.sessions.get(uri) is session and session.adopt(copy):
-            self.publish(uri, session)
+        if self.texts.get(uri) is text and text.adopt(copy):
+            self._publish(uri, text)
 
-    def publish(self, uri: str, session: Session) -> None:
+    def _publish(self, uri: str, text: OpenText) -> None:
         """Send the findings of a file to the editor."""
-        converter = self.converter(session)
-        found = [converter.diagnostic(d, uri) for d in session.review().diagnostics]
+        converter = self.converter(uri)
+        found = [converter.diagnostic(d) for d in text.review().diagnostics]
         self.text_document_publish_diagnostics(
-            types.PublishDiagnosticsParams(uri, found, session.version)
+            types.PublishDiagnosticsParams(uri, found, text.version)
         )

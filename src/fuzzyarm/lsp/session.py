@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from functools import cached_property
+from typing import Self
 
-from fuzzyarm.api import Review, check_parsed, failed_expectations
-from fuzzyarm.language.nodes import GridNode
-from fuzzyarm.language.parser import ParseMemory
-from fuzzyarm.language.queries import Reading, read
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.api import Review
+from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fix, Fold, Hover, Symbol, fixes
 from fuzzyarm.text.diagnostic import Diagnostic, Span, split_lines
 
 # --- Between the protocol's positions, which count code units from 0, and places in a text ---
@@ -81,19 +81,21 @@ def _offset(text: str, starts: list[int], line: int, character: int, encoding: s
     return start + characters(content, character, encoding)
 
 
-# --- One open file: its text, what reading it found, and the findings of its check ---
+# --- One open file: its text, what an editor asks of it, and the findings of its check ---
 
 SLOW = 0.2
 """A file whose check takes longer, in seconds, is checked beside the answering of questions."""
 
 
-class Session:
-    """An open rule base or table.
+class OpenText(ABC):
+    """An open file; a kind of files is a class that answers the questions of an editor.
+
+    Places count lines and columns from 1.
 
     Parameters
     ----------
     path : str
-        Named in the diagnostics; ``.lut`` makes it a table.
+        Named in the diagnostics.
     text : str
         The text when it is opened.
     version : int or None
@@ -106,19 +108,10 @@ class Session:
         self.version = version
         # Until it has been measured, what a check costs is guessed from the length.
         self.cost = 2e-6 * len(text)
-        self._judged: tuple[RuleBase, list[Span], list[Diagnostic]] | None = None
         self._elapsed = 0.0
-        self._memory = ParseMemory()
-        self._reading: Reading | None = None
-        self._last_reading: Reading | None = None
         self._review: Review | None = None
 
-    @property
-    def is_table(self) -> bool:
-        """Whether the file is a lookup table."""
-        return self.path.lower().endswith(".lut")
-
-    @property
+    @cached_property
     def lines(self) -> list[str]:
         """The lines of the text, without their ends."""
         return split_lines(self.text)
@@ -129,36 +122,18 @@ class Session:
         if text == self.text:
             return
         self.text = text
-        self._reading = self._review = None
+        self._review = None
+        self._forget()
+
+    def _forget(self) -> None:
+        """Drop what was found in the text before."""
+        for name in list(self.__dict__):
+            if isinstance(getattr(type(self), name, None), cached_property):
+                del self.__dict__[name]
 
     def change(self, where: Range | None, new: str, encoding: str = UTF16) -> None:
         """Take one change as an editor sends it."""
         self.replace(change_text(self.text, where, new, encoding), self.version)
-
-    @property
-    def reading(self) -> Reading:
-        """The text as it is now, read."""
-        if self._reading is None:
-            self._reading = read(self.text, self.path, self._memory)
-            self._last_reading = self._reading
-        return self._reading
-
-    @property
-    def quick_reading(self) -> Reading:
-        """The words of the text as it is now; of a large file with the meaning it had last.
-
-        Good for completion: the names are known, and a key stroke rarely changes them.
-        """
-        if self._reading is not None or self._last_reading is None or self.cost < SLOW:
-            return self.reading
-        lines = self._memory.tokenize(self.text, [])
-        return Reading(self.text, self._last_reading.parsed, tuple(lines))
-
-    @property
-    def grids(self) -> list[GridNode]:
-        """The rule grids of the file."""
-        nodes = (statement.node for statement in self.reading.document.statements)
-        return [node for node in nodes if isinstance(node, GridNode)]
 
     def review(self) -> Review:
         """Return the findings for the text as it is now: those of ``fuzzyarm check``."""
@@ -170,28 +145,52 @@ class Session:
             self.cost, self._elapsed = min(elapsed, self._elapsed or self.cost), elapsed
         return self._review
 
-    def _check(self) -> Review:
-        if self.is_table:
-            from fuzzyarm.table import parse_lut
-
-            return Review(self.text, tuple(parse_lut(self.text, self.path).diagnostics))
-        parsed = self.reading.parsed
-        return check_parsed(parsed, self.text, self.path, self._failed(parsed.rulebase))
-
-    def _failed(self, rulebase: RuleBase | None) -> list[Diagnostic] | None:
-        """Return the failed expectations; those found last, if nothing has changed in meaning."""
-        if rulebase is None or not rulebase.expectations:
-            return None
-        known, spans = self._judged, [e.span for e in rulebase.expectations]
-        if known is None or known[1] != spans or known[0] != rulebase:
-            known = rulebase, spans, failed_expectations(rulebase)
-        self._judged = known
-        return known[2]
-
-    def adopt(self, other: Session) -> bool:
+    def adopt(self, other: Self) -> bool:
         """Take over what `other` found, if it is about the same text; return whether it is."""
         if other.text != self.text:
             return False
-        self._reading = self._last_reading = other.reading if not self.is_table else None
         self._review, self.cost = other.review(), other.cost
         return True
+
+    @abstractmethod
+    def _check(self) -> Review: ...
+
+    @abstractmethod
+    def formatted(self) -> str | None:
+        """Return the text in canonical form; None if it has mistakes, or something to lose."""
+
+    @abstractmethod
+    def complete(self, line: int, column: int) -> list[Candidate]:
+        """Return what could stand at a place."""
+
+    @abstractmethod
+    def hover(self, line: int, column: int) -> Hover | None:
+        """Return what stands at a place, explained."""
+
+    @abstractmethod
+    def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
+        """Return the name that a cursor touches, and where it stands."""
+
+    @abstractmethod
+    def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
+        """Return every place of the name at a place, and whether it is declared there."""
+
+    @abstractmethod
+    def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
+        """Return the edits that give the name at a place another one; or raise RenameError."""
+
+    @abstractmethod
+    def symbols(self) -> list[Symbol]:
+        """Return the outline."""
+
+    @abstractmethod
+    def folds(self) -> list[Fold]:
+        """Return what can be folded away."""
+
+    @abstractmethod
+    def coloured(self) -> list[Coloured]:
+        """Return every word that has a colour."""
+
+    def fixes(self, finding: Diagnostic) -> list[Fix]:
+        """Return the repairs of a finding."""
+        return fixes(finding, self.text)

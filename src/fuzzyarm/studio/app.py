@@ -14,7 +14,7 @@ from textual.timer import Timer
 from textual.widgets import Footer, OptionList, Static, TextArea
 from textual.widgets.option_list import Option
 
-from fuzzyarm.language.queries import apply_edits, coloured, fixes
+from fuzzyarm.language.queries import apply_edits
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.panes import Editor, View
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
@@ -91,13 +91,7 @@ class Studio(App[int]):
         self._show_title()
 
     def _show_colours(self) -> None:
-        session = self.document.session
-        if session.is_table:
-            from fuzzyarm.lsp.tables import TableText
-
-            words = TableText(session.text).coloured()
-        else:
-            words = coloured(session.reading)
+        words = self.document.session.coloured()
         self.query_one(Editor).colour(words, self.document.findings)
 
     def _show_title(self) -> None:
@@ -233,9 +227,7 @@ class Studio(App[int]):
         self.notify("Nothing here has a certain repair.")
 
     def _fix_of(self, found: Diagnostic) -> Any:
-        session = self.document.session
-        grids = [] if session.is_table else session.grids
-        certain = [fix for fix in fixes(found, session.text, grids) if fix.preferred]
+        certain = [fix for fix in self.document.session.fixes(found) if fix.preferred]
         return certain[0] if certain else None
 
     def _repair(self, found: Diagnostic) -> None:

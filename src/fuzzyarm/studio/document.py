@@ -7,11 +7,11 @@ from pathlib import Path
 
 from fuzzyarm.api import RULEBASE_SUFFIXES
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language import format_text, read_text
-from fuzzyarm.lsp.session import Session
+from fuzzyarm.language import read_text
+from fuzzyarm.lsp.documents import RuleText, TableText, open_text
 from fuzzyarm.studio.scene import RulebaseScene, Scene
 from fuzzyarm.studio.table_scene import TableScene
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
+from fuzzyarm.text.diagnostic import Diagnostic
 
 SUFFIXES = (".frb", ".lut")
 
@@ -42,7 +42,7 @@ class StudioDocument:
 
     Attributes
     ----------
-    session : Session
+    session : OpenText
         The text and its findings, as in the language server.
     scene : Scene or None
         Of the last text without errors; None until there has been one.
@@ -63,7 +63,7 @@ class StudioDocument:
             raise NotShownError(self.path)
         self.scene: Scene | None = None
         self.is_current = False
-        self.session = Session(self.path, read_text(self.path))
+        self.session = open_text(self.path, read_text(self.path))
         self.update(self.session.text)
 
     @property
@@ -94,26 +94,20 @@ class StudioDocument:
         self.scene = scene or self.scene
 
     def _scene(self) -> Scene | None:
-        review = self.session.review()
-        if self.session.is_table:
-            from fuzzyarm.table import LookupTable, parse_lut
+        opened = self.session
+        if isinstance(opened, TableText):
+            from fuzzyarm.table import LookupTable
 
-            plain = parse_lut(self.text, self.path).table
+            plain = opened.parsed.table
             if plain is None:
                 return None
-            return TableScene(LookupTable.from_plain(plain), self.text, self.scene)
+            return TableScene(LookupTable.from_plain(plain), opened, self.scene)
+        rulebase = opened.review().rulebase
         # Contradictions and failed expectations are errors, but the rules can be shown.
-        if review.rulebase is None or not review.rulebase.inputs:
+        if rulebase is None or not rulebase.inputs or not isinstance(opened, RuleText):
             return None
-        return RulebaseScene(review.rulebase, self.session.reading, self.scene)
+        return RulebaseScene(rulebase, opened.reading, self.scene)
 
     def formatted(self) -> str:
         """Return the text in canonical form; as it is where that cannot be."""
-        if self.session.is_table:
-            from fuzzyarm.lsp.tables import formatted_table
-
-            return formatted_table(self.text) or self.text
-        try:
-            return format_text(self.text, self.path)
-        except RuleBaseError:
-            return self.text
+        return self.session.formatted() or self.text

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from fuzzyarm.language.printer import name_text
+from fuzzyarm.lsp.documents import TableText
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.studio.scene import Scene
 from fuzzyarm.table import Axis, LookupTable
-from fuzzyarm.text.diagnostic import Span, split_lines
+from fuzzyarm.text.diagnostic import Span
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -26,7 +26,7 @@ class TableScene(Scene):
     ----------
     table : LookupTable
         The table.
-    text : str
+    text : TableText
         Its text, to jump into.
     before : Scene or None
         The scene before the last change of the text.
@@ -34,7 +34,7 @@ class TableScene(Scene):
 
     VIEWS = (MAP, NUMBERS)
 
-    def __init__(self, table: LookupTable, text: str = "", before: Scene | None = None) -> None:
+    def __init__(self, table: LookupTable, text: TableText, before: Scene | None = None) -> None:
         super().__init__()
         self.table = table
         self.text = text
@@ -128,27 +128,7 @@ class TableScene(Scene):
 
     def place(self) -> Span | None:
         """Return where the number of the chosen cell stands in the text."""
-        starts = [
-            n for n, line in enumerate(split_lines(self.text), start=1)
-            if re.match(r"\s*grid\b", line)
-        ]  # fmt: skip
-        cell = self.cell
-        page = 0
-        for index, size in zip(cell[:-2], self.table.shape[:-2], strict=True):
-            page = page * size + index
-        if page >= len(starts):
-            return None
-        lines = split_lines(self.text)
-        row = cell[-2] if len(cell) > 1 else 0
-        below = [n for n in range(starts[page] + 1, len(lines) + 1) if _words(lines[n - 1])]
-        if len(below) < row + 2:
-            return None
-        number = below[row + 1]
-        words = _words(lines[number - 1])
-        if len(words) < cell[-1] + 2:
-            return None
-        start, end = words[cell[-1] + 1]
-        return Span(number, start, number, end)
+        return self.text.cell_span(self.cell)
 
     def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
         """Return nothing: a map is too coarse to be pointed at."""
@@ -160,7 +140,3 @@ def _inside(axis: Axis, index: int) -> float:
     if not axis.bins or index in (0, len(axis.levels) - 1):
         return axis.levels[index]
     return float(f"{0.5 * (axis.bins[index - 1] + axis.bins[index]):.12g}")
-
-
-def _words(line: str) -> list[tuple[int, int]]:
-    return [(m.start() + 1, m.end() + 1) for m in re.finditer(r"\S+", line.partition("#")[0])]

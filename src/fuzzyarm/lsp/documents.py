@@ -1,0 +1,373 @@
+"""The open files by their kinds: rule bases, whose questions the language answers, and tables.
+
+What each method answers is said once, in :class:`fuzzyarm.lsp.session.OpenText`.
+"""
+
+# ruff: noqa: D102
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Self
+
+from fuzzyarm.api import Review, check_parsed, failed_expectations
+from fuzzyarm.language import format_text
+from fuzzyarm.language.nodes import GridNode
+from fuzzyarm.language.parser import ParseMemory
+from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.queries import (
+    Candidate,
+    Coloured,
+    Edit,
+    Fix,
+    Fold,
+    Hover,
+    Reading,
+    RenameError,
+    Symbol,
+    coloured,
+    complete,
+    fixes,
+    folds,
+    hover,
+    occurrence_at,
+    read,
+    references,
+    rename,
+    symbols,
+)
+from fuzzyarm.language.tokens import Token
+from fuzzyarm.lsp.session import SLOW, OpenText
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table.grid import KEYWORDS
+from fuzzyarm.table.text import ParsedTable, line_tokens, parse_lut, write_lut
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
+
+
+def open_text(path: str, text: str, version: int | None = None) -> OpenText:
+    """Return an open file of the kind that its suffix tells; otherwise a rule base."""
+    kind = TableText if path.lower().endswith(".lut") else RuleText
+    return kind(path, text, version)
+
+
+class RuleText(OpenText):
+    """An open rule base."""
+
+    def __init__(self, path: str, text: str, version: int | None = None) -> None:
+        super().__init__(path, text, version)
+        self._judged: tuple[RuleBase, list[Span], list[Diagnostic]] | None = None
+        self._memory = ParseMemory()
+        self._reading: Reading | None = None
+        self._last_reading: Reading | None = None
+
+    def _forget(self) -> None:
+        super()._forget()
+        self._reading = None
+
+    def adopt(self, other: Self) -> bool:
+        if not super().adopt(other):
+            return False
+        self._reading = self._last_reading = other.reading
+        return True
+
+    @property
+    def reading(self) -> Reading:
+        """The text as it is now, read."""
+        if self._reading is None:
+            self._reading = self._last_reading = read(self.text, self.path, self._memory)
+        return self._reading
+
+    @property
+    def quick_reading(self) -> Reading:
+        """The words of the text as it is now; of a large file with the meaning it had last.
+
+        Good for completion: the names are known, and a key stroke rarely changes them.
+        """
+        if self._reading is not None or self._last_reading is None or self.cost < SLOW:
+            return self.reading
+        lines = self._memory.tokenize(self.text, [])
+        return Reading(self.text, self._last_reading.parsed, tuple(lines))
+
+    def _check(self) -> Review:
+        parsed = self.reading.parsed
+        return check_parsed(parsed, self.text, self.path, self._failed(parsed.rulebase))
+
+    def _failed(self, rulebase: RuleBase | None) -> list[Diagnostic] | None:
+        """Return the failed expectations; those found last, if nothing has changed in meaning."""
+        if rulebase is None or not rulebase.expectations:
+            return None
+        known, spans = self._judged, [e.span for e in rulebase.expectations]
+        if known is None or known[1] != spans or known[0] != rulebase:
+            known = rulebase, spans, failed_expectations(rulebase)
+        self._judged = known
+        return known[2]
+
+    def formatted(self) -> str | None:
+        try:
+            return format_text(self.text, self.path)
+        except RuleBaseError:
+            return None
+
+    def complete(self, line: int, column: int) -> list[Candidate]:
+        return complete(self.quick_reading, line, column)
+
+    def hover(self, line: int, column: int) -> Hover | None:
+        return hover(self.reading, line, column)
+
+    def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
+        found = occurrence_at(self.reading, line, column)
+        return None if found is None else (found.name, found.span)
+
+    def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
+        found = occurrence_at(self.reading, line, column)
+        if found is None:
+            return []
+        return [(each.span, each.is_definition) for each in references(self.reading, found)]
+
+    def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
+        return rename(self.reading, line, column, new_name)
+
+    def symbols(self) -> list[Symbol]:
+        return symbols(self.reading)
+
+    def folds(self) -> list[Fold]:
+        return folds(self.reading)
+
+    def coloured(self) -> list[Coloured]:
+        return list(coloured(self.reading))
+
+    def fixes(self, finding: Diagnostic) -> list[Fix]:
+        nodes = (statement.node for statement in self.reading.document.statements)
+        return fixes(finding, self.text, [node for node in nodes if isinstance(node, GridNode)])
+
+
+# --- Lookup tables ---
+
+_CHOICES: dict[str, tuple[str, ...]] = {
+    "mode": ("bins", "nearest", "linear"),
+    "index": ("row", "column", "page"),
+}
+_WORDS = {"row", "column", "page", "when", "step", "count", "mirrored", *_CHOICES["mode"]}
+
+
+class TableText(OpenText):
+    """An open ``.lut`` file; its words are keywords, names and numbers."""
+
+    @cached_property
+    def parsed(self) -> ParsedTable:
+        """The table, and the findings."""
+        return parse_lut(self.text, self.path)
+
+    @cached_property
+    def tokens(self) -> list[tuple[Token, ...]]:
+        """The words of each line."""
+        return [line_tokens(n, line, []) for n, line in enumerate(self.lines, start=1)]
+
+    @cached_property
+    def grids(self) -> list[int]:
+        """The lines that begin a grid."""
+        return [n for n, line in enumerate(self.tokens, start=1) if _first(line) == "grid"]
+
+    @cached_property
+    def declared(self) -> list[Token]:
+        """The names of the inputs and the output where they are declared."""
+        return [
+            line[1]
+            for line in self.tokens
+            if len(line) > 1 and _first(line) in ("input", "output") and _is_name(line[1])
+        ]
+
+    @property
+    def names(self) -> list[str]:
+        """The inputs and the output, as far as the header can be read."""
+        return list(dict.fromkeys(token.text for token in self.declared))
+
+    def _check(self) -> Review:
+        return Review(self.text, tuple(self.parsed.diagnostics))
+
+    def formatted(self) -> str | None:
+        if self.parsed.table is None or any("#" in line for line in self.lines):
+            return None
+        return write_lut(self.parsed.table)
+
+    def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
+        for token in self._line(line):
+            if token.column <= column <= token.end and token.text in self.names:
+                return token.text, token.span
+        return None
+
+    def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
+        found = self.name_at(line, column)
+        return [] if found is None else self._occurrences(found[0])
+
+    def _occurrences(self, name: str) -> list[tuple[Span, bool]]:
+        return [
+            (token.span, token in self.declared)
+            for line in self.tokens
+            for index, token in enumerate(line)
+            if token.text == name and _is_name(token) and (index or token.text not in KEYWORDS)
+        ]
+
+    def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
+        found = self.name_at(line, column)
+        if found is None:
+            raise RenameError("there is no input or output at this place")
+        name = new_name.strip().strip("'")
+        if not name:
+            raise RenameError("the new name is empty")
+        if name != found[0] and name in self.names:
+            raise RenameError(f"'{name}' is taken already")
+        return [Edit(span, name_text(name)) for span, _ in self._occurrences(found[0])]
+
+    def complete(self, line: int, column: int) -> list[Candidate]:
+        before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
+        column = len(before) + 1
+        match = re.search(r"[^\W\d][\w-]*\Z", before)
+        start = match.start() + 1 if match else column
+        if "#" in before or before.count('"') % 2:
+            return []
+        span = Span(line, start, line, column)
+        tokens = line_tokens(line, before[: start - 1], [])
+        first = _first(tokens)
+        if not tokens:
+            if self.grids and line > self.grids[0]:
+                return [Candidate("grid", "keyword", "grid", KEYWORDS["grid"], span=span)]
+            return [Candidate(w, "keyword", w, what, span=span) for w, what in KEYWORDS.items()]
+        words = _CHOICES.get(first, ())
+        if first == "index" and tokens[-1].text in words:
+            words = tuple(n for n in self.names if n not in {t.text for t in tokens})
+        elif first in ("levels", "bins") and len(tokens) == 1:
+            words = tuple(f"{name_text(name)}:" for name in self.names[:-1])
+        return [Candidate(word, "value", word, span=span) for word in words]
+
+    def hover(self, line: int, column: int) -> Hover | None:
+        cell = self._cell(line, column)
+        if cell is not None:
+            return cell
+        named = self.name_at(line, column)
+        if named is not None:
+            return Hover(self._name_words(named[0]), named[1])
+        for token in self._line(line)[:1]:
+            if token.column <= column <= token.end and token.text in KEYWORDS:
+                return Hover(f"**{token.text}**: {KEYWORDS[token.text]}", token.span)
+        return None
+
+    def _name_words(self, name: str) -> str:
+        header = self.parsed.header
+        if header is None:
+            return f"**{name}**"
+        for axis in header.axes:
+            if axis.name == name:
+                levels = f"{len(axis.levels)} levels, {axis.levels[0]:g} to {axis.levels[-1]:g}"
+                bins = "looked up by bins" if axis.bins else "no bins"
+                return f"input **{name}** {axis.description}\n\n{levels}, {bins}"
+        return f"output **{name}** {header.description}"
+
+    def _cell(self, line: int, column: int) -> Hover | None:
+        start = max((n for n in self.grids if n < line), default=None)
+        if start is None or self.parsed.header is None:
+            return None
+        header = next((n for n in range(start + 1, line) if self._words(n)), None)
+        words = self._words(line)
+        at = next((i for i, w in enumerate(words) if w.start() < column <= w.end() + 1), None)
+        if header is None or not at:
+            return None
+        head = [word.group() for word in self._words(header)]
+        if "\\" in head and len(head) > at + 2:
+            cell = f"{head[0]} = {words[0].group()}, {head[2]} = {head[at + 2]}"
+        elif "\\" not in head and len(head) > at:
+            cell = f"{head[0]} = {head[at]}"
+        else:
+            return None
+        page = self.lines[start - 1].strip().removeprefix("grid").strip()
+        more = f" {page}" if page else ""
+        shown = f"**{self.parsed.header.output} = {words[at].group()}** at {cell}{more}"
+        return Hover(shown, _span(line, words[at]))
+
+    def cell_span(self, cell: Sequence[int]) -> Span | None:
+        """Return where the number of a cell stands, by its index."""
+        header = self.parsed.header
+        if header is None:
+            return None
+        page = 0
+        for index, size in zip(cell[:-2], header.shape[:-2], strict=True):
+            page = page * size + index
+        if page >= len(self.grids):
+            return None
+        row = cell[-2] if len(cell) > 1 else 0
+        below = [n for n in range(self.grids[page] + 1, len(self.lines) + 1) if self._words(n)]
+        # The first line below is that of the columns, the first word of the others a level.
+        words = self._words(below[row + 1]) if len(below) > row + 1 else []
+        return _span(below[row + 1], words[cell[-1] + 1]) if len(words) > cell[-1] + 1 else None
+
+    def _words(self, line: int) -> list[re.Match[str]]:
+        text = self.lines[line - 1].partition("#")[0] if line <= len(self.lines) else ""
+        return list(re.finditer(r"\S+", text))
+
+    def symbols(self) -> list[Symbol]:
+        found = []
+        for number, tokens in enumerate(self.tokens, start=1):
+            first = _first(tokens)
+            if first in ("input", "output") and len(tokens) > 1:
+                whole = tokens[0].span.to(tokens[-1].span)
+                found.append(Symbol(tokens[1].text or "?", "", first, whole, tokens[1].span))
+            elif first == "grid":
+                end = self._end_of_grid(number)
+                whole = Span(number, 1, end, len(self.lines[end - 1]) + 1)
+                name = " ".join(self.lines[number - 1].split())
+                found.append(Symbol(name, "", "grid", whole, tokens[0].span))
+        return found
+
+    def folds(self) -> list[Fold]:
+        ends = ((n, self._end_of_grid(n)) for n in self.grids)
+        return [Fold(first, last) for first, last in ends if last > first]
+
+    def _end_of_grid(self, start: int) -> int:
+        end = start
+        for number in range(start + 1, len(self.lines) + 1):
+            if _first(self.tokens[number - 1]) in KEYWORDS:
+                break
+            if self.lines[number - 1].strip():
+                end = number
+        return end
+
+    def coloured(self) -> list[Coloured]:
+        names = set(self.names)
+        found: list[Coloured] = []
+        for number, tokens in enumerate(self.tokens, start=1):
+            for index, token in enumerate(tokens):
+                colour = _colour(token, names, first=index == 0)
+                if colour:
+                    found.append(Coloured(token.line, token.column, token.end, colour))
+            start = self.lines[number - 1].find("#", tokens[-1].end - 1 if tokens else 0)
+            if start >= 0:
+                end = len(self.lines[number - 1].rstrip())
+                found.append(Coloured(number, start + 1, end + 1, "comment"))
+        return found
+
+    def _line(self, line: int) -> tuple[Token, ...]:
+        return self.tokens[line - 1] if 1 <= line <= len(self.tokens) else ()
+
+
+def _first(tokens: tuple[Token, ...]) -> str:
+    return tokens[0].text if tokens and tokens[0].kind == "name" else ""
+
+
+def _is_name(token: Token) -> bool:
+    return token.kind in ("name", "quoted")
+
+
+def _colour(token: Token, names: set[str], *, first: bool) -> str | None:
+    if token.kind in ("number", "string"):
+        return token.kind
+    if _is_name(token):
+        if (first and token.text in KEYWORDS) or token.text in _WORDS:
+            return "keyword"
+        return "variable" if token.text in names else None
+    return "operator" if token.text in ("..", "=", "\\") else None
+
+
+def _span(line: int, word: re.Match[str]) -> Span:
+    return Span(line, word.start() + 1, line, word.end() + 1)
