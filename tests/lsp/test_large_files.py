@@ -11,8 +11,7 @@ from pytest_lsp import LanguageClient
 from server_client import CONFIG, File, partial, start
 
 from fuzzyarm.api import check_text
-from fuzzyarm.lsp.documents import open_text
-from fuzzyarm.lsp.session import SLOW
+from fuzzyarm.lsp.session import SLOW, Session
 
 pytestmark = pytest.mark.slow
 
@@ -56,14 +55,14 @@ async def test_hasty_typing_in_a_large_file_ends_with_a_fresh_check(client: Lang
 
 def test_a_slow_session_completes_with_the_meaning_it_had_last() -> None:
     text = "rulebase s\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles N P\n"
-    session = open_text("s.frb", text)
+    session = Session("s.frb", text)
     session.review()
     session.cost = 2 * SLOW
     session.replace(text + "rule if a is ")
     quick = session.quick_reading
     assert quick.model is session.quick_reading.model
     assert quick.tokens_of(5)[-1].text == "is"
-    other = open_text("s.frb", session.text)
+    other = Session("s.frb", session.text)
     assert session.adopt(other)
     assert session.review() is other.review()
-    assert not session.adopt(open_text("s.frb", text))
+    assert not session.adopt(Session("s.frb", text))

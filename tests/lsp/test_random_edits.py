@@ -9,7 +9,7 @@ from random_edits import SMALL, changed, random_edit
 
 from fuzzyarm.api import check_text
 from fuzzyarm.language.queries import coloured, complete, hover
-from fuzzyarm.lsp.documents import open_text
+from fuzzyarm.lsp.session import Session
 
 STEPS = 10_000
 
@@ -18,7 +18,7 @@ STEPS = 10_000
 @pytest.mark.parametrize("part", range(2))
 def test_ten_thousand_edits_of_the_document_model(part: int) -> None:
     chance = random.Random(60 + part)
-    session = open_text("small.frb", SMALL)
+    session = Session("small.frb", SMALL)
     sound = 0
     for step in range(STEPS // 2):
         where, new = random_edit(session.text, chance)
@@ -38,6 +38,7 @@ def test_ten_thousand_edits_of_the_document_model(part: int) -> None:
 
 
 def test_tables_survive_edits_too() -> None:
+    from fuzzyarm.lsp.tables import TableText
     from fuzzyarm.table import parse_lut
 
     text = (
@@ -46,15 +47,16 @@ def test_tables_survive_edits_too() -> None:
         "  𝜃 \\ x  -1  0  1\n  -1  -1  0  0\n  0  0  0  0\n  1  0  0  1\n"
     )
     chance = random.Random(7)
-    session = open_text("small.lut", text)
+    session = Session("small.lut", text)
     for _ in range(400):
         where, new = random_edit(session.text, chance)
         session.change(where, text if where is None else new)
         found = session.review().diagnostics
         assert found == parse_lut(session.text, "small.lut").diagnostics
+        table = TableText(session.text)
         line, column = chance.randrange(12) + 1, chance.randrange(20) + 1
-        session.complete(line, column)
-        session.hover(line, column)
-        session.symbols()
-        session.folds()
-        session.coloured()
+        table.complete(line, column)
+        table.hover(line, column)
+        table.symbols()
+        table.folds()
+        table.coloured()

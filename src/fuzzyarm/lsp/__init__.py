@@ -1,5 +1,5 @@
 """The language server: what :mod:`fuzzyarm.language.queries` answers, over the protocol.
 
 Needs the extra ``fuzzyarm[lsp]``. :mod:`fuzzyarm.lsp.session` and
-:mod:`fuzzyarm.lsp.documents` know nothing of the protocol's library.
+:mod:`fuzzyarm.lsp.tables` know nothing of the protocol's library.
 """

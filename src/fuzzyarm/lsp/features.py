@@ -1,4 +1,4 @@
-"""Each feature of the protocol: a question about an open text, and the answer in its words."""
+"""Each feature of the protocol: a question about an open file, and the answer in its words."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pygls.exceptions import JsonRpcInvalidParams
 from fuzzyarm.language.queries import COLOURS, RenameError
 from fuzzyarm.lsp.protocol import Converter
 from fuzzyarm.lsp.server import FuzzyarmServer
-from fuzzyarm.lsp.session import OpenText
+from fuzzyarm.lsp.session import Session
 from fuzzyarm.text.diagnostic import Span
 
 
@@ -35,15 +35,15 @@ def _did_close(server: FuzzyarmServer, params: types.DidCloseTextDocumentParams)
 
 
 def _completion(
-    text: OpenText, to: Converter, params: types.CompletionParams
+    session: Session, to: Converter, params: types.CompletionParams
 ) -> types.CompletionList:
-    offered = text.complete(*to.place(params.position))
+    offered = session.kind.complete(session.quick_reading, *to.place(params.position))
     items = [to.completion(candidate, rank) for rank, candidate in enumerate(offered)]
     return types.CompletionList(is_incomplete=False, items=items)
 
 
-def _hover(text: OpenText, to: Converter, params: types.HoverParams) -> types.Hover | None:
-    found = text.hover(*to.place(params.position))
+def _hover(session: Session, to: Converter, params: types.HoverParams) -> types.Hover | None:
+    found = session.kind.hover(session.reading, *to.place(params.position))
     if found is None:
         return None
     content = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)
@@ -51,50 +51,50 @@ def _hover(text: OpenText, to: Converter, params: types.HoverParams) -> types.Ho
 
 
 def _definition(
-    text: OpenText, to: Converter, params: types.DefinitionParams
+    session: Session, to: Converter, params: types.DefinitionParams
 ) -> list[types.Location]:
-    found = text.occurrences(*to.place(params.position))
+    found = session.kind.occurrences(session.reading, *to.place(params.position))
     return [to.location(span) for span, declares in found if declares]
 
 
 def _references(
-    text: OpenText, to: Converter, params: types.ReferenceParams
+    session: Session, to: Converter, params: types.ReferenceParams
 ) -> list[types.Location]:
-    found = text.occurrences(*to.place(params.position))
+    found = session.kind.occurrences(session.reading, *to.place(params.position))
     declared = params.context.include_declaration
     return [to.location(span) for span, declares in found if declared or not declares]
 
 
 def _highlight(
-    text: OpenText, to: Converter, params: types.DocumentHighlightParams
+    session: Session, to: Converter, params: types.DocumentHighlightParams
 ) -> list[types.DocumentHighlight]:
-    found = text.occurrences(*to.place(params.position))
+    found = session.kind.occurrences(session.reading, *to.place(params.position))
     return [types.DocumentHighlight(to.range(span)) for span, _ in found]
 
 
 def _prepare_rename(
-    text: OpenText, to: Converter, params: types.PrepareRenameParams
+    session: Session, to: Converter, params: types.PrepareRenameParams
 ) -> types.PrepareRenamePlaceholder | None:
-    found = text.name_at(*to.place(params.position))
+    found = session.kind.name_at(session.reading, *to.place(params.position))
     return found and types.PrepareRenamePlaceholder(to.range(found[1]), found[0])
 
 
-def _rename(text: OpenText, to: Converter, params: types.RenameParams) -> types.WorkspaceEdit:
+def _rename(session: Session, to: Converter, params: types.RenameParams) -> types.WorkspaceEdit:
     try:
-        edits = text.rename(*to.place(params.position), params.new_name)
+        edits = session.kind.rename(session.reading, *to.place(params.position), params.new_name)
     except RenameError as error:
         raise JsonRpcInvalidParams(message=str(error)) from error
     return to.workspace_edit(edits)
 
 
 def _symbols(
-    text: OpenText, to: Converter, params: types.DocumentSymbolParams
+    session: Session, to: Converter, params: types.DocumentSymbolParams
 ) -> list[types.DocumentSymbol]:
-    return [to.symbol(symbol) for symbol in text.symbols()]
+    return [to.symbol(symbol) for symbol in session.kind.symbols(session.reading)]
 
 
 def _folding(
-    text: OpenText, to: Converter, params: types.FoldingRangeParams
+    session: Session, to: Converter, params: types.FoldingRangeParams
 ) -> list[types.FoldingRange]:
     return [
         types.FoldingRange(
@@ -102,29 +102,29 @@ def _folding(
             fold.last - 1,
             kind=types.FoldingRangeKind.Comment if fold.is_comment else None,
         )
-        for fold in text.folds()
+        for fold in session.kind.folds(session.reading)
     ]
 
 
 def _formatting(
-    text: OpenText, to: Converter, params: types.DocumentFormattingParams
+    session: Session, to: Converter, params: types.DocumentFormattingParams
 ) -> list[types.TextEdit] | None:
     """Return the canonical text as one edit; nothing for a file with mistakes."""
-    formatted = text.formatted()
-    if formatted is None or formatted == text.text:
+    formatted = session.kind.formatted(session.reading)
+    if formatted is None or formatted == session.text:
         return None if formatted is None else []
-    end = types.Position(len(text.lines) + 1, 0)
+    end = types.Position(len(session.lines) + 1, 0)
     return [types.TextEdit(types.Range(types.Position(0, 0), end), formatted)]
 
 
 def _semantic_tokens(
-    text: OpenText, to: Converter, params: types.SemanticTokensParams
+    session: Session, to: Converter, params: types.SemanticTokensParams
 ) -> types.SemanticTokens:
-    return types.SemanticTokens(data=to.semantic_tokens(text.coloured()))
+    return types.SemanticTokens(data=to.semantic_tokens(session.kind.coloured(session.reading)))
 
 
 def _code_actions(
-    text: OpenText, to: Converter, params: types.CodeActionParams
+    session: Session, to: Converter, params: types.CodeActionParams
 ) -> list[types.CodeAction]:
     wanted = to.span(params.range)
     return [
@@ -135,9 +135,9 @@ def _code_actions(
             edit=to.workspace_edit(fix.edits),
             is_preferred=fix.preferred or None,
         )
-        for finding in text.review().diagnostics
+        for finding in session.review().diagnostics
         if _overlap(finding.span, wanted)
-        for fix in text.fixes(finding)
+        for fix in session.kind.fixes(session.reading, finding)
     ]
 
 
@@ -180,13 +180,13 @@ _QUESTIONS: tuple[tuple[str, Callable[..., Any], Any], ...] = (
         types.CodeActionOptions(code_action_kinds=[types.CodeActionKind.QuickFix]),
     ),
 )
-"""What an editor asks of an open text → the answer, and how the server announces it."""
+"""What an editor asks of an open file → the answer, and how the server announces it."""
 
 
 def _answered_by(function: Callable[..., Any]) -> Callable[..., Any]:
     def answer(server: FuzzyarmServer, params: Any) -> Any:
         uri = params.text_document.uri
-        return function(server.text(uri), server.converter(uri), params)
+        return function(server.session(uri), server.converter(uri), params)
 
     return answer
 

@@ -14,9 +14,8 @@ from pygls.protocol.language_server import lsp_method
 from pygls.uris import to_fs_path
 
 from fuzzyarm import __version__
-from fuzzyarm.lsp.documents import open_text
 from fuzzyarm.lsp.protocol import Converter
-from fuzzyarm.lsp.session import SLOW, UTF16, OpenText
+from fuzzyarm.lsp.session import SLOW, UTF16, Session
 
 
 class Protocol(LanguageServerProtocol):
@@ -53,7 +52,7 @@ class FuzzyarmServer(LanguageServer):
 
     def __init__(self) -> None:
         super().__init__("fuzzyarm", __version__, protocol_cls=Protocol)
-        self.texts: dict[str, OpenText] = {}
+        self.sessions: dict[str, Session] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._running: set[asyncio.Task[None]] = set()
 
@@ -65,7 +64,7 @@ class FuzzyarmServer(LanguageServer):
         agreed = self.workspace.position_encoding or UTF16
         return str(getattr(agreed, "value", agreed))
 
-    def text(self, uri: str) -> OpenText:
+    def session(self, uri: str) -> Session:
         """Return the open file at `uri`.
 
         Raises
@@ -73,9 +72,9 @@ class FuzzyarmServer(LanguageServer):
         JsonRpcInvalidParams
             If it is not open: that is the editor's mistake, and it is told so.
         """
-        if uri not in self.texts:
+        if uri not in self.sessions:
             raise JsonRpcInvalidParams(message=f"the file {uri} is not open")
-        return self.texts[uri]
+        return self.sessions[uri]
 
     def converter(self, uri: str) -> Converter:
         """Return what turns positions in an open file into places, and back."""
@@ -83,31 +82,31 @@ class FuzzyarmServer(LanguageServer):
         completion = capabilities.completion if capabilities else None
         item = completion.completion_item if completion else None
         snippets = bool(item and item.snippet_support)
-        return Converter(uri, self.text(uri).lines, self.encoding, snippets)
+        return Converter(uri, self.session(uri).lines, self.encoding, snippets)
 
     def open(self, document: types.TextDocumentItem) -> None:
         """Take an opened file."""
         path = to_fs_path(document.uri) or document.uri
         if document.language_id == "fuzzyarm-table" and not path.lower().endswith(".lut"):
             path += ".lut"
-        self.texts[document.uri] = open_text(path, document.text, document.version)
+        self.sessions[document.uri] = Session(path, document.text, document.version)
         self._schedule(document.uri, pause=False)
 
     def change(self, params: types.DidChangeTextDocumentParams) -> None:
         """Take the changes of a file."""
-        text = self.text(params.text_document.uri)
+        session = self.session(params.text_document.uri)
         for change in params.content_changes:
             where = None
             if isinstance(change, types.TextDocumentContentChangePartial):
                 start, end = change.range.start, change.range.end
                 where = (start.line, start.character, end.line, end.character)
-            text.change(where, change.text, self.encoding)
-        text.version = params.text_document.version
+            session.change(where, change.text, self.encoding)
+        session.version = params.text_document.version
         self._schedule(params.text_document.uri)
 
     def close(self, uri: str) -> None:
         """Forget a file and what was found in it."""
-        self.texts.pop(uri, None)
+        self.sessions.pop(uri, None)
         timer = self._timers.pop(uri, None)
         if timer is not None:
             timer.cancel()
@@ -120,13 +119,13 @@ class FuzzyarmServer(LanguageServer):
         waiting = self._timers.pop(uri, None)
         if waiting is not None:
             waiting.cancel()
-        cost = self.texts[uri].cost
+        cost = self.sessions[uri].cost
         delay = 0.0 if cost < SLOW or not pause else min(1.5, 2.0 * cost)
         self._timers[uri] = asyncio.get_running_loop().call_later(delay, self._check, uri)
 
     def _check(self, uri: str) -> None:
         self._timers.pop(uri, None)
-        text = self.texts.get(uri)
+        text = self.sessions.get(uri)
         if text is None:
             return
         if text.cost < SLOW:
@@ -136,13 +135,13 @@ class FuzzyarmServer(LanguageServer):
         self._running.add(task)
         task.add_done_callback(self._running.discard)
 
-    async def _check_aside(self, uri: str, text: OpenText) -> None:
-        copy = open_text(text.path, text.text, text.version)
+    async def _check_aside(self, uri: str, text: Session) -> None:
+        copy = Session(text.path, text.text, text.version)
         await asyncio.to_thread(copy.review)
-        if self.texts.get(uri) is text and text.adopt(copy):
+        if self.sessions.get(uri) is text and text.adopt(copy):
             self._publish(uri, text)
 
-    def _publish(self, uri: str, text: OpenText) -> None:
+    def _publish(self, uri: str, text: Session) -> None:
         """Send the findings of a file to the editor."""
         converter = self.converter(uri)
         found = [converter.diagnostic(d) for d in text.review().diagnostics]

@@ -91,7 +91,8 @@ class Studio(App[int]):
         self._show_title()
 
     def _show_colours(self) -> None:
-        words = self.document.session.coloured()
+        session = self.document.session
+        words = session.kind.coloured(session.reading)
         self.query_one(Editor).colour(words, self.document.findings)
 
     def _show_title(self) -> None:
@@ -227,7 +228,9 @@ class Studio(App[int]):
         self.notify("Nothing here has a certain repair.")
 
     def _fix_of(self, found: Diagnostic) -> Any:
-        certain = [fix for fix in self.document.session.fixes(found) if fix.preferred]
+        session = self.document.session
+        repairs = session.kind.fixes(session.reading, found)
+        certain = [fix for fix in repairs if fix.preferred]
         return certain[0] if certain else None
 
     def _repair(self, found: Diagnostic) -> None:

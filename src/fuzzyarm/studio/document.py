@@ -8,7 +8,8 @@ from pathlib import Path
 from fuzzyarm.api import RULEBASE_SUFFIXES
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import read_text
-from fuzzyarm.lsp.documents import RuleText, TableText, open_text
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.studio.scene import RulebaseScene, Scene
 from fuzzyarm.studio.table_scene import TableScene
 from fuzzyarm.text.diagnostic import Diagnostic
@@ -42,7 +43,7 @@ class StudioDocument:
 
     Attributes
     ----------
-    session : OpenText
+    session : Session
         The text and its findings, as in the language server.
     scene : Scene or None
         Of the last text without errors; None until there has been one.
@@ -63,7 +64,7 @@ class StudioDocument:
             raise NotShownError(self.path)
         self.scene: Scene | None = None
         self.is_current = False
-        self.session = open_text(self.path, read_text(self.path))
+        self.session = Session(self.path, read_text(self.path))
         self.update(self.session.text)
 
     @property
@@ -94,20 +95,20 @@ class StudioDocument:
         self.scene = scene or self.scene
 
     def _scene(self) -> Scene | None:
-        opened = self.session
-        if isinstance(opened, TableText):
+        reading = self.session.reading
+        if isinstance(reading, TableText):
             from fuzzyarm.table import LookupTable
 
-            plain = opened.parsed.table
+            plain = reading.parsed.table
             if plain is None:
                 return None
-            return TableScene(LookupTable.from_plain(plain), opened, self.scene)
-        rulebase = opened.review().rulebase
+            return TableScene(LookupTable.from_plain(plain), reading, self.scene)
+        rulebase = self.session.review().rulebase
         # Contradictions and failed expectations are errors, but the rules can be shown.
-        if rulebase is None or not rulebase.inputs or not isinstance(opened, RuleText):
+        if rulebase is None or not rulebase.inputs:
             return None
-        return RulebaseScene(rulebase, opened.reading, self.scene)
+        return RulebaseScene(rulebase, reading, self.scene)
 
     def formatted(self) -> str:
         """Return the text in canonical form; as it is where that cannot be."""
-        return self.session.formatted() or self.text
+        return self.session.kind.formatted(self.session.reading) or self.text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzyarm.language.printer import name_text
-from fuzzyarm.lsp.documents import TableText
+from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.studio.scene import Scene

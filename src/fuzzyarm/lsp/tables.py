@@ -1,149 +1,16 @@
-"""The open files by their kinds: rule bases, whose questions the language answers, and tables.
-
-What each method answers is said once, in :class:`fuzzyarm.lsp.session.OpenText`.
-"""
-
-# ruff: noqa: D102
+"""What an editor asks of a ``.lut`` file; the words of a table are its keywords and its names."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from functools import cached_property
-from typing import Self
 
-from fuzzyarm.api import Review, check_parsed, failed_expectations
-from fuzzyarm.language import format_text
-from fuzzyarm.language.nodes import GridNode
-from fuzzyarm.language.parser import ParseMemory
 from fuzzyarm.language.printer import name_text
-from fuzzyarm.language.queries import (
-    Candidate,
-    Coloured,
-    Edit,
-    Fix,
-    Fold,
-    Hover,
-    Reading,
-    RenameError,
-    Symbol,
-    coloured,
-    complete,
-    fixes,
-    folds,
-    hover,
-    occurrence_at,
-    read,
-    references,
-    rename,
-    symbols,
-)
+from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fold, Hover, RenameError, Symbol
 from fuzzyarm.language.tokens import Token
-from fuzzyarm.lsp.session import SLOW, OpenText
-from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table.grid import KEYWORDS
-from fuzzyarm.table.text import ParsedTable, line_tokens, parse_lut, write_lut
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
-
-
-def open_text(path: str, text: str, version: int | None = None) -> OpenText:
-    """Return an open file of the kind that its suffix tells; otherwise a rule base."""
-    kind = TableText if path.lower().endswith(".lut") else RuleText
-    return kind(path, text, version)
-
-
-class RuleText(OpenText):
-    """An open rule base."""
-
-    def __init__(self, path: str, text: str, version: int | None = None) -> None:
-        super().__init__(path, text, version)
-        self._judged: tuple[RuleBase, list[Span], list[Diagnostic]] | None = None
-        self._memory = ParseMemory()
-        self._reading: Reading | None = None
-        self._last_reading: Reading | None = None
-
-    def _forget(self) -> None:
-        super()._forget()
-        self._reading = None
-
-    def adopt(self, other: Self) -> bool:
-        if not super().adopt(other):
-            return False
-        self._reading = self._last_reading = other.reading
-        return True
-
-    @property
-    def reading(self) -> Reading:
-        """The text as it is now, read."""
-        if self._reading is None:
-            self._reading = self._last_reading = read(self.text, self.path, self._memory)
-        return self._reading
-
-    @property
-    def quick_reading(self) -> Reading:
-        """The words of the text as it is now; of a large file with the meaning it had last.
-
-        Good for completion: the names are known, and a key stroke rarely changes them.
-        """
-        if self._reading is not None or self._last_reading is None or self.cost < SLOW:
-            return self.reading
-        lines = self._memory.tokenize(self.text, [])
-        return Reading(self.text, self._last_reading.parsed, tuple(lines))
-
-    def _check(self) -> Review:
-        parsed = self.reading.parsed
-        return check_parsed(parsed, self.text, self.path, self._failed(parsed.rulebase))
-
-    def _failed(self, rulebase: RuleBase | None) -> list[Diagnostic] | None:
-        """Return the failed expectations; those found last, if nothing has changed in meaning."""
-        if rulebase is None or not rulebase.expectations:
-            return None
-        known, spans = self._judged, [e.span for e in rulebase.expectations]
-        if known is None or known[1] != spans or known[0] != rulebase:
-            known = rulebase, spans, failed_expectations(rulebase)
-        self._judged = known
-        return known[2]
-
-    def formatted(self) -> str | None:
-        try:
-            return format_text(self.text, self.path)
-        except RuleBaseError:
-            return None
-
-    def complete(self, line: int, column: int) -> list[Candidate]:
-        return complete(self.quick_reading, line, column)
-
-    def hover(self, line: int, column: int) -> Hover | None:
-        return hover(self.reading, line, column)
-
-    def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
-        found = occurrence_at(self.reading, line, column)
-        return None if found is None else (found.name, found.span)
-
-    def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
-        found = occurrence_at(self.reading, line, column)
-        if found is None:
-            return []
-        return [(each.span, each.is_definition) for each in references(self.reading, found)]
-
-    def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
-        return rename(self.reading, line, column, new_name)
-
-    def symbols(self) -> list[Symbol]:
-        return symbols(self.reading)
-
-    def folds(self) -> list[Fold]:
-        return folds(self.reading)
-
-    def coloured(self) -> list[Coloured]:
-        return list(coloured(self.reading))
-
-    def fixes(self, finding: Diagnostic) -> list[Fix]:
-        nodes = (statement.node for statement in self.reading.document.statements)
-        return fixes(finding, self.text, [node for node in nodes if isinstance(node, GridNode)])
-
-
-# --- Lookup tables ---
+from fuzzyarm.table.text import line_tokens, parse_lut, write_lut
+from fuzzyarm.text.diagnostic import Span, split_lines
 
 _CHOICES: dict[str, tuple[str, ...]] = {
     "mode": ("bins", "nearest", "linear"),
@@ -152,25 +19,24 @@ _CHOICES: dict[str, tuple[str, ...]] = {
 _WORDS = {"row", "column", "page", "when", "step", "count", "mirrored", *_CHOICES["mode"]}
 
 
-class TableText(OpenText):
-    """An open ``.lut`` file; its words are keywords, names and numbers."""
+class TableText:
+    """A table text cut into words.
 
-    @cached_property
-    def parsed(self) -> ParsedTable:
-        """The table, and the findings."""
-        return parse_lut(self.text, self.path)
+    Parameters
+    ----------
+    text : str
+        Anything.
+    path : str
+        Named in the diagnostics.
+    """
 
-    @cached_property
-    def tokens(self) -> list[tuple[Token, ...]]:
-        """The words of each line."""
-        return [line_tokens(n, line, []) for n, line in enumerate(self.lines, start=1)]
+    def __init__(self, text: str, path: str = "<text>") -> None:
+        self.lines = split_lines(text)
+        self.parsed = parse_lut(text, path)
+        self.tokens = [line_tokens(n, line, []) for n, line in enumerate(self.lines, start=1)]
+        self.grids = [n for n, line in enumerate(self.tokens, start=1) if _first(line) == "grid"]
 
-    @cached_property
-    def grids(self) -> list[int]:
-        """The lines that begin a grid."""
-        return [n for n, line in enumerate(self.tokens, start=1) if _first(line) == "grid"]
-
-    @cached_property
+    @property
     def declared(self) -> list[Token]:
         """The names of the inputs and the output where they are declared."""
         return [
@@ -184,21 +50,21 @@ class TableText(OpenText):
         """The inputs and the output, as far as the header can be read."""
         return list(dict.fromkeys(token.text for token in self.declared))
 
-    def _check(self) -> Review:
-        return Review(self.text, tuple(self.parsed.diagnostics))
-
     def formatted(self) -> str | None:
+        """Return the text in canonical form; None if it has mistakes, or comments to lose."""
         if self.parsed.table is None or any("#" in line for line in self.lines):
             return None
         return write_lut(self.parsed.table)
 
     def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
+        """Return the input or output that a cursor touches."""
         for token in self._line(line):
             if token.column <= column <= token.end and token.text in self.names:
                 return token.text, token.span
         return None
 
     def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
+        """Return every place of the name at a place, and whether it is declared there."""
         found = self.name_at(line, column)
         return [] if found is None else self._occurrences(found[0])
 
@@ -211,6 +77,7 @@ class TableText(OpenText):
         ]
 
     def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
+        """Return the edits that give the name at a place another one, or raise RenameError."""
         found = self.name_at(line, column)
         if found is None:
             raise RenameError("there is no input or output at this place")
@@ -222,6 +89,7 @@ class TableText(OpenText):
         return [Edit(span, name_text(name)) for span, _ in self._occurrences(found[0])]
 
     def complete(self, line: int, column: int) -> list[Candidate]:
+        """Return the words that could stand at a place of the header."""
         before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
         column = len(before) + 1
         match = re.search(r"[^\W\d][\w-]*\Z", before)
@@ -243,6 +111,7 @@ class TableText(OpenText):
         return [Candidate(word, "value", word, span=span) for word in words]
 
     def hover(self, line: int, column: int) -> Hover | None:
+        """Return a cell in words, an input with its levels, or the help of a keyword."""
         cell = self._cell(line, column)
         if cell is not None:
             return cell
@@ -307,6 +176,7 @@ class TableText(OpenText):
         return list(re.finditer(r"\S+", text))
 
     def symbols(self) -> list[Symbol]:
+        """Return the axes, the output and the grids."""
         found = []
         for number, tokens in enumerate(self.tokens, start=1):
             first = _first(tokens)
@@ -321,6 +191,7 @@ class TableText(OpenText):
         return found
 
     def folds(self) -> list[Fold]:
+        """Return the grids."""
         ends = ((n, self._end_of_grid(n)) for n in self.grids)
         return [Fold(first, last) for first, last in ends if last > first]
 
@@ -334,6 +205,7 @@ class TableText(OpenText):
         return end
 
     def coloured(self) -> list[Coloured]:
+        """Return every word that has a colour."""
         names = set(self.names)
         found: list[Coloured] = []
         for number, tokens in enumerate(self.tokens, start=1):
