@@ -1,29 +1,31 @@
 """Plain functions that run as they stand or as machine code.
 
-A function marked with :func:`kernel` uses scalars, tuples, named tuples and
-arrays that it is given (it makes none), and calls nothing but :mod:`math` and
-other kernels by their bare names. :func:`build` makes a callable of such a
-function and of everything it calls: machine code by numba, or the very same
-Python, line by line, for a debugger. Both give the same bits: the compiled code
-neither reorders nor fuses floating-point operations.
+A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
+is given (it makes none), and calls nothing but :mod:`math` and other kernels by their bare
+names. It becomes callable in one of three ways, as machine code or as the very same Python,
+line by line, for a debugger; both give the same bits, for the compiled code neither reorders
+nor fuses floating-point operations:
 
-A kernel may also call a function that it knows by its address only: :func:`address_of`
-gives an address, and :func:`call` calls what is there. So a program is compiled once, and
-what it is asked to do with the rows that it holds (a norm, a shape, a law) is compiled apart,
-when it is used first; another one is other data.
+- :func:`address_of` gives an address, under which another kernel may :func:`call` it. So a
+  program is compiled once, and what it is asked to do with the rows that it holds (a norm, a
+  shape, a control law) is compiled apart, when it is used first.
+- :func:`routine` makes a function for Python of what such an address leads to.
+- :func:`build` leaves types open: numba compiles for those of the first call.
 
-numba is imported by the first call of :func:`build` that needs it. The machine
-code is kept on disk beside the module (where that folder cannot be written, in
-numba's own folder of the user), under a name that carries a digest of the source
-of every kernel in it; numba itself would watch one of the files only.
+Machine code is kept on disk beside the module (where that folder cannot be written, in a
+folder of the user) under a name that carries a digest of the source of every kernel in it, of
+the compiler and of the processor. For the first two ways a later process needs llvmlite alone,
+which loads in a tenth of the time of numba. A file that is damaged is made again, and one that
+cannot be written is gone without.
 """
 
 from __future__ import annotations
 
 import functools
-import hashlib
+import importlib.util
 import os
-from collections.abc import Callable, Mapping
+import threading
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -33,10 +35,11 @@ SWITCH = "FUZZYARM_JIT"
 
 _MARK = "__fuzzyarm_kernel__"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+_Bindings = Mapping[str, Callable[..., Any]]
 
 
 def kernel(function: _Function) -> _Function:
-    """Mark `function` as one that :func:`build` may compile; it stays plain Python."""
+    """Mark `function` as one that may be compiled; it stays plain Python."""
     setattr(function, _MARK, True)
     return function
 
@@ -46,11 +49,15 @@ def jit_wanted() -> bool:
     return os.environ.get(SWITCH, "1").strip().lower() not in {"0", "false", "no", "off"}
 
 
+# --- Functions by address: arrays in, arrays out ---
+
 _by_address: list[Callable[..., None]] = []
 """Functions that interpreted kernels call by address: -1 is the first, -2 the second …"""
 
-_addresses: dict[tuple[Callable[..., None], bool], tuple[int, Any]] = {}
-"""Address of each function, machine code or not, and what must live as long as it."""
+_addresses: dict[tuple[Any, ...], tuple[int, Any]] = {}
+"""Of each function, arrays, bindings and way to run: its address, and what must live as long."""
+
+_making = threading.RLock()
 
 
 def call(address: int, *arrays: Any) -> None:
@@ -60,88 +67,329 @@ def call(address: int, *arrays: Any) -> None:
     ----------
     address : int
         From :func:`address_of`, made for the same sort of kernel (machine code or not).
-    *arrays : ndarray of float64
-        Contiguous, one axis each.
+    *arrays : ndarray of float64 or int64
+        Contiguous, one axis each; of the types that :func:`address_of` was told.
     """
     _by_address[-1 - address](*arrays)
 
 
-def address_of(function: Callable[..., None], arrays: int, *, compiled: bool) -> int:
+def address_of(
+    function: Callable[..., None],
+    arrays: int | str,
+    bindings: _Bindings | None = None,
+    *,
+    compiled: bool,
+    inline: bool = False,
+) -> int:
     """Return an address under which kernels may :func:`call` a function.
 
     Parameters
     ----------
     function : callable
         A kernel, or a function printed from an expression (with its text in
-        ``__source__``), of `arrays` arrays of float64; it returns nothing.
-    arrays : int
-        How many there are.
+        ``__source__``), that takes arrays and returns nothing.
+    arrays : int or str
+        How many arrays of float64, or a letter for each array: ``f`` for float64, ``i`` for
+        int64.
+    bindings : mapping of str to callable, optional
+        See :func:`build`.
     compiled : bool
         For kernels that run as machine code, or as plain Python.
+    inline : bool, optional
+        Whether the kernels that `function` calls are to become part of it; it then runs
+        faster where they are many and small, and takes longer to compile.
 
     Returns
     -------
     int
-        Good as long as the process lives. Machine code is kept on disk like that of
-        :func:`build`.
+        Good as long as the process lives.
     """
-    known = _addresses.get((function, compiled))
-    if known is None:
-        known = _machine_address(function, arrays) if compiled else _plain_address(function)
-        _addresses[function, compiled] = known
-    return known[0]
+    types = "f" * arrays if isinstance(arrays, int) else arrays
+    bound = dict(bindings or {})
+    key = (function, types, *bound.items(), compiled, inline)
+    with _making:
+        if key not in _addresses:
+            if compiled:
+                _addresses[key] = _machine_address(function, types, bound, inline)
+            else:
+                _by_address.append(_clone(function, bound, {}, _as_it_is))
+                _addresses[key] = -len(_by_address), None
+        return _addresses[key][0]
 
 
-def _plain_address(function: Callable[..., None]) -> tuple[int, Any]:
-    _by_address.append(function)
-    return -len(_by_address), None
+def routine(
+    function: Callable[..., None],
+    arrays: str,
+    bindings: _Bindings | None = None,
+    *,
+    compiled: bool,
+) -> Callable[..., None]:
+    """Make a function for Python of a kernel that takes arrays; as machine code without the GIL.
+
+    Parameters
+    ----------
+    function, arrays, bindings, compiled
+        See :func:`address_of`.
+
+    Returns
+    -------
+    callable
+        Takes the arrays (contiguous); interpreted, anything that is indexed like them.
+    """
+    if not compiled:
+        return cast(Callable[..., None], _clone(function, bindings or {}, {}, _as_it_is))
+    from ctypes import CFUNCTYPE, c_int64, c_void_p
+
+    address = address_of(function, arrays, bindings, compiled=True)
+    entry = CFUNCTYPE(None, *[c_void_p, c_int64] * len(arrays))(address)
+    wanted = [_NAMES[letter] for letter in arrays]
+
+    def run(*given: Any) -> None:
+        words: list[int] = []
+        for array, name in zip(given, wanted, strict=True):
+            if array.dtype.name != name or not array.flags.c_contiguous:
+                message = f"a contiguous array of {name} is needed, not one of {array.dtype.name}"
+                raise TypeError(message)
+            words += [array.ctypes.data, array.size]
+        entry(*words)
+
+    return run
 
 
-def _machine_address(function: Callable[..., None], arrays: int) -> tuple[int, Any]:
-    """Compile `function` behind an entry of C: a pointer and a length for each array."""
-    from numba import carray, cfunc, types
-
-    inner = _compiled_inner(function)
-    pairs = [f"p{i}, n{i}" for i in range(arrays)]
-    views = [f"carray(p{i}, n{i})" for i in range(arrays)]
-    source = f"def entry({', '.join(pairs)}):\n    inner({', '.join(views)})\n"
-    space: dict[str, Any] = {"carray": carray, "inner": inner}
-    exec(compile(source, __file__, "exec"), space)
-    entry = space["entry"]
-    entry.__module__, entry.__qualname__ = __name__, f"entry_{_source_digest(function)}"
-    pointer = types.CPointer(types.float64)
-    signature = types.void(*[pointer, types.int64] * arrays)
-    made = _cached(lambda **options: cfunc(signature, error_model="numpy", **options)(entry))
-    return int(made.address), made
+_NAMES = {"f": "float64", "i": "int64"}
 
 
-def _compiled_inner(function: Callable[..., None]) -> Any:
-    if hasattr(function, _MARK):
-        return _clone(function, {}, {}, _inner_machine())
-    return _inner_machine()(function)
+def _machine_address(
+    function: Callable[..., None], types: str, bindings: _Bindings, inline: bool
+) -> tuple[int, Any]:
+    """Load the machine code of a function, or make it and keep it."""
+    names = [function.__name__, *(bound.__name__ for bound in bindings.values())]
+    label = f"{function.__module__.rpartition('.')[2]}.{'-'.join(names)}"
+    digest = _code_digest(function, f"{types}{inline}", bindings)
+    symbol = f"fuzzyarm_{digest}"
+    folders = _folders(function)
+    for folder in folders:
+        code = _read_code(folder / f"{label}.{digest}.code")
+        if code is not None:
+            return _load(code, symbol)
+    code, complete = _compile(function, types, bindings, symbol, inline)
+    if complete:
+        _keep(code, folders, label, digest)
+    return _load(code, symbol)
 
 
-def _inner_machine() -> Any:
-    """Return the compiler of functions that only machine code calls."""
+# --- Machine code on disk ---
+#
+# A file is a line with a checksum and behind it an object file of the platform, in which one
+# symbol, `fuzzyarm_` and the digest, takes a pointer and a length for each array.
+
+_VERSIONS = 8
+"""Files of one function that stay: other sources, other processors on a shared disk."""
+
+
+def _folders(function: Callable[..., Any]) -> list[Path]:
+    """Return where machine code may lie, the best one first."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    if chosen:
+        return [Path(chosen)]
+    own = Path(function.__code__.co_filename).parent / "__pycache__"
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    # A function printed from an expression has no file.
+    found = own if own.parent.is_dir() and own.parent.is_absolute() else _HERE / "__pycache__"
+    return [found, Path(user) / "fuzzyarm"]
+
+
+_HERE = Path(__file__).resolve().parent
+
+
+def _read_code(path: Path) -> bytes | None:
+    """Return the code in a file; None where there is no such file or it is damaged."""
+    try:
+        head, line_end, code = path.read_bytes().partition(b"\n")
+    except OSError:
+        return None
+    return code if head + line_end == _head(code) else None
+
+
+def _head(code: bytes) -> bytes:
+    from hashlib import sha256
+
+    return f"fuzzyarm-code 1 {sha256(code).hexdigest()}\n".encode()
+
+
+def _keep(code: bytes, folders: Sequence[Path], label: str, digest: str) -> None:
+    """Write a file into the first folder that takes it; of old ones only some stay."""
+    from fuzzyarm.text.files import write_atomically
+
+    for folder in folders:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            write_atomically(folder / f"{label}.{digest}.code", _head(code) + code)
+            known = sorted(folder.glob(f"{label}.*.code"), key=lambda each: each.stat().st_mtime)
+            for old in known[:-_VERSIONS]:
+                old.unlink()
+        except OSError:  # read-only, the disk is full, or another process was faster
+            continue
+        return
+
+
+def _code_digest(function: Callable[..., Any], form: str, bindings: _Bindings) -> str:
+    import platform
+    from hashlib import sha256
+
+    import llvmlite.binding as llvm
+
+    whole = sha256(f"{form};{_source_digest(function, bindings)};".encode())
+    whole.update(f"{platform.python_version()};{llvm.get_default_triple()};".encode())
+    whole.update(f"{llvm.get_host_cpu_name()};{llvm.get_host_cpu_features().flatten()};".encode())
+    whole.update(_numba_version())
+    return whole.hexdigest()[:16]
+
+
+@functools.cache
+def _numba_version() -> bytes:
+    """Return what tells one numba from another, without importing it."""
+    spec = importlib.util.find_spec("numba")
+    folders = spec.submodule_search_locations if spec is not None else None
+    return (Path(next(iter(folders))) / "_version.py").read_bytes() if folders else b""
+
+
+@functools.cache
+def _engine() -> Any:
+    """Return what gives object files of this process their addresses."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine(jit=True)
+    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+
+
+def _load(code: bytes, symbol: str) -> tuple[int, Any]:
+    import llvmlite.binding as llvm
+
+    engine = _engine()
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return int(engine.get_function_address(symbol)), engine
+
+
+# --- Compiling ---
+
+Watch = Callable[[str | None], None]
+
+_watch: list[Watch] = []
+"""Who is told what is being compiled."""
+
+
+def watch_compiling(watch: Watch) -> None:
+    """Have `watch` called with the name of each function that is being compiled.
+
+    Parameters
+    ----------
+    watch : callable
+        Takes the name, or None when compiling is over for now. Nothing is said while
+        machine code is loaded only.
+    """
+    _watch[:] = [watch]
+
+
+@functools.cache
+def _numba() -> Any:
+    """Import numba, and have it tell who watches what it compiles."""
     import numba
+    from numba.core import event
 
-    return numba.njit(
-        error_model="numpy", nogil=True, _nrt=False, no_cpython_wrapper=True, no_cfunc_wrapper=True
+    class Told(event.Listener):  # type: ignore[misc]
+        depth = 0
+
+        def on_start(self, happened: Any) -> None:
+            self.depth += 1
+            function = happened.data["dispatcher"].py_func
+            if not function.__module__.startswith("numba"):
+                for each in _watch:
+                    each(function.__name__)
+
+        def on_end(self, happened: Any) -> None:
+            self.depth -= 1
+            if not self.depth:
+                for each in _watch:
+                    each(None)
+
+    event.register("numba:compile", Told())
+    return numba
+
+
+def _inner_machine(inline: bool = False) -> Any:
+    """Return the compiler of functions that only machine code calls.
+
+    Kernels make no arrays, so nothing has to count who holds one (which cost as much as a
+    closed loop itself).
+    """
+    return _numba().njit(
+        error_model="numpy",
+        nogil=True,
+        _nrt=False,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        forceinline=inline,
     )
 
 
-def _cached(make: Callable[..., Any]) -> Any:
-    try:
-        return make(cache=True)
-    except RuntimeError:  # neither the package folder nor the user's can be written
-        return make()
+def _compile(
+    function: Callable[..., None], types: str, bindings: _Bindings, symbol: str, inline: bool
+) -> tuple[bytes, bool]:
+    """Compile a function behind an entry of C: a pointer and a length for each array.
+
+    Returns the object file, and whether it is complete without numba.
+    """
+    machine = _inner_machine(inline)
+    from llvmlite import ir
+    from numba import types as numba_types
+    from numba.core.compiler_lock import global_compiler_lock
+    from numba.np.arrayobj import populate_array
+
+    inner = machine(_clone(function, bindings, {}, machine, root=True))
+    scalars = {"f": numba_types.float64, "i": numba_types.int64}
+    signature = tuple(numba_types.Array(scalars[letter], 1, "C") for letter in types)
+    inner.compile(signature)
+    made = inner.overloads[signature]
+    context = made.target_context
+    word, eight = ir.IntType(64), ir.Constant(ir.IntType(64), 8)
+    pointers = [context.get_value_type(kind.dtype).as_pointer() for kind in signature]
+
+    with global_compiler_lock:
+        library = context.codegen().create_library(symbol)
+        library.enable_object_caching()
+        module = context.create_module(symbol)
+        kind = ir.FunctionType(ir.VoidType(), [each for p in pointers for each in (p, word)])
+        entry = ir.Function(module, kind, symbol)
+        builder = ir.IRBuilder(entry.append_basic_block())
+        arrays = []
+        for array_type, data, size in zip(
+            signature, entry.args[::2], entry.args[1::2], strict=True
+        ):
+            array = context.make_array(array_type)(context, builder)
+            populate_array(array, data, [size], [eight], eight, None)
+            arrays.append(array._getvalue())
+        conventions = context.call_conv
+        called = ir.Function(
+            module,
+            conventions.get_function_type(numba_types.none, signature),
+            made.fndesc.llvm_func_name,
+        )
+        conventions.call_function(builder, called, numba_types.none, signature, arrays)
+        builder.ret_void()
+        library.add_ir_module(module)
+        library.add_linking_library(made.library)
+        library.finalize()
+        outside = [each.name for each in library._final_module.functions if each.is_declaration]
+        return library._get_compiled_object(), not any(map(_only_with_numba, outside))
 
 
-def _source_digest(function: Callable[..., Any]) -> str:
-    source = getattr(function, "__source__", None)
-    if source is None:
-        return _digest(function, {})
-    return hashlib.sha256(f"{source}{Path(__file__).read_text()}".encode()).hexdigest()[:16]
+def _only_with_numba(symbol: str) -> bool:
+    """Whether a symbol is one that the process has only after numba is imported."""
+    return symbol.lower().startswith(("numba", "nrt_", "py", "_py", "__svml"))
 
 
 @functools.cache
@@ -159,7 +407,8 @@ def _machine_call() -> Any:
         pairs = zip(signature.args[1], cgutils.unpack_tuple(builder, values), strict=True)
         for kind, value in pairs:
             array = context.make_array(kind)(context, builder, value)
-            passed += [array.data, cgutils.unpack_tuple(builder, array.shape, 1)[0]]
+            data = builder.bitcast(array.data, pointer)
+            passed += [data, cgutils.unpack_tuple(builder, array.shape, 1)[0]]
         entry = ir.FunctionType(ir.VoidType(), [pointer, word] * len(signature.args[1]))
         builder.call(builder.inttoptr(address, entry.as_pointer()), passed)
         return context.get_dummy_value()
@@ -170,11 +419,11 @@ def _machine_call() -> Any:
     return intrinsic(typed)
 
 
+# --- Functions whose types numba finds at the first call ---
+
+
 def build(
-    function: Callable[..., Any],
-    bindings: Mapping[str, Callable[..., Any]] | None = None,
-    *,
-    compiled: bool,
+    function: Callable[..., Any], bindings: _Bindings | None = None, *, compiled: bool
 ) -> Callable[..., Any]:
     """Make `function` callable with other functions under some of its names.
 
@@ -197,14 +446,43 @@ def build(
     if not compiled:
         return cast(Callable[..., Any], _clone(function, bindings, {}, _as_it_is))
 
-    import numba
-
-    # Kernels make no arrays, so nothing has to count who holds one (which cost as much as a
-    # closed loop itself). Only the root can be called from Python.
+    numba = _numba()
+    # Only the root can be called from Python.
     root = _clone(function, bindings, {}, _inner_machine(), root=True)
-    root.__qualname__ = f"{root.__qualname__}_{_digest(function, bindings)}"
-    machine: Any = functools.partial(numba.njit, error_model="numpy", nogil=True, _nrt=False)
-    return cast(Callable[..., Any], _cached(lambda **options: machine(root, **options)))
+    root.__qualname__ = f"{root.__qualname__}_{_source_digest(function, bindings)}"
+    machine = functools.partial(numba.njit, error_model="numpy", nogil=True, _nrt=False)
+    try:
+        made = machine(root, cache=True)
+    except RuntimeError:  # neither the package folder nor the user's can be written
+        return cast(Callable[..., Any], machine(root))
+    _forgive(made._cache)
+    return cast(Callable[..., Any], made)
+
+
+def _forgive(cache: Any) -> None:
+    """Have numba compile again where its file is damaged, and go on where it cannot write one."""
+    load, save = cache.load_overload, cache.save_overload
+
+    def load_overload(*given: Any) -> Any:
+        try:
+            return load(*given)
+        except Exception:  # whatever unpickling nonsense may raise
+            try:
+                cache.flush()
+            except OSError:
+                cache.disable()
+            return None
+
+    def save_overload(*given: Any) -> None:
+        try:
+            save(*given)
+        except Exception:  # the index may be damaged, too
+            cache.disable()
+
+    cache.load_overload, cache.save_overload = load_overload, save_overload
+
+
+# --- Copies of kernels over the names that are bound ---
 
 
 def _as_it_is(function: FunctionType) -> FunctionType:
@@ -213,7 +491,7 @@ def _as_it_is(function: FunctionType) -> FunctionType:
 
 def _clone(
     function: Callable[..., Any],
-    bindings: Mapping[str, Callable[..., Any]],
+    bindings: _Bindings,
     done: dict[Callable[..., Any], Callable[..., Any]],
     finish: Callable[[FunctionType], Callable[..., Any]],
     *,
@@ -223,7 +501,8 @@ def _clone(
     if function is call:
         return call if finish is _as_it_is else _machine_call()
     if not hasattr(function, _MARK):
-        return function  # a callable of the user's, bound to a name of an interpreted kernel
+        # Printed from an expression; or a user's, bound to a name of an interpreted kernel.
+        return function
     if function in done:
         return done[function]
     plain = cast(FunctionType, function)
@@ -240,9 +519,7 @@ def _clone(
     return done[function]
 
 
-def _called(
-    function: FunctionType, bindings: Mapping[str, Callable[..., Any]]
-) -> dict[str, Callable[..., Any]]:
+def _called(function: FunctionType, bindings: _Bindings) -> dict[str, Callable[..., Any]]:
     found = {}
     for name in function.__code__.co_names:
         value = bindings.get(name, function.__globals__.get(name))
@@ -251,8 +528,14 @@ def _called(
     return cast("dict[str, Callable[..., Any]]", found)
 
 
-def _digest(function: Callable[..., Any], bindings: Mapping[str, Callable[..., Any]]) -> str:
+def _source_digest(function: Callable[..., Any], bindings: _Bindings) -> str:
     """Hash what is bound, the source files of all kernels reached, and this one."""
+    from hashlib import sha256
+
+    whole = sha256(Path(__file__).read_bytes())
+    if not hasattr(function, _MARK):
+        whole.update(vars(function)["__source__"].encode())
+        return whole.hexdigest()[:16]
     reached: set[Callable[..., Any]] = set()
     waiting = [function]
     while waiting:
@@ -261,10 +544,8 @@ def _digest(function: Callable[..., Any], bindings: Mapping[str, Callable[..., A
             reached.add(current)
             called = _called(cast(FunctionType, current), bindings).values()
             waiting += [each for each in called if each is not call]
-    files = sorted({__file__, *(cast(FunctionType, each).__code__.co_filename for each in reached)})
-    whole = hashlib.sha256()
     for name, bound in sorted(bindings.items()):
         whole.update(f"{name}={bound.__module__}.{bound.__qualname__};".encode())
-    for file in files:
+    for file in sorted({cast(FunctionType, each).__code__.co_filename for each in reached}):
         whole.update(Path(file).read_bytes())
     return whole.hexdigest()[:16]

@@ -1,14 +1,16 @@
 """Interpreted and compiled kernels, laziness, and the cache on disk."""
 
+import errno
 import json
 import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from fuzzyarm import kernels
-from fuzzyarm.kernels import build, jit_wanted, kernel
+from fuzzyarm.kernels import address_of, build, call, jit_wanted, kernel, routine
 
 
 @kernel
@@ -80,29 +82,115 @@ def test_interpreted_run_does_not_load_numba():
 
 def test_digest_tells_bindings_apart_that_live_in_one_file():
     from fuzzyarm.loop.loop import run_loop
-    from fuzzyarm.plant.setting import kept, rounded
+    from fuzzyarm.plant.setting import stored_double, stored_single
 
-    digests = {kernels._digest(run_loop, {"stored": each}) for each in (kept, rounded)}
+    both = (stored_double, stored_single)
+    digests = {kernels._source_digest(run_loop, {"stored": each}) for each in both}
     assert len(digests) == 2
+
+
+RUN_AND_TELL = (
+    "import sys, json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
+    "from fuzzyarm.loop import simulate; from fuzzyarm import kernels; told = [];"
+    "kernels.watch_compiling(told.append);"
+    "run = simulate(controller('cdid'), reach(segment=0.1));"
+    "print(json.dumps([list(run.rms), 'numba' in sys.modules, told]))"
+)
 
 
 @pytest.mark.slow
 def test_second_process_loads_machine_code_from_disk(tmp_path):
-    code = (
-        "import json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
-        "from fuzzyarm.loop import run as module, simulate;"
-        "simulate(controller('cdid'), reach(segment=0.1));"
-        "stats = module.loop_of_laws(True, False).stats;"
-        "print(json.dumps([sum(stats.cache_hits.values()), sum(stats.cache_misses.values())]))"
-    )
     # A folder of its own stands for a package folder that cannot be written.
     environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
-    assert in_new_process(code, **environment) == [0, 1]
-    assert in_new_process(code, **environment) == [1, 0]
+    first, compiled, told = in_new_process(RUN_AND_TELL, **environment)
+    assert compiled
+    assert {"run_loop", "critically_damped_torque"} <= set(told)
+    assert told[-1] is None
+    assert in_new_process(RUN_AND_TELL, **environment) == [first, False, []]
 
 
-def test_digest_covers_every_kernel_file(monkeypatch, tmp_path):
-    from fuzzyarm.controller.dispatch import summed_torque
+@pytest.mark.slow
+def test_a_damaged_file_is_compiled_again(tmp_path):
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
+    first, _, _ = in_new_process(RUN_AND_TELL, **environment)
+    loop, law = sorted(tmp_path.glob("*.code"), key=lambda path: "cdid" in path.name)
+    loop.write_bytes(loop.read_bytes()[:-1])
+    law.write_bytes(b"")
+    again, compiled, _ = in_new_process(RUN_AND_TELL, **environment)
+    assert (again, compiled) == (first, True)
+    assert in_new_process(RUN_AND_TELL, **environment) == [first, False, []]
+
+
+@kernel
+def tripled_all(values):
+    for i in range(len(values)):
+        values[i] = 3.0 * values[i]
+
+
+@kernel
+def called_by_address(values, counts, addresses):
+    counts[0] += 1
+    call(addresses[0], values[1:])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiled", [False, True])
+def test_kernels_call_by_address(tmp_path, monkeypatch, compiled):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    addresses = np.array([address_of(tripled_all, 1, compiled=compiled)])
+    values, counts = np.array([1.0, 2.0, 3.0]), np.array([4])
+    routine(called_by_address, "fii", compiled=compiled)(values, counts, addresses)
+    assert values.tolist() == [1.0, 6.0, 9.0]
+    assert counts.tolist() == [5]
+
+
+@pytest.mark.slow
+def test_a_routine_refuses_arrays_that_machine_code_would_misread():
+    run = routine(tripled_all, "f", compiled=True)
+    with pytest.raises(TypeError, match="array of float64 is needed, not one of int64"):
+        run(np.array([1, 2]))
+    with pytest.raises(TypeError, match="contiguous"):
+        run(np.zeros((3, 3))[:, 0])
+
+
+@pytest.mark.slow
+def test_what_cannot_be_kept_is_compiled_all_the_same(tmp_path, monkeypatch):
+    @kernel
+    def halved_all(values):
+        for i in range(len(values)):
+            values[i] = 0.5 * values[i]
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr("fuzzyarm.text.files.write_atomically", full)
+    values = np.array([1.0, 3.0])
+    routine(halved_all, "f", compiled=True)(values)
+    assert values.tolist() == [0.5, 1.5]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_damaged_files_of_numba_are_compiled_again(tmp_path):
+    code = (
+        "import json; from fuzzyarm.kernels import build, kernel;"
+        "from fuzzyarm.loop.loop import clipped;"
+        "run = build(clipped, compiled=True);"
+        "print(json.dumps([run(3.0, 2.0), sum(run.stats.cache_hits.values())]))"
+    )
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
+    assert in_new_process(code, **environment) == [2.0, 0]
+    for suffix, damage in ((".nbi", b""), (".nbc", b"\x80\x04nonsense")):
+        for path in tmp_path.rglob(f"*{suffix}"):
+            path.write_bytes(damage)
+        assert in_new_process(code, **environment) == [2.0, 0]
+        assert in_new_process(code, **environment) == [2.0, 1]
+
+
+def test_digest_covers_every_kernel_file(monkeypatch):
+    from fuzzyarm.controller.law import law_at_address, summed_torque
+    from fuzzyarm.controller.self_organizing import self_organizing_torque
     from fuzzyarm.loop.loop import run_loop
 
     read = []
@@ -113,10 +201,11 @@ def test_digest_covers_every_kernel_file(monkeypatch, tmp_path):
         return real(path)
 
     monkeypatch.setattr(kernels.Path, "read_bytes", watched)
-    kernels._digest(run_loop, {"control": summed_torque})
-    wanted = {"loop.py", "arm.py", "setting.py", "dispatch.py", "conventional.py", "adaptive.py"}
-    laws = {"fuzzy.py", "self_organizing.py", "sources.py", "fuzzy_kernel.py"}
-    assert wanted | laws | {"kernels.py"} <= set(read)
+    kernels._source_digest(run_loop, {"control": summed_torque})
+    assert {"loop.py", "arm.py", "setting.py", "law.py", "kernels.py"} <= set(read)
+    read.clear()
+    kernels._source_digest(law_at_address, {"law_kernel": self_organizing_torque})
+    assert {"law.py", "self_organizing.py", "sources.py", "arm.py", "setting.py"} <= set(read)
 
 
 @pytest.mark.slow

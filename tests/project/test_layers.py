@@ -12,8 +12,8 @@ MODULES = sorted(path for path in SOURCE.rglob("*.py"))
 
 ORDER = (
     "errors",
-    "kernels",
     "text",
+    "kernels",
     "expression",
     "model",
     "language",

@@ -359,7 +359,12 @@ def busy(message: str) -> Iterator[Callable[[str], None] | None]:
         return
     from rich.console import Console
 
+    from fuzzyarm.kernels import watch_compiling
+
     with Console(stderr=True).status(message) as status:
+        watch_compiling(
+            lambda name: status.update(f"{message}: compiling {name}, once" if name else message)
+        )
         yield status.update
 
 

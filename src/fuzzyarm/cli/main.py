@@ -60,6 +60,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # longer than reading the file that they come from.
     gc.set_threshold(200_000)
     _prepare_output()
+    if sys.stderr.isatty():
+        from fuzzyarm.kernels import watch_compiling
+
+        watch_compiling(_show_compiling)
     try:
         status = _run(words)
         sys.stdout.flush()
@@ -110,6 +114,16 @@ def find_command(name: str) -> Command:
     module = importlib.import_module(f"fuzzyarm.cli.{COMMANDS[name][0]}")
     commands: Sequence[Command] = module.COMMANDS
     return next(command for command in commands if command.name == name)
+
+
+def _show_compiling(name: str | None) -> None:
+    """Say in one line of the terminal what is being compiled; wipe the line afterwards."""
+    untouched = sys.stderr is sys.__stderr__
+    if not untouched:  # a live display has taken over and shows that something happens
+        return
+    told = f"compiling machine code, once: {name}" if name else ""
+    sys.stderr.write(f"\r\x1b[2K{told}")
+    sys.stderr.flush()
 
 
 def _print_mistakes(error: RuleBaseError) -> None:

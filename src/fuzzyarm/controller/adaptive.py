@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from fuzzyarm.controller.conventional import BANDWIDTH, SLIDING, sliding_reference
 from fuzzyarm.controller.law import (
-    ADAPTIVE_CRITICALLY_DAMPED,
-    DECENTRALISED,
-    MODEL_REFERENCE,
     Arithmetic,
     Gain,
     Gains,
     Law,
+    model_constants,
     model_gains,
-    model_of,
-    pack_with_model,
+    pack_gains,
+    zeros,
 )
 from fuzzyarm.kernels import kernel
-from fuzzyarm.plant.arm import ESTIMATE, constants, model_torque
-from fuzzyarm.plant.setting import Clock, Pair, Pose, Reference, State, stored
+from fuzzyarm.plant.arm import ESTIMATE, model_torque
+from fuzzyarm.plant.setting import Clock, Moment, Pair, stored
 
 # --- Adaptive critically damped inverse dynamics (section 5.4) ---
 
@@ -37,42 +35,36 @@ SLIP = Gain(
 
 @kernel
 def adaptive_critically_damped_torque(
-    reference: Reference,
-    state: State,
-    pose: Pose,
-    clock: Clock,
-    numbers: list[float],
-    at: int,
-    memory: list[float],
-    cell: int,
+    now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``Ŵ P̂ + K_D (θ̇r − θ̇)`` and adapt ``P̂ ← P̂ − dt Γ Wᵀ (θ̇ − θ̇r)``.
 
     Constants: Λ (2), K_D (2), Γ (7), velocity in W22; memory: P̂ (7), motor inertias (2).
     """
-    motion = sliding_reference(reference, state, numbers, at, clock.single)
+    reference, state, pose, clock = now
+    motion = sliding_reference(reference, state, numbers, clock.single)
     v_1, v_2 = state.velocity
     r_1, r_2 = motion.velocity
     a_1, a_2 = motion.acceleration
     e_1 = stored(v_1 - r_1, clock.single)
     e_2 = stored(v_2 - r_2, clock.single)
-    model = model_torque(motion, state.velocity, pose, memory, cell)
-    torque = (model[0] - numbers[at + 2] * e_1, model[1] - numbers[at + 3] * e_2)
+    model = model_torque(motion, state.velocity, pose, memory, 0)
+    torque = (model[0] - numbers[2] * e_1, model[1] - numbers[3] * e_2)
 
     w_12 = (
         pose.cos_2 * (a_1 + 0.5 * a_2)
         - 0.5 * pose.sin_2 * v_2 * (r_1 + r_2)
         - 0.5 * pose.sin_2 * v_1 * r_2
     )
-    driven = r_1 if numbers[at + 11] != 0.0 else a_1
-    w_22 = 0.5 * (pose.cos_2 * driven + pose.sin_2 * v_1 * r_1)
-    adapt(memory, cell, numbers[at + 4] * a_1 * e_1, clock)
-    adapt(memory, cell + 1, numbers[at + 5] * (w_12 * e_1 + w_22 * e_2), clock)
-    adapt(memory, cell + 2, numbers[at + 6] * (a_2 * e_1 + (a_1 + a_2) * e_2), clock)
-    adapt(memory, cell + 3, numbers[at + 7] * r_1 * e_1, clock)
-    adapt(memory, cell + 4, numbers[at + 8] * r_2 * e_2, clock)
-    adapt(memory, cell + 5, numbers[at + 9] * pose.cos_1 * e_1, clock)
-    adapt(memory, cell + 6, numbers[at + 10] * pose.cos_12 * (e_1 + e_2), clock)
+    moved = r_1 if numbers[11] != 0.0 else a_1
+    w_22 = 0.5 * (pose.cos_2 * moved + pose.sin_2 * v_1 * r_1)
+    adapt(memory, 0, numbers[4] * a_1 * e_1, clock)
+    adapt(memory, 1, numbers[5] * (w_12 * e_1 + w_22 * e_2), clock)
+    adapt(memory, 2, numbers[6] * (a_2 * e_1 + (a_1 + a_2) * e_2), clock)
+    adapt(memory, 3, numbers[7] * r_1 * e_1, clock)
+    adapt(memory, 4, numbers[8] * r_2 * e_2, clock)
+    adapt(memory, 5, numbers[9] * pose.cos_1 * e_1, clock)
+    adapt(memory, 6, numbers[10] * pose.cos_12 * (e_1 + e_2), clock)
     return torque
 
 
@@ -82,23 +74,13 @@ def adapt(memory: list[float], cell: int, rate: float, clock: Clock) -> None:
     memory[cell] = stored(memory[cell] - clock.step * stored(rate, clock.single), clock.single)
 
 
-def _pack_adaptation(gains: Gains, arithmetic: Arithmetic) -> list[float]:
-    names = ("Lambda", "K_D", "Gamma", "velocity_in_W22")
-    return [arithmetic.hold(value) for name in names for value in gains[name].value]
-
-
-def remember_estimate(gains: Gains, arithmetic: Arithmetic) -> list[float]:
-    """Start from the model among the gains: P̂ (7) and motor inertias (2)."""
-    return [float(value) for value in constants(model_of(gains), single=arithmetic.single)]
-
-
 ADAPTIVE_CRITICALLY_DAMPED_LAW = Law(
     "acdid",
-    ADAPTIVE_CRITICALLY_DAMPED,
+    adaptive_critically_damped_torque,
     "adaptive critically damped inverse dynamics: seven parameters learned on the way",
     (BANDWIDTH, SLIDING, ADAPTATION, SLIP, *model_gains(ESTIMATE)),
-    pack=_pack_adaptation,
-    remember=remember_estimate,
+    pack=pack_gains("Lambda", "K_D", "Gamma", "velocity_in_W22"),
+    remember=model_constants,
 )
 
 
@@ -112,42 +94,29 @@ DIRECT_PART = Gain("k", (1.0, 1.0), "1", "direct part of the four gains, times |
 
 @kernel
 def decentralised_torque(
-    reference: Reference,
-    state: State,
-    clock: Clock,
-    numbers: list[float],
-    at: int,
-    memory: list[float],
-    cell: int,
+    now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``K_i + K_p e + K_d ė + K_f θ̈d`` with the gains of equation 5.6.10.
 
     Constants: p₂ (2), p₃ (2), C (2), k (2); memory: four integrals for each joint.
     """
     return (
-        joint_torque(0, reference, state, clock, numbers, at, memory, cell),
-        joint_torque(1, reference, state, clock, numbers, at + 1, memory, cell + 4),
+        joint_torque(0, now, numbers, memory),
+        joint_torque(1, now, numbers, memory),
     )
 
 
 @kernel
-def joint_torque(
-    joint: int,
-    reference: Reference,
-    state: State,
-    clock: Clock,
-    numbers: list[float],
-    at: int,
-    memory: list[float],
-    cell: int,
-) -> float:
+def joint_torque(joint: int, now: Moment, numbers: list[float], memory: list[float]) -> float:
     """Return the torque of one joint; its constants are two apart."""
+    reference, state, _, clock = now
+    cell = 4 * joint
     error = reference.position[joint] - state.position[joint]
     rate = reference.velocity[joint] - state.velocity[joint]
     wanted = reference.acceleration[joint]
-    r = numbers[at] * error + numbers[at + 2] * rate
-    direct = numbers[at + 6] * abs(r) * r
-    slow = numbers[at + 4]
+    r = numbers[joint] * error + numbers[joint + 2] * rate
+    direct = numbers[joint + 6] * abs(r) * r
+    slow = numbers[joint + 4]
     offset = slow * accumulated(memory, cell, r, clock) + direct
     stiffness = slow * accumulated(memory, cell + 1, r * error, clock) + direct * error
     damping = slow * accumulated(memory, cell + 2, r * rate, clock) + direct * rate
@@ -162,16 +131,12 @@ def accumulated(memory: list[float], cell: int, rate: float, clock: Clock) -> fl
     return memory[cell]
 
 
-def _integrals(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
-    return [0.0] * 8
-
-
 DECENTRALISED_LAW = Law(
     "dac",
-    DECENTRALISED,
+    decentralised_torque,
     "decentralised adaptive control: a PID of learned gains for each joint alone",
     (POSITION, VELOCITY, INTEGRAL_PART, DIRECT_PART),
-    remember=_integrals,
+    remember=zeros(8),
 )
 
 
@@ -207,14 +172,7 @@ INERTIA = Gain(
 
 @kernel
 def model_reference_torque(
-    reference: Reference,
-    state: State,
-    pose: Pose,
-    clock: Clock,
-    numbers: list[float],
-    at: int,
-    memory: list[float],
-    cell: int,
+    now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return the torque of equations 5.5.11 to 5.5.14 and adapt its gain matrices.
 
@@ -227,6 +185,7 @@ def model_reference_torque(
     θ̈d is in v, model (9);
     memory: Δ₁, Δ₂, Δv, each 2 × 2 by rows.
     """
+    reference, state, pose, clock = now
     q_1, q_2 = state.position
     v_1, v_2 = state.velocity
     a_1, a_2 = reference.acceleration
@@ -234,28 +193,22 @@ def model_reference_torque(
     e_2 = reference.position[1] - q_2
     d_1 = reference.velocity[0] - v_1
     d_2 = reference.velocity[1] - v_2
-    into = numbers[at + 13]
-    in_1 = (
-        into * a_1 + numbers[at + 2] * reference.velocity[0] + numbers[at] * reference.position[0]
-    )
-    in_2 = (
-        into * a_2
-        + numbers[at + 3] * reference.velocity[1]
-        + numbers[at + 1] * reference.position[1]
-    )
-    u_1 = in_1 - numbers[at] * q_1 - numbers[at + 2] * v_1
-    u_2 = in_2 - numbers[at + 1] * q_2 - numbers[at + 3] * v_2
-    u_1 += times(memory, cell + 8, in_1, in_2)
-    u_1 -= times(memory, cell, q_1, q_2) + times(memory, cell + 4, v_1, v_2)
-    u_2 += times(memory, cell + 10, in_1, in_2)
-    u_2 -= times(memory, cell + 2, q_1, q_2) + times(memory, cell + 6, v_1, v_2)
+    into = numbers[13]
+    in_1 = into * a_1 + numbers[2] * reference.velocity[0] + numbers[0] * reference.position[0]
+    in_2 = into * a_2 + numbers[3] * reference.velocity[1] + numbers[1] * reference.position[1]
+    u_1 = in_1 - numbers[0] * q_1 - numbers[2] * v_1
+    u_2 = in_2 - numbers[1] * q_2 - numbers[3] * v_2
+    u_1 += row_times(memory, 8, in_1, in_2)
+    u_1 -= row_times(memory, 0, q_1, q_2) + row_times(memory, 4, v_1, v_2)
+    u_2 += row_times(memory, 10, in_1, in_2)
+    u_2 -= row_times(memory, 2, q_1, q_2) + row_times(memory, 6, v_1, v_2)
 
-    model = at + 14
-    mass = numbers[at + 10]
-    weight = numbers[at + 11]
+    model = 14
+    mass = numbers[10]
+    weight = numbers[11]
     rubbed = reference.velocity
     moved = reference.acceleration
-    if numbers[at + 12] != 0.0:
+    if numbers[12] != 0.0:
         mass = 0.0
         rubbed = state.velocity
         moved = (u_1, u_2)
@@ -275,24 +228,24 @@ def model_reference_torque(
         + (numbers[model + 2] + numbers[model + 8]) * moved[1]
     )
 
-    w_1 = numbers[at + 4] * e_1 + numbers[at + 6] * d_1
-    w_2 = numbers[at + 5] * e_2 + numbers[at + 7] * d_2
-    slow = numbers[at + 8] * clock.step
-    fast = numbers[at + 9] * clock.step
-    grow(memory, cell, slow * w_1, slow * w_2, q_1, q_2, clock.single)
-    grow(memory, cell + 4, slow * w_1, slow * w_2, v_1, v_2, clock.single)
-    grow(memory, cell + 8, fast * w_1, fast * w_2, in_1, in_2, clock.single)
+    w_1 = numbers[4] * e_1 + numbers[6] * d_1
+    w_2 = numbers[5] * e_2 + numbers[7] * d_2
+    slow = numbers[8] * clock.step
+    fast = numbers[9] * clock.step
+    add_outer_product(memory, 0, slow * w_1, slow * w_2, q_1, q_2, clock.single)
+    add_outer_product(memory, 4, slow * w_1, slow * w_2, v_1, v_2, clock.single)
+    add_outer_product(memory, 8, fast * w_1, fast * w_2, in_1, in_2, clock.single)
     return torque_1, torque_2
 
 
 @kernel
-def times(memory: list[float], cell: int, first: float, second: float) -> float:
+def row_times(memory: list[float], cell: int, first: float, second: float) -> float:
     """Multiply one row of a 2 × 2 matrix with a vector."""
     return memory[cell] * first + memory[cell + 1] * second
 
 
 @kernel
-def grow(
+def add_outer_product(
     memory: list[float],
     cell: int,
     left_1: float,
@@ -320,19 +273,15 @@ def _pack_model_reference(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     ]
     front = [*gains["K_1"].value, *gains["K_2"].value, *second, *third]
     switches = [gains[name].value[0] for name in SWITCHES]
-    model = pack_with_model(())(gains, arithmetic)
+    model = model_constants(gains, arithmetic)
     # Δ₁ and Δ₂ grow with −a w; the kernel adds.
     switches[0] = -switches[0]
     return [*(arithmetic.hold(value) for value in (*front, *switches)), *model]
 
 
-def _nothing_learned(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
-    return [0.0] * 12
-
-
 MODEL_REFERENCE_LAW = Law(
     "mrac",
-    MODEL_REFERENCE,
+    model_reference_torque,
     "model reference adaptive control: feedback gains learned on the way",
     (
         STIFFNESS,
@@ -346,5 +295,5 @@ MODEL_REFERENCE_LAW = Law(
         *model_gains(ESTIMATE),
     ),
     pack=_pack_model_reference,
-    remember=_nothing_learned,
+    remember=zeros(12),
 )

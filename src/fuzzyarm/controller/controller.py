@@ -15,9 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from fuzzyarm.controller.dispatch import law_torque
 from fuzzyarm.controller.law import Arithmetic, Block, Gain, GainError, Law, collect
-from fuzzyarm.plant.setting import Clock, Pair, Reference, State, pose_of
+from fuzzyarm.plant.setting import Clock, Moment, Pair, Reference, State, pose_of
 
 
 class Controller:
@@ -111,7 +110,6 @@ class CompiledController(Controller):
     def block(self, arithmetic: Arithmetic) -> Block:
         """Write constants and initial memory down for the loop."""
         return Block(
-            self.law.kind,
             self.law.pack(self._gains, arithmetic),
             self.law.remember(self._gains, arithmetic),
         )
@@ -126,11 +124,9 @@ class CompiledController(Controller):
 
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Run the kernel as plain Python."""
-        block = self._block
-        pose = pose_of(state.position)
-        return law_torque(
-            block.kind, reference, state, pose, clock, block.numbers, 0, block.memory, 0
-        )
+        now = Moment(reference, state, pose_of(state.position), clock)
+        links = self.law.links(False)
+        return self.law.kernel(now, self._block.numbers, self._block.memory, links)
 
 
 class Sum(Controller):

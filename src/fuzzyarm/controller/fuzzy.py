@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from fuzzyarm.controller.fuzzy_kernel import INPUTS, inferred, rule_numbers
-from fuzzyarm.controller.law import FUZZY_RULES, FUZZY_TABLE, Arithmetic, Gain, Gains, Law
+from fuzzyarm.controller.fuzzy_kernel import INPUTS, inference_address, rule_numbers
+from fuzzyarm.controller.law import Arithmetic, Gain, Gains, Law
 from fuzzyarm.controller.sources import (
     COLUMN,
     ERROR,
@@ -16,18 +16,18 @@ from fuzzyarm.controller.sources import (
     WIRES,
     SourceError,
     cell_of,
-    driven,
     grid_length,
     interpolated,
     joint_tables,
+    motor_torques,
     pack_grid,
     pack_values,
     pack_wires,
-    scaled,
+    scaled_errors,
 )
-from fuzzyarm.kernels import kernel
+from fuzzyarm.kernels import call, kernel
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import Clock, Pair, Reference, State
+from fuzzyarm.plant.setting import Moment, Pair
 from fuzzyarm.table import LookupTable
 
 # --- Fuzzy control by rules evaluated at every step: direct, self-tuning, coarse and fine ---
@@ -55,51 +55,48 @@ FRONT = WIRED + 6
 
 @kernel
 def fuzzy_rules_torque(
-    reference: Reference,
-    state: State,
-    clock: Clock,
-    numbers: list[float],
-    at: int,
-    memory: list[float],
-    cell: int,
+    now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return the motors' torque at the voltage that the rules conclude from e and ė.
 
-    Constants: wires, output gain, zoom, window, smooth, the places of both rule bases (0
-    for none), and each with the numbers of its inputs in front of it. Memory: room to work.
+    Constants: wires, output gain, zoom, window, smooth, where the first rule base begins and
+    where the second does (0 for none), and each with the signals of its inputs in front of
+    it. Memory: room to work. Link: the inference.
     """
-    own = at + WIRED
-    first = 0.0
-    second = 0.0
-    for joint in range(2):
-        e = scaled(
-            reference.position[joint], state.position[joint], numbers[at + joint], clock.single
-        )
-        ce = scaled(
-            reference.velocity[joint], state.velocity[joint], numbers[at + 2 + joint], clock.single
-        )
-        zoom = magnification(
-            max(abs(e), abs(ce)), numbers[own + 1], numbers[own + 2], numbers[own + 3]
-        )
-        control = numbers[own]
-        for part in range(2):
-            base = int(numbers[own + 4 + part])
-            if base > 0:
-                inputs = int(numbers[at + base + INPUTS])
-                for i in range(inputs):
-                    signal = int(numbers[at + base - inputs + i])
-                    if signal == 0:
-                        memory[cell + i] = zoom * e
-                    elif signal == 1:
-                        memory[cell + i] = zoom * ce
-                    else:
-                        memory[cell + i] = joint + 1.0
-                control *= inferred(numbers, at + base, memory, cell)
-        if joint == 0:
-            first = control
-        else:
-            second = control
-    return driven((first, second), state, numbers, at, clock.single)
+    _, state, _, clock = now
+    control = (
+        concluded_control(0, now, numbers, memory, links),
+        concluded_control(1, now, numbers, memory, links),
+    )
+    return motor_torques(control, state, numbers, clock.single)
+
+
+@kernel
+def concluded_control(
+    joint: int, now: Moment, numbers: list[float], memory: list[float], links: list[int]
+) -> float:
+    """Return the gain times what each rule base concludes for one joint."""
+    reference, state, _, clock = now
+    e, ce = scaled_errors(joint, reference, state, numbers, clock.single)
+    zoom = magnification(
+        max(abs(e), abs(ce)), numbers[WIRED + 1], numbers[WIRED + 2], numbers[WIRED + 3]
+    )
+    control = numbers[WIRED]
+    for part in range(2):
+        base = int(numbers[WIRED + 4 + part])
+        if base > 0:
+            inputs = int(numbers[base + INPUTS])
+            for i in range(inputs):
+                signal = int(numbers[base - inputs + i])
+                if signal == 0:
+                    memory[i] = zoom * e
+                elif signal == 1:
+                    memory[i] = zoom * ce
+                else:
+                    memory[i] = joint + 1.0
+            call(links[0], numbers[base:], memory)
+            control *= memory[0]
+    return control
 
 
 @kernel
@@ -161,7 +158,15 @@ def _law(
         return [0.0] * room
 
     wires = (FINE, RATE, SUPPLY, FULL_SCALE)
-    return Law(name, FUZZY_RULES, summary, (*wires, *gains), pack=pack, remember=remember)
+    return Law(
+        name,
+        fuzzy_rules_torque,
+        summary,
+        (*wires, *gains),
+        pack=pack,
+        remember=remember,
+        links=lambda compiled: [inference_address(compiled)],
+    )
 
 
 def _signals(rulebase: RuleBase) -> list[float]:
@@ -179,19 +184,18 @@ def _signals(rulebase: RuleBase) -> list[float]:
 
 @kernel
 def fuzzy_table_torque(
-    reference: Reference, state: State, clock: Clock, numbers: list[float], at: int
+    now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return the motors' torque at the voltage that the tables name for e and ė.
 
     Constants: wires, grid, values of joint 1, values of joint 2.
     """
-    grid = at + WIRED
+    reference, state, _, clock = now
+    grid = WIRED
     values = grid + grid_length(numbers, grid)
     cells = int(numbers[grid]) * int(numbers[grid + 1])
-    e_1 = scaled(reference.position[0], state.position[0], numbers[at], clock.single)
-    e_2 = scaled(reference.position[1], state.position[1], numbers[at + 1], clock.single)
-    ce_1 = scaled(reference.velocity[0], state.velocity[0], numbers[at + 2], clock.single)
-    ce_2 = scaled(reference.velocity[1], state.velocity[1], numbers[at + 3], clock.single)
+    e_1, ce_1 = scaled_errors(0, reference, state, numbers, clock.single)
+    e_2, ce_2 = scaled_errors(1, reference, state, numbers, clock.single)
     if numbers[grid + 2] != 0.0:
         control = (
             interpolated(numbers, grid, values, e_1, ce_1),
@@ -202,7 +206,7 @@ def fuzzy_table_torque(
             numbers[values + cell_of(numbers, grid, e_1, ce_1)],
             numbers[values + cells + cell_of(numbers, grid, e_2, ce_2)],
         )
-    return driven(control, state, numbers, at, clock.single)
+    return motor_torques(control, state, numbers, clock.single)
 
 
 def fuzzy_table_law(table: LookupTable) -> Law:
@@ -214,4 +218,4 @@ def fuzzy_table_law(table: LookupTable) -> Law:
         return [*wires, *pack_grid(tables), *pack_values(tables, arithmetic)]
 
     summary = "fuzzy control by a lookup table, through motors with back-EMF"
-    return Law("fuzzy-lut", FUZZY_TABLE, summary, WIRES, pack=pack)
+    return Law("fuzzy-lut", fuzzy_table_torque, summary, WIRES, pack=pack)

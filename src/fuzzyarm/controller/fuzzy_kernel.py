@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from fuzzyarm.controller.sources import SourceError
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.inference.defuzzify.aggregate import places, weights
+from fuzzyarm.inference.defuzzify.aggregate import positions, weights
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, plan
 from fuzzyarm.inference.sets import Piece, profile
-from fuzzyarm.kernels import kernel
+from fuzzyarm.kernels import address_of, kernel
 from fuzzyarm.model.rulebase import And, Expression, Input, Is, RuleBase
 from fuzzyarm.model.shapes import apply_hedge, membership
 
@@ -65,6 +65,17 @@ def inferred(numbers: list[float], at: int, scratch: list[float], cell: int) -> 
     if numbers[at + SAMPLES] > 0.0:
         return sampled_centroid(numbers, at, scratch, strengths, work)
     return exact_centroid(numbers, at, scratch, strengths, work)
+
+
+@kernel
+def concluded(numbers: list[float], scratch: list[float]) -> None:
+    """Put the output of the rule base at the begin of `numbers` in the place of its inputs."""
+    scratch[0] = inferred(numbers, 0, scratch, 0)
+
+
+def inference_address(compiled: bool) -> int:
+    """Return where kernels find :func:`concluded`."""
+    return address_of(concluded, 2, compiled=compiled)
 
 
 @kernel
@@ -525,7 +536,7 @@ def _output(target: OutputPlan) -> _Sections:
         parts = [_ends(member) for member in target.members]
         return _Sections(parts, [[len(part) // LINE] for part in parts])
     count, sampling = output.defuzzifier.resolution, output.defuzzifier.sampling
-    x = places(output.low, output.high, count, sampling)
+    x = positions(output.low, output.high, count, sampling)
     w = weights(count, sampling)
     sampled = [[member.membership(each) for each in x] for member in target.members]
     spans = [_span(values) for values in sampled]

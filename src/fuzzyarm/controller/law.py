@@ -1,4 +1,4 @@
-"""What a compiled control law is: its number, its gains, and how they become arrays."""
+"""What a compiled control law is: its kernel, its gains, and how they become arrays."""
 
 from __future__ import annotations
 
@@ -10,23 +10,18 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
-
-# --- The number of each compiled control law, by which the loop finds its kernel ---
-
-PD = 1
-INTEGRAL = 2
-COMPUTED_TORQUE = 3
-FEED_FORWARD_INVERSE = 4
-CRITICALLY_DAMPED = 5
-PURE_FEED_FORWARD = 6
-ADAPTIVE_CRITICALLY_DAMPED = 7
-MODEL_REFERENCE = 8
-DECENTRALISED = 9
-FUZZY_TABLE = 10
-SELF_ORGANIZING = 11
-FUZZY_RULES = 12
-
+from fuzzyarm.plant.setting import (
+    Clock,
+    Moment,
+    Pair,
+    Pose,
+    Reference,
+    State,
+    stored_double,
+    stored_single,
+)
 
 # --- Gains as data: name, value, unit, meaning, and where the value comes from ---
 
@@ -107,7 +102,10 @@ def collect(gains: Iterable[Gain]) -> dict[str, Gain]:
     return {gain.name: gain for gain in gains}
 
 
-# --- A compiled control law: its number, its gains and how they go into arrays ---
+# --- A control law: its kernel, its gains and how they go into arrays ---
+
+Kernel = Callable[[Moment, list[float], list[float], list[int]], Pair]
+"""From what a law is told, its constants, its memory and its links to the torque, N m."""
 
 
 class Arithmetic(NamedTuple):
@@ -135,20 +133,30 @@ Pack = Callable[[Gains, Arithmetic], list[float]]
 
 @dataclass(frozen=True)
 class Block:
-    """One law as the loop sees it: number, constants, initial memory."""
+    """The numbers of one law as the loop takes them: constants and initial memory."""
 
-    kind: int
     numbers: list[float]
     memory: list[float]
 
 
-def _no_memory(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
-    return []
+def zeros(count: int) -> Pack:
+    """Return what remembers so many zeros at the start."""
+    return lambda _gains, _arithmetic: [0.0] * count
 
 
 def pack_all(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     """Write down every gain in the order of its declaration."""
     return [arithmetic.hold(value) for gain in gains.values() for value in gain.value]
+
+
+def pack_gains(*names: str, model: bool = False) -> Pack:
+    """Write down some gains and, if asked for, the nine constants of the model behind them."""
+
+    def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
+        front = [arithmetic.hold(value) for name in names for value in gains[name].value]
+        return [*front, *model_constants(gains, arithmetic)] if model else front
+
+    return pack
 
 
 @dataclass(frozen=True)
@@ -159,8 +167,9 @@ class Law:
     ----------
     name : str
         Short name.
-    kind : int
-        One of the numbers above, by which the loop finds the kernel.
+    kernel : callable
+        From a :class:`~fuzzyarm.plant.setting.Moment`, its constants, its memory and its links
+        (each flat and indexed from 0) to the torque of both joints, N m.
     summary : str
         One line.
     gains : tuple of Gain
@@ -169,14 +178,18 @@ class Law:
         Gains to the kernel's constants; by default all in order.
     remember : callable, optional
         Gains to the initial memory; none by default.
+    links : callable, optional
+        Addresses of what the kernel calls by address, as machine code or not, and other
+        integers; none by default.
     """
 
     name: str
-    kind: int
+    kernel: Kernel
     summary: str
     gains: tuple[Gain, ...]
     pack: Pack = field(default=pack_all)
-    remember: Pack = field(default=_no_memory)
+    remember: Pack = field(default=zeros(0))
+    links: Callable[[bool], list[int]] = field(default=lambda _compiled: [])
 
 
 def model_gains(model: ArmParameters, origin: Origin = "printed") -> tuple[Gain, ...]:
@@ -200,11 +213,112 @@ def model_of(gains: Gains) -> ArmParameters:
     )
 
 
-def pack_with_model(names: Sequence[str]) -> Pack:
-    """Write down some gains and, behind them, the nine constants of the model."""
+def model_constants(gains: Gains, arithmetic: Arithmetic) -> list[float]:
+    """Return P1 … P7 of the model among the gains and its motor inertias."""
+    return list(map(float, constants(model_of(gains), single=arithmetic.single)))
 
-    def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
-        front = [arithmetic.hold(value) for name in names for value in gains[name].value]
-        return [*front, *map(float, constants(model_of(gains), single=arithmetic.single))]
 
-    return pack
+# --- The compiled control step: laws by address, their torques summed ---
+#
+# The loop knows laws by their addresses, so only those in use are compiled, each apart. What
+# a law is told crosses over in one array, in this order:
+#
+#   0 … 5    desired position, velocity and acceleration, joint 1 and joint 2 each
+#   6 … 9    position and velocity
+#   10 … 13  cos θ1, sin θ2, cos θ2, cos(θ1 + θ2)
+#   14 … 16  time step, whether it is the last iteration, whether values are rounded
+#   17, 18   back: the torque of both joints
+
+SIGNALS = 19
+"""Length of that array."""
+
+# What the loop knows of the laws is an array of integers: how many they are, then seven for
+# each law, at last the links of all of them.
+
+ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
+LAW_HEAD = 7
+"""Integers for each law; the links begin and end at an index of the whole array."""
+
+
+@kernel
+def summed_torque(
+    now: Moment,
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    signals: list[float],
+) -> Pair:
+    """Return the sum of the torques of all laws, called one after the other."""
+    reference, state, pose, clock = now
+    signals[0], signals[1] = reference.position
+    signals[2], signals[3] = reference.velocity
+    signals[4], signals[5] = reference.acceleration
+    signals[6], signals[7] = state.position
+    signals[8], signals[9] = state.velocity
+    signals[10], signals[11], signals[12], signals[13] = pose
+    signals[14] = clock.step
+    signals[15] = 1.0 if clock.last else 0.0
+    signals[16] = 1.0 if clock.single else 0.0
+    first = 0.0
+    second = 0.0
+    for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
+        call(
+            laws[law + ADDRESS],
+            signals,
+            numbers[laws[law + NUMBERS] : laws[law + NUMBERS_END]],
+            memory[laws[law + MEMORY] : laws[law + MEMORY_END]],
+            laws[laws[law + LINKS] : laws[law + LINKS_END]],
+        )
+        first += signals[17]
+        second += signals[18]
+    return first, second
+
+
+def law_integers(
+    laws: Sequence[Law], blocks: Sequence[Block], *, single: bool, compiled: bool
+) -> list[int]:
+    """Write down what :func:`summed_torque` knows of the laws."""
+    heads: list[int] = []
+    links: list[int] = []
+    first_link = 1 + LAW_HEAD * len(laws)
+    number = cell = 0
+    for law, block in zip(laws, blocks, strict=True):
+        own = law.links(compiled)
+        heads += [law_address(law.kernel, single=single, compiled=compiled)]
+        heads += [number, number + len(block.numbers), cell, cell + len(block.memory)]
+        heads += [first_link + len(links), first_link + len(links) + len(own)]
+        number += len(block.numbers)
+        cell += len(block.memory)
+        links += own
+    return [len(laws), *heads, *links]
+
+
+@kernel
+def law_kernel(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
+    """Leave the arm alone; the kernel of a law is bound to this name."""
+    return 0.0, 0.0
+
+
+@kernel
+def law_at_address(
+    signals: list[float], numbers: list[float], memory: list[float], links: list[int]
+) -> None:
+    """Run a law on the signals of :func:`summed_torque`."""
+    reference = Reference(
+        (signals[0], signals[1]), (signals[2], signals[3]), (signals[4], signals[5])
+    )
+    state = State((signals[6], signals[7]), (signals[8], signals[9]))
+    pose = Pose(signals[10], signals[11], signals[12], signals[13])
+    clock = Clock(signals[14], signals[15] != 0.0, signals[16] != 0.0)
+    torque = law_kernel(Moment(reference, state, pose, clock), numbers, memory, links)
+    signals[17], signals[18] = torque
+
+
+def law_address(law: Kernel, *, single: bool, compiled: bool) -> int:
+    """Return where the loop finds a law; each precision has its own.
+
+    What is stored then need not be asked whether to be rounded.
+    """
+    storing = stored_single if single else stored_double
+    bindings: dict[str, Callable[..., object]] = {"law_kernel": law, "stored": storing}
+    return address_of(law_at_address, "fffi", bindings, compiled=compiled, inline=True)

@@ -7,23 +7,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.controller.law import SELF_ORGANIZING, Arithmetic, Gain, Gains, Law
+from fuzzyarm.controller.law import Arithmetic, Gain, Gains, Law
 from fuzzyarm.controller.sources import (
     WIRED,
     WIRES,
     JointTables,
     SourceError,
     cell_of,
-    driven,
     grid_length,
     joint_tables,
+    motor_torques,
     pack_grid,
     pack_values,
     pack_wires,
-    scaled,
+    scaled_errors,
 )
 from fuzzyarm.kernels import kernel
-from fuzzyarm.plant.setting import Clock, Pair, Reference, State, stored
+from fuzzyarm.plant.setting import Moment, Pair, stored
 from fuzzyarm.table import LookupTable
 
 LEARNING = Gain(
@@ -37,72 +37,53 @@ LONGEST_DELAY = 1000
 
 @kernel
 def self_organizing_torque(
-    reference: Reference,
-    state: State,
-    clock: Clock,
-    numbers: list[float],
-    at: int,
-    memory: list[float],
-    cell: int,
+    now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Correct the responsible cell of each joint, then look the control up.
 
     Constants: wires, learning rate, delay, bound, whether both grids are alike, grid of the
-    tables, grid and values of the performance table. Memory: place in the ring, the last
-    `delay` cells of both joints, the tables of joints 1 and 2, and how often each of their
-    cells was used.
+    tables, grid and values of the performance table. Memory: index in the rings, the last
+    `delay` cells of joint 1 and of joint 2 (each a ring), the tables of both joints, and how
+    often each of their cells was used.
     """
-    delay = int(numbers[at + WIRED + 1])
-    alike = numbers[at + WIRED + 3] != 0.0
-    grid = at + WIRED + 4
-    judge = grid + grid_length(numbers, grid)
-    judged = judge + grid_length(numbers, judge)
-    cells = int(numbers[grid]) * int(numbers[grid + 1])
-    ring = cell + 1
-    table = ring + 2 * delay
-    place = int(memory[cell])
-
-    e = scaled(reference.position[0], state.position[0], numbers[at], clock.single)
-    ce = scaled(reference.velocity[0], state.velocity[0], numbers[at + 2], clock.single)
-    now = cell_of(numbers, grid, e, ce)
-    judgement = numbers[judged + (now if alike else cell_of(numbers, judge, e, ce))]
-    responsible = now if delay == 0 else int(memory[ring + place])
-    correct(memory, table, responsible, judgement, numbers, at, clock.single)
-    first = memory[table + now]
-    memory[table + 2 * cells + now] += 1.0
+    _, state, _, clock = now
+    control = (
+        corrected_control(0, now, numbers, memory),
+        corrected_control(1, now, numbers, memory),
+    )
+    delay = int(numbers[WIRED + 1])
     if delay > 0:
-        memory[ring + place] = now
-
-    e = scaled(reference.position[1], state.position[1], numbers[at + 1], clock.single)
-    ce = scaled(reference.velocity[1], state.velocity[1], numbers[at + 3], clock.single)
-    now = cell_of(numbers, grid, e, ce)
-    judgement = numbers[judged + (now if alike else cell_of(numbers, judge, e, ce))]
-    responsible = now if delay == 0 else int(memory[ring + delay + place])
-    correct(memory, table + cells, responsible, judgement, numbers, at, clock.single)
-    second = memory[table + cells + now]
-    memory[table + 3 * cells + now] += 1.0
-    if delay > 0:
-        memory[ring + delay + place] = now
-        memory[cell] = place + 1 if place + 1 < delay else 0
-    return driven((first, second), state, numbers, at, clock.single)
+        memory[0] = (memory[0] + 1.0) % delay
+    return motor_torques(control, state, numbers, clock.single)
 
 
 @kernel
-def correct(
-    memory: list[float],
-    table: int,
-    responsible: int,
-    judgement: float,
-    numbers: list[float],
-    at: int,
-    single: bool,
-) -> None:
-    """Add the judgement to the responsible cell, if there is one yet, within the bound."""
-    rate = numbers[at + WIRED]
-    if responsible >= 0 and rate != 0.0:
-        bound = numbers[at + WIRED + 2]
-        value = stored(memory[table + responsible] + rate * judgement, single)
+def corrected_control(joint: int, now: Moment, numbers: list[float], memory: list[float]) -> float:
+    """Correct the cell that is responsible for e and ė of one joint, return the one for now."""
+    reference, state, _, clock = now
+    rate = numbers[WIRED]
+    delay = int(numbers[WIRED + 1])
+    bound = numbers[WIRED + 2]
+    alike = numbers[WIRED + 3] != 0.0
+    grid = WIRED + 4
+    judge = grid + grid_length(numbers, grid)
+    judged = judge + grid_length(numbers, judge)
+    cells = int(numbers[grid]) * int(numbers[grid + 1])
+    latest = 1 + joint * delay + int(memory[0])  # in the ring of this joint
+    table = 1 + 2 * delay + joint * cells
+    visits = table + 2 * cells
+
+    e, ce = scaled_errors(joint, reference, state, numbers, clock.single)
+    cell = cell_of(numbers, grid, e, ce)
+    judgement = numbers[judged + (cell if alike else cell_of(numbers, judge, e, ce))]
+    responsible = cell if delay == 0 else int(memory[latest])
+    if responsible >= 0 and rate != 0.0:  # none is, before the first delay is over
+        value = stored(memory[table + responsible] + rate * judgement, clock.single)
         memory[table + responsible] = min(max(value, -bound), bound)
+    memory[visits + cell] += 1.0
+    if delay > 0:
+        memory[latest] = cell
+    return memory[table + cell]
 
 
 def self_organizing_law(start: LookupTable | None, performance: LookupTable) -> Law:
@@ -140,7 +121,7 @@ def self_organizing_law(start: LookupTable | None, performance: LookupTable) -> 
 
     return Law(
         "soc",
-        SELF_ORGANIZING,
+        self_organizing_torque,
         "self-organizing control: a lookup table that learns from a performance table",
         (*WIRES, LEARNING, DELAY, BOUND),
         pack=pack,

@@ -14,7 +14,7 @@ from fuzzyarm.controller.law import Arithmetic, Gain, Gains
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import RATIOS, motor_torque
-from fuzzyarm.plant.setting import Pair, State, stored
+from fuzzyarm.plant.setting import Pair, Reference, State, stored
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable
 
@@ -44,20 +44,25 @@ FIRST_RATIO, SECOND_RATIO = RATIOS
 
 
 @kernel
-def scaled(wanted: float, actual: float, gain: float, single: bool) -> float:
-    """Return an error on the scale of the rules."""
-    return stored((wanted - actual) * gain, single)
+def scaled_errors(
+    joint: int, reference: Reference, state: State, numbers: list[float], single: bool
+) -> Pair:
+    """Return position and velocity error of a joint on the scale of the rules."""
+    return (
+        stored((reference.position[joint] - state.position[joint]) * numbers[joint], single),
+        stored((reference.velocity[joint] - state.velocity[joint]) * numbers[2 + joint], single),
+    )
 
 
 @kernel
-def driven(control: Pair, state: State, numbers: list[float], at: int, single: bool) -> Pair:
+def motor_torques(control: Pair, state: State, numbers: list[float], single: bool) -> Pair:
     """Return the torque of both motors when the control drives their voltages.
 
     Constants: G_e (2), G_ce (2), supply, converter steps per unit of control.
     """
-    supply = numbers[at + 4]
-    first = stored(control[0] * numbers[at + 5], single)
-    second = stored(control[1] * numbers[at + 5], single)
+    supply = numbers[4]
+    first = stored(control[0] * numbers[5], single)
+    second = stored(control[1] * numbers[5], single)
     return (
         stored(motor_torque(supply * first / STEPS, state.velocity[0], FIRST_RATIO), single),
         stored(motor_torque(supply * second / STEPS, state.velocity[1], SECOND_RATIO), single),
@@ -65,7 +70,7 @@ def driven(control: Pair, state: State, numbers: list[float], at: int, single: b
 
 
 def pack_wires(gains: Gains, arithmetic: Arithmetic) -> list[float]:
-    """Write down the constants of :func:`driven`."""
+    """Write down the constants of :func:`motor_torques`."""
     half_turn = arithmetic.pi
     return [
         *(arithmetic.hold(value / half_turn) for value in gains["G_e"].value),

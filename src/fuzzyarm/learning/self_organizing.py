@@ -13,7 +13,7 @@ from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.controller.self_organizing import Learned, learned
 from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.loop.loop import rms
-from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms, flat
+from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Schedule, Trajectory
 
@@ -97,8 +97,7 @@ def train(
     program = Program(controller, arithmetic)
     loop = program.loop(compiled)
     course = Course(trajectory, arms, conventions, options, as_array=compiled)
-    kinds = flat(program.program, np.int64, as_array=compiled)
-    numbers = flat(program.numbers, as_array=compiled)
+    own = program.inputs(compiled)
     delay = int(controller.gains["delay"].value[0])
     memory = program.memory
     count = len(course.points.time)
@@ -110,9 +109,9 @@ def train(
         errors = np.zeros((0, 2))
         for begin in range(0, count, step):
             end = min(begin + step, count)
-            setting = course.setting._replace(seed=options.seed + begin + count * (passage - 1))
+            setting = course.setting(options.seed + begin + count * (passage - 1))
             with np.errstate(all="ignore"):
-                loop(*course.stretch(begin, end), setting, kinds, numbers, *record.outputs)
+                loop(*course.stretch(begin, end), setting, *own, *record.outputs)
             errors = np.concatenate([errors, record.degrees(course)])
             stopped = int(record.progress[1]) >= 0
             yield Snapshot(

@@ -14,7 +14,7 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.loop.loop import final, rms, signed_maximum
-from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms, flat
+from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
 from fuzzyarm.plant.setting import PLAIN, ArmError, Conventions
 from fuzzyarm.plant.trajectory import Schedule, Trajectory
 
@@ -115,13 +115,9 @@ def simulate_batch(
 
     def one(run: int) -> tuple[Vector, Vector, Vector, float]:
         course, own = course_of(run), program_of(run)
-        setting = course.setting
-        if drawn is not None:
-            setting = setting._replace(seed=int(drawn[run]))
+        setting = course.setting(int(drawn[run]) if drawn is not None else None)
         record = Record(course, own.memory)
-        kinds = flat(own.program, np.int64, as_array=compiled)
-        numbers = flat(own.numbers, as_array=compiled)
-        loop(*course.inputs, setting, kinds, numbers, *record.outputs)
+        loop(*course.inputs, setting, *own.inputs(compiled), *record.outputs)
         errors = record.degrees(course)
         diverged = record.diverged(course)
         if watch is not None:

@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import PLANT_SIZE, runge_kutta, semi_implicit
-from fuzzyarm.plant.setting import ITERATIONS, Clock, Pair, Pose, Reference, State, pose_of, stored
+from fuzzyarm.plant.setting import (
+    ITERATIONS,
+    Clock,
+    Moment,
+    Pair,
+    Reference,
+    State,
+    pose_of,
+    stored,
+)
 
 # --- The two-rate loop: a set point every 3 ms, control and arm every 0.6 ms ---
 
@@ -18,7 +27,7 @@ LAST = ITERATIONS - 1
 
 
 class Setting(NamedTuple):
-    """What does not change during a run.
+    """What does not change during a run; the loop takes it as an array in this order.
 
     Attributes
     ----------
@@ -37,7 +46,7 @@ class Setting(NamedTuple):
     disturbance : float
         Largest relative disturbance of each state at each step; 0 for none.
     seed : int
-        Of the disturbance.
+        Of the disturbance, below 2³¹.
     """
 
     step: float
@@ -53,13 +62,11 @@ class Setting(NamedTuple):
 
 @kernel
 def control(
-    reference: Reference,
-    state: State,
-    pose: Pose,
-    clock: Clock,
-    program: list[int],
+    now: Moment,
+    laws: list[int],
     numbers: list[float],
     memory: list[float],
+    signals: list[float],
 ) -> Pair:
     """Leave the arm alone; whoever builds the loop binds a controller to this name."""
     return 0.0, 0.0
@@ -67,16 +74,15 @@ def control(
 
 @kernel
 def run_loop(
-    position: list[float],
-    velocity: list[float],
-    acceleration: list[float],
+    motion: list[float],
     iterations: list[int],
     plant_of: list[int],
     plants: list[float],
-    setting: Setting,
-    program: list[int],
+    setting_numbers: list[float],
+    laws: list[int],
     numbers: list[float],
     memory: list[float],
+    signals: list[float],
     state: list[float],
     errors: list[float],
     torques: list[float],
@@ -86,16 +92,18 @@ def run_loop(
 
     Parameters
     ----------
-    position, velocity, acceleration : float, length 2 n
-        Set points, rad, rad/s, rad/s²; joint 1 and 2 by turns.
+    motion : float, length 6 n
+        Set points: desired position (rad), velocity (rad/s) and acceleration (rad/s²), of
+        joint 1 and joint 2 each.
     iterations, plant_of : int, length n
         Control iterations of each set point, and which arm it meets.
     plants : float
         Nine constants for each arm.
-    setting : Setting
-        Everything else.
-    program, numbers, memory
-        Passed on to the controller: its parts, its constants, what it remembers.
+    setting_numbers : float
+        A :class:`Setting`.
+    laws, numbers, memory, signals
+        Passed on to the controller: its laws, its constants, what it remembers, and room
+        for what it is told, see :func:`fuzzyarm.controller.law.summed_torque`.
     state : float, length 4
         Position and velocity at the start; holds those at the end afterwards.
     errors, torques : float, length 2 n
@@ -105,6 +113,8 @@ def run_loop(
         Filled with the number of samples, and, where the run diverged, the set point
         and the iteration in which it did (-1 otherwise).
     """
+    s = setting_numbers
+    setting = Setting(s[0], s[1] != 0.0, int(s[2]), s[3], s[4], s[5], s[6], s[7], int(s[8]))
     single = setting.single
     now = State((state[0], state[1]), (state[2], state[3]))
     random = setting.seed
@@ -112,25 +122,18 @@ def run_loop(
     progress[1] = -1
     progress[2] = -1
     for point in range(len(iterations)):
-        j = 2 * point
+        j = 6 * point
         reference = Reference(
-            (position[j], position[j + 1]),
-            (velocity[j], velocity[j + 1]),
-            (acceleration[j], acceleration[j + 1]),
+            (motion[j], motion[j + 1]),
+            (motion[j + 2], motion[j + 3]),
+            (motion[j + 4], motion[j + 5]),
         )
         plant = plant_of[point] * PLANT_SIZE
         for iteration in range(iterations[point]):
             last = iteration == LAST
             pose = pose_of(now.position)
-            wanted = control(
-                reference,
-                now,
-                pose,
-                Clock(setting.step, last, single),
-                program,
-                numbers,
-                memory,
-            )
+            moment = Moment(reference, now, pose, Clock(setting.step, last, single))
+            wanted = control(moment, laws, numbers, memory, signals)
             torque = (
                 clipped(stored(wanted[0], single), setting.limit_1),
                 clipped(stored(wanted[1], single), setting.limit_2),
@@ -156,6 +159,10 @@ def run_loop(
     progress[0] = samples
     state[0], state[1] = now.position
     state[2], state[3] = now.velocity
+
+
+LOOP_ARRAYS = "fiiffiffffffi"
+"""Of floats and of integers, see :func:`fuzzyarm.kernels.routine`."""
 
 
 @kernel

@@ -13,24 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.dispatch import summed_torque
-from fuzzyarm.controller.law import Arithmetic
-from fuzzyarm.kernels import build, jit_wanted
-from fuzzyarm.loop.loop import Setting, final, rms, run_loop, signed_maximum
+from fuzzyarm.controller.law import SIGNALS, Arithmetic, law_integers, summed_torque
+from fuzzyarm.kernels import build, jit_wanted, routine
+from fuzzyarm.loop.loop import LOOP_ARRAYS, Setting, final, rms, run_loop, signed_maximum
 from fuzzyarm.plant.arm import constants
 from fuzzyarm.plant.setting import (
     ITERATIONS,
     PLAIN,
     SET_POINT_PERIOD,
     ArmError,
-    Clock,
     Conventions,
+    Moment,
     Pair,
-    Pose,
-    Reference,
-    State,
-    kept,
-    rounded,
+    stored_double,
+    stored_single,
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, sample, schedule
 
@@ -44,27 +40,29 @@ SPEED_BOUND = 1e5
 
 
 @cache
-def loop_of_laws(compiled: bool, single: bool) -> Callable[..., Any]:
+def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
     """Return the loop around the compiled laws, as machine code or as plain Python.
 
     Each precision has its own: what is stored need not be asked whether to be rounded.
     """
-    storing = rounded if single else kept
-    return build(run_loop, {"control": summed_torque, "stored": storing}, compiled=compiled)
+    storing: Callable[..., Any] = stored_single if single else stored_double
+    bindings: dict[str, Callable[..., Any]] = {"control": summed_torque, "stored": storing}
+    return routine(run_loop, LOOP_ARRAYS, bindings, compiled=compiled)
 
 
 def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
-    """Return numbers in one row, as an array or, for an interpreter, as a list."""
+    """Return numbers in one row, as an array or, for an interpreter, as a view on one."""
     row: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
-    return row if as_array else row.tolist()
+    # A memory view gives plain numbers, and its slices are views, too.
+    return row if as_array else memoryview(row)  # type: ignore[arg-type]
 
 
 class Program:
-    """A controller as the loop takes it: integers, constants and memory in three lists.
+    """A controller as the loop takes it: laws, constants and memory in three lists.
 
     Attributes
     ----------
-    program, numbers, memory : list
+    numbers, memory : list
         See :func:`fuzzyarm.loop.loop.run_loop`.
     compilable : bool
         Whether every addend is a compiled law.
@@ -73,29 +71,28 @@ class Program:
     def __init__(self, controller: Controller, arithmetic: Arithmetic) -> None:
         self.controller = controller
         self.arithmetic = arithmetic
-        self.program: list[int] = []
-        self.numbers: list[float] = []
-        self.memory: list[float] = []
         parts = list(controller.parts())
-        self.compilable = all(isinstance(part, CompiledController) for part in parts)
-        if self.compilable:
-            for part in parts:
-                assert isinstance(part, CompiledController)
-                block = part.block(arithmetic)
-                self.program += [block.kind, len(self.numbers), len(self.memory)]
-                self.numbers += block.numbers
-                self.memory += block.memory
+        own = [part for part in parts if isinstance(part, CompiledController)]
+        self.compilable = len(own) == len(parts)
+        self._laws = [part.law for part in own] if self.compilable else []
+        self._blocks = [part.block(arithmetic) for part in own] if self.compilable else []
+        self.numbers = [number for block in self._blocks for number in block.numbers]
+        self.memory = [number for block in self._blocks for number in block.memory]
 
-    def loop(self, compiled: bool) -> Callable[..., Any]:
+    def inputs(self, compiled: bool) -> tuple[Any, Any]:
+        """Return laws and constants as the loop takes them."""
+        single = self.arithmetic.single
+        laws = law_integers(self._laws, self._blocks, single=single, compiled=compiled)
+        return flat(laws, np.int64, as_array=compiled), flat(self.numbers, as_array=compiled)
+
+    def loop(self, compiled: bool) -> Callable[..., None]:
         """Return the loop that runs it; `compiled` only where that is possible."""
         if self.compilable:
             return loop_of_laws(compiled, self.arithmetic.single)
         torque = self.controller.torque
 
-        def control(
-            reference: Reference, state: State, _pose: Pose, clock: Clock, *_arrays: object
-        ) -> Pair:
-            first, second = torque(reference, state, clock)
+        def control(now: Moment, *_arrays: object) -> Pair:
+            first, second = torque(now.reference, now.state, now.clock)
             return float(first), float(second)
 
         return build(run_loop, {"control": control}, compiled=False)
@@ -115,7 +112,7 @@ class Course:
     options : Options
         The rest of the setting.
     as_array : bool
-        Arrays, or lists for the interpreter.
+        Arrays, or views for the interpreter.
     """
 
     def __init__(
@@ -133,18 +130,17 @@ class Course:
         kinds = list(dict.fromkeys(arms))
         which = np.array([kinds.index(arm) for arm in arms])[self.points.segment]
         plants = [constants(arm, single=conventions.single) for arm in kinds]
+        points = self.points
         self.inputs = (
-            self._flat(self.points.position),
-            self._flat(self.points.velocity),
-            self._flat(self.points.acceleration),
-            self._flat(self.points.iterations, np.int64),
+            self._flat(np.hstack([points.position, points.velocity, points.acceleration])),
+            self._flat(points.iterations, np.int64),
             self._flat(which, np.int64),
             self._flat(plants),
         )
         step = SET_POINT_PERIOD / ITERATIONS
         if conventions.single:
             step = float(np.float32(np.float64(np.float32(SET_POINT_PERIOD)) / ITERATIONS))
-        self.setting = Setting(
+        self._setting = Setting(
             step,
             conventions.single,
             options.runge_kutta,
@@ -156,15 +152,21 @@ class Course:
             options.seed,
         )
 
+    def setting(self, seed: int | None = None) -> Any:
+        """Return the rest of the setting, for a seed other than that of the options."""
+        chosen = self._setting.seed if seed is None else seed
+        # The generator works with 31 bits; more would not fit into a float.
+        return self._flat(self._setting._replace(seed=chosen % 2**31))
+
     def _flat(self, values: Any, kind: type = np.float64) -> Any:
         return flat(values, kind, as_array=self.as_array)
 
     def stretch(self, begin: int, end: int) -> tuple[Any, ...]:
         """Return the inputs of set points `begin` to `end` alone."""
         return (
-            *(each[2 * begin : 2 * end] for each in self.inputs[:3]),
-            *(each[begin:end] for each in self.inputs[3:5]),
-            self.inputs[5],
+            self.inputs[0][6 * begin : 6 * end],
+            *(each[begin:end] for each in self.inputs[1:3]),
+            self.inputs[3],
         )
 
 
@@ -178,6 +180,7 @@ class Record:
             return flat(values, kind, as_array=course.as_array)
 
         self.memory = new(memory)
+        self.signals = new(np.zeros(SIGNALS))
         self.state = new(np.zeros(4))
         self.errors = new(np.zeros(2 * count))
         self.torques = new(np.zeros(2 * count))
@@ -186,7 +189,7 @@ class Record:
     @property
     def outputs(self) -> tuple[Any, ...]:
         """The last arguments of the loop, from the memory on."""
-        return self.memory, self.state, self.errors, self.torques, self.progress
+        return self.memory, self.signals, self.state, self.errors, self.torques, self.progress
 
     def diverged(self, course: Course) -> float | None:
         """Return when the run was stopped because it had diverged, s."""
@@ -350,12 +353,11 @@ def simulate(
     loop = program.loop(compiled)
     course = Course(trajectory, arms, conventions, options, as_array=compiled)
     record = Record(course, program.memory)
-    constants = [flat(program.program, np.int64, as_array=compiled)]
-    constants.append(flat(program.numbers, as_array=compiled))
+    own = program.inputs(compiled)
     controller.prepare(arithmetic)
     begin = time.perf_counter()
     with np.errstate(all="ignore"):
-        loop(*course.inputs, course.setting, *constants, *record.outputs)
+        loop(*course.inputs, course.setting(), *own, *record.outputs)
     seconds = time.perf_counter() - begin
     errors = record.degrees(course)
     taken = np.flatnonzero(course.points.iterations == ITERATIONS)[: len(errors)]

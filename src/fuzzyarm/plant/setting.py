@@ -147,6 +147,15 @@ class Clock(NamedTuple):
     single: bool
 
 
+class Moment(NamedTuple):
+    """What a control law is told at each control step."""
+
+    reference: Reference
+    state: State
+    pose: Pose
+    clock: Clock
+
+
 @kernel
 def stored(value: float, single: bool) -> float:
     """Return `value` as a variable of the run's precision would hold it."""
@@ -156,14 +165,14 @@ def stored(value: float, single: bool) -> float:
 
 
 @kernel
-def rounded(value: float, single: bool) -> float:
+def stored_single(value: float, single: bool) -> float:
     """Return `value` in single precision; bound to ``stored`` where all runs are single."""
     # Machine code would go on in single precision without the way back.
     return float(np.float64(np.float32(value)))
 
 
 @kernel
-def kept(value: float, single: bool) -> float:
+def stored_double(value: float, single: bool) -> float:
     """Return `value`; bound to ``stored`` where all runs are double."""
     return value
 

@@ -331,7 +331,7 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
     arithmetic = Arithmetic()
     printed, described = (
         [
-            (block.kind, block.numbers, block.memory)
+            (part.law.kernel, block.numbers, block.memory)
             for part in row_controller(row, variant).parts()
             if isinstance(part, CompiledController)
             for block in (part.block(arithmetic),)
