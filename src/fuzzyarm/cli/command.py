@@ -26,18 +26,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """One argument as :meth:`argparse.ArgumentParser.add_argument` takes it.
+    """One argument: its names and options as `add_argument` takes them, and where it stands.
 
-    Attributes
-    ----------
-    names : tuple of str
-        The word of a positional argument, or the spellings of an option.
-    options : dict
-        What else `add_argument` is told.
-    group : str
-        Title on the help page under which it stands; empty for the common list.
-    either : str
-        Arguments of a group with the same word here exclude each other.
+    `group` is a title on the help page; arguments of a group with the same word in `either`
+    exclude each other.
     """
 
     names: tuple[str, ...]
@@ -48,18 +40,10 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command.
+    """One command: the word behind ``fuzzyarm``, its help page, what it does, its arguments.
 
-    Attributes
-    ----------
-    name : str
-        The word behind ``fuzzyarm``; its line on the help page stands in `main.COMMANDS`.
-    description : str or None
-        Its own help page.
-    run : callable
-        Does the work on the parsed arguments and returns the exit status.
-    arguments : sequence of Argument
-        In the order of the help page.
+    `run` takes the parsed arguments and returns the exit status. The line on the page of all
+    commands stands in `main.COMMANDS`, so that no module of a command is needed for it.
     """
 
     name: str
@@ -100,19 +84,10 @@ def command(
 
 
 def argument(words: str, text: str | None = None, *, either: str = "", **options: Any) -> Argument:
-    """Return an argument.
+    """Return an argument whose `words` are as on the help page, and `text` its line there.
 
-    Parameters
-    ----------
-    words : str
-        As on the help page: the spellings of an option or the name of a positional
-        argument, then what its values are called: ``-o --out FILE``, ``--angles A1 A2``.
-    text : str, optional
-        The line on the help page.
-    either : str, optional
-        See :class:`Argument`.
-    **options
-        What else `add_argument` takes.
+    The spellings of an option or the name of a positional argument stand first, then what
+    its values are called: ``-o --out FILE``, ``--angles A1 A2``, ``file FILE``.
     """
     first, *others = words.split()
     names = [first, *(word for word in others if word.startswith("-"))]

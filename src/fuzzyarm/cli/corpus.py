@@ -44,26 +44,12 @@ _IGNORED = re.compile(r"outputs_resolution_\d+\Z")
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """One program's outputs for one file.
+    """One program's outputs for one file, row by row; NaN where there is no value."""
 
-    Attributes
-    ----------
-    program : str
-        ``octave``, ``fuzzylite`` and so on; empty where the file does not say.
-    block : str or None
-        The function block of an FCL file.
-    resolution : int or None
-        Number of samples where it was not the program's usual one.
-    input_names, output_names : tuple of str or None
-        None where the numbers are in the order of the file.
-    inputs, outputs : sequence of rows
-        NaN where there is no value.
-    """
-
-    program: str
-    block: str | None
-    resolution: int | None
-    input_names: tuple[str, ...] | None
+    program: str  # octave, fuzzylite and so on; empty where the file does not say
+    block: str | None  # the function block of an FCL file
+    resolution: int | None  # samples, where it was not the program's usual number
+    input_names: tuple[str, ...] | None  # None: in the order of the file
     output_names: tuple[str, ...] | None
     inputs: tuple[tuple[float, ...], ...]
     outputs: tuple[tuple[float, ...], ...]
@@ -160,39 +146,18 @@ def difference(found: float, expected: float) -> float:
 
 @dataclass(slots=True)
 class Row:
-    """What became of one file.
+    """What became of one file."""
 
-    Attributes
-    ----------
-    file : str
-        Its path within the folder.
-    format : str
-        Suffix.
-    imported : bool
-        Whether there was no error.
-    producer : str
-        The program whose defaults were taken.
-    findings : dict
-        Name of a diagnostic → how often.
-    first : str
-        The first error.
-    references : int
-        Reference columns at hand.
-    matched : int
-        How many of them the rule base equals at all points.
-    differences : dict
-        Program of each reference that is missed → greatest relative difference, or why.
-    """
-
-    file: str
-    format: str
-    imported: bool
-    producer: str
-    findings: dict[str, int]
-    first: str = ""
-    references: int = 0
-    matched: int = 0
+    file: str  # its path within the folder
+    format: str  # its suffix
+    imported: bool  # whether there was no error
+    producer: str  # the program whose defaults were taken
+    findings: dict[str, int]  # name of a diagnostic → how often
+    first: str = ""  # the first error
+    references: int = 0  # reference columns at hand
+    matched: int = 0  # how many of them the rule base equals at all points
     differences: dict[str, str] = field(default_factory=dict)
+    """Program of each reference that is missed → greatest relative difference, or why."""
 
     @property
     def equal(self) -> bool:
