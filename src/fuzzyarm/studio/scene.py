@@ -17,7 +17,7 @@ from fuzzyarm.language.printer import name_text
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.model.shapes import centre, membership
-from fuzzyarm.show.drawing import number_words, scale_of
+from fuzzyarm.show.drawing import Scale, number_words, scale_of
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rules_view
 from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.show.terms import TermPlots, is_set, visible_range
@@ -25,7 +25,7 @@ from fuzzyarm.show.trace import firing_view
 from fuzzyarm.text.diagnostic import Span
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import Group, RenderableType
     from rich.text import Text
 
 
@@ -38,6 +38,8 @@ class Scene(ABC):
 
     Attributes
     ----------
+    ranges : dict of str to (float, float)
+        The inputs and the stretch that is shown of each.
     point : dict of str to float
         The crisp inputs.
     across, down : str
@@ -46,15 +48,11 @@ class Scene(ABC):
 
     VIEWS: tuple[str, ...] = ()
 
-    def __init__(self) -> None:
+    def __init__(self, ranges: dict[str, tuple[float, float]]) -> None:
+        self.ranges = ranges
         self.point: dict[str, float] = {}
         self.across = ""
         self.down = ""
-
-    @property
-    @abstractmethod
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The inputs and the stretch that is shown of each."""
 
     @abstractmethod
     def draw(self, view: str, width: int, height: int) -> RenderableType:
@@ -120,6 +118,22 @@ class Scene(ABC):
         else:
             self.down = chosen
 
+    def _line(
+        self, title: Text, values: list[float], height: int, up: tuple[str, float, float], mark: int
+    ) -> Group:
+        from rich.console import Group
+
+        across = (self.across, *self.ranges[self.across])
+        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark))
+
+    def _map(
+        self, title: Text, values: list[list[float]], scale: Scale, mark: tuple[int, int]
+    ) -> Group:
+        from rich.console import Group
+
+        down, across = ((name, *self.ranges[name]) for name in (self.down, self.across))
+        return Group(title, SurfaceMap(values, scale, down, across, mark))
+
     def caption(self, *, keys: bool = True) -> Text:
         """Return the crisp inputs, with `keys` those that move them, and what comes out."""
         from rich.text import Text
@@ -158,11 +172,10 @@ class RulebaseScene(Scene):
     def __init__(
         self, rulebase: RuleBase, reading: Reading | None = None, before: Scene | None = None
     ) -> None:
-        super().__init__()
+        super().__init__({v.name: visible_range(v) for v in rulebase.inputs})
         self.rulebase = rulebase
         self.reading = reading
         self.output = rulebase.outputs[0].name
-        self._ranges = {v.name: visible_range(v) for v in rulebase.inputs}
         if before is None:
             first = next((g for b in rulebase.blocks for g in find_grids(b)[0] if g.row), None)
             across, down = (first.column, first.row) if first else ("", "")
@@ -172,11 +185,6 @@ class RulebaseScene(Scene):
             outputs = {o.name for o in rulebase.outputs}
             if isinstance(before, RulebaseScene) and before.output in outputs:
                 self.output = before.output
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The inputs and the stretch that is shown of each."""
-        return self._ranges
 
     def next_output(self) -> None:
         """Show the surface of the next output."""
@@ -228,7 +236,6 @@ class RulebaseScene(Scene):
 
     def _surface(self, width: int, height: int) -> RenderableType:
         import numpy as np
-        from rich.console import Group
         from rich.text import Text
 
         output = self.rulebase.output(self.output)
@@ -240,8 +247,7 @@ class RulebaseScene(Scene):
             xs = np.linspace(*across, count)
             values = np.broadcast_to(self._values({self.across: xs}, output), xs.shape)
             mark = _index(self.point[self.across], across, count)
-            side, up = (self.across, *across), (output.name, low, high)
-            return Group(title, LinePlot(values.tolist(), max(3, height - 2), side, up, mark))
+            return self._line(title, values.tolist(), height, (output.name, low, high), mark)
         down = self.ranges[self.down]
         columns, rows = max(8, width - 9), 2 * max(3, height - 2)
         xs, ys = np.linspace(*across, columns), np.linspace(*down, rows)
@@ -253,10 +259,7 @@ class RulebaseScene(Scene):
             _index(self.point[self.across], across, columns),
         )
         scale = scale_of(values.ravel().tolist(), low, high)
-        drawing = SurfaceMap(
-            values.tolist(), scale, (self.down, *down), (self.across, *across), mark_at
-        )
-        return Group(title, drawing)
+        return self._map(title, values.tolist(), scale, mark_at)
 
     def _rules(self, width: int, height: int) -> RenderableType:
         trace = self.trace()

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from fuzzyarm.language.printer import name_text
 from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.show.drawing import number_words, scale_of
-from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.studio.scene import Scene
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.text.diagnostic import Span
@@ -35,20 +34,14 @@ class TableScene(Scene):
     VIEWS = (MAP, NUMBERS)
 
     def __init__(self, table: LookupTable, text: TableText, before: Scene | None = None) -> None:
-        super().__init__()
+        super().__init__({axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes})
         self.table = table
         self.text = text
-        self._ranges = {axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes}
         names = table.names
         if before is None:
             self.set_inputs({}, names[-1], names[-2] if len(names) > 1 else "")
         else:
             self.set_inputs(before.point, before.across, before.down)
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The inputs and the stretch that is shown of each."""
-        return self._ranges
 
     @property
     def cell(self) -> tuple[int, ...]:
@@ -75,10 +68,9 @@ class TableScene(Scene):
             from fuzzyarm.show.table import table_view
 
             return table_view(self.table, at=[self.point[name] for name in self.table.names])
-        return self._map(width, height)
+        return self._cells(width, height)
 
-    def _map(self, width: int, height: int) -> RenderableType:
-        from rich.console import Group
+    def _cells(self, width: int, height: int) -> RenderableType:
         from rich.text import Text
 
         title = Text(f"{name_text(self.table.output)}  {self.table.description}", "bold")
@@ -100,11 +92,7 @@ class TableScene(Scene):
             low = min(values) if self.table.low is None else self.table.low
             high = max(values) if self.table.high is None else self.table.high
             mark = round((cell[i] + 0.5) * 2 * room / columns)
-            return Group(
-                title,
-                LinePlot(values, max(3, height - 2), (self.across, *self.ranges[self.across]),
-                         (self.table.output, low, high), mark),
-            )  # fmt: skip
+            return self._line(title, values, height, (self.table.output, low, high), mark)
         j = names.index(self.down)
         rows = len(self.table.axes[j].levels)
         # Whole cells where they fit, so that all have the same size.
@@ -120,11 +108,7 @@ class TableScene(Scene):
             min(tall - 1, int((cell[j] + 0.5) * tall / rows)),
             min(wide - 1, int((cell[i] + 0.5) * wide / columns)),
         )
-        drawing = SurfaceMap(
-            grid, scale, (self.down, *self.ranges[self.down]),
-            (self.across, *self.ranges[self.across]), mark_at,
-        )  # fmt: skip
-        return Group(title, drawing)
+        return self._map(title, grid, scale, mark_at)
 
     def place(self) -> Span | None:
         """Return where the number of the chosen cell stands in the text."""
