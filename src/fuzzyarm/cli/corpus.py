@@ -63,7 +63,7 @@ def read_references(path: Path) -> list[Reference]:
     OSError
         If it cannot be read.
     ValueError
-        If it is no such file.
+        If it is not such a file.
     """
     data = json.loads(path.read_text(encoding="utf-8"))
     if not isinstance(data, dict):

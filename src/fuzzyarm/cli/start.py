@@ -118,7 +118,7 @@ def _starting_text(name: str, kind: _Kind, inputs: list[_Variable], output: _Var
 
 
 def _with_allowances(text: str) -> str:
-    """Say at the place where the wishes leave a doubt (an output without a middle term, say)."""
+    """Say where the wishes leave a doubt (an output without a middle term, for instance)."""
     for _ in range(text.count("\n")):
         doubts = check_text(text).diagnostics
         repairs = [fix for doubt in doubts for fix in fixes(doubt, text) if not fix.preferred]

@@ -36,7 +36,7 @@ from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 
-# --- Between the protocol's positions, which count code units from 0, and places in a text ---
+# --- Between the protocol's positions, in code units from 0, and lines and columns from 1 ---
 #
 # The protocol ends lines at CR LF, LF and CR only, as the language does.
 

@@ -31,7 +31,7 @@ def number_words(x: float, digits: int = 6) -> str:
 def make_console(file: IO[str] | None = None, **options: Any) -> Console:
     """Return a rich console that leaves numbers and brackets as they are.
 
-    Where the output is no terminal it has no colours and is 80 columns wide, unless the
+    Where the output is not a terminal it has no colours and is 80 columns wide, unless the
     environment (COLUMNS, FORCE_COLOR, NO_COLOR) says otherwise.
 
     Parameters

@@ -42,7 +42,7 @@ def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Grou
 
 
 def firing_view(trace: Trace) -> Group:
-    """Return the same for narrow columns: what fires only, and no places."""
+    """Return the same for narrow columns: only what fires, without lines and columns."""
     from rich.console import Group
     from rich.text import Text
 

@@ -29,7 +29,7 @@ class NotShownError(FuzzyarmError, ValueError):
     def __init__(self, path: str) -> None:
         foreign = Path(path).suffix.lower() in RULEBASE_SUFFIXES
         hint = f"fuzzyarm convert {path} {Path(path).stem}.frb brings it in" if foreign else ""
-        super().__init__(f"{path} is no .frb and no .lut file", hint=hint)
+        super().__init__(f"{path} is neither a .frb nor a .lut file", hint=hint)
         self.path = path
 
 

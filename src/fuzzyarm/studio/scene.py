@@ -63,12 +63,12 @@ class Scene(ABC):
         """Return what comes out at the crisp inputs, in words."""
 
     @abstractmethod
-    def place(self) -> Span | None:
+    def position(self) -> Span | None:
         """Return where in the text the strongest rule or the chosen cell stands."""
 
     @abstractmethod
-    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
-        """Return the place of what is drawn at column `x` of drawn line `y`, which reads `line`."""
+    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+        """Return where that stands which is drawn at column `x` of line `y`, which reads `line`."""
 
     def set_inputs(self, before: Mapping[str, float], across: str, down: str) -> None:
         """Take over the crisp inputs of an earlier model as far as they fit this one."""
@@ -93,9 +93,9 @@ class Scene(ABC):
         low, high = self.ranges[name]
         width = (high - low) / (COARSE if coarse else FINE)
         # Steps lie on a lattice from the lower end, so that round numbers are met again.
-        place = round((self.point[name] - low) / width) + steps
+        step = round((self.point[name] - low) / width) + steps
         # Twelve digits are more than anybody reads, and hide the noise of the last ones.
-        self.point[name] = min(high, max(low, float(f"{low + place * width:.12g}")))
+        self.point[name] = min(high, max(low, float(f"{low + step * width:.12g}")))
 
     def centre(self) -> None:
         """Put every crisp input in the middle of its range."""
@@ -281,7 +281,7 @@ class RulebaseScene(Scene):
         trace = self.trace()
         return Text(trace, "yellow") if isinstance(trace, str) else firing_view(trace)
 
-    # ── places ───────────────────────────────────────────────────────────────────────
+    # ── positions in the text ────────────────────────────────────────────────────────
 
     def step_term(self, name: str, steps: int) -> None:
         """Move a crisp input to the middle of the term before or behind the strongest one."""
@@ -308,19 +308,19 @@ class RulebaseScene(Scene):
         row = self._strongest(self.rulebase.variable(grid.row)) if grid.row else ""
         return row, self._strongest(self.rulebase.variable(grid.column))
 
-    def place(self) -> Span | None:
+    def position(self) -> Span | None:
         """Return where the strongest rule stands; the chosen cell where none fires."""
         trace = self.trace()
         if not isinstance(trace, str) and trace.fired:
             return self.rulebase.rules[trace.fired[0].number - 1].span
         for block in self.rulebase.blocks:
             for grid in find_grids(block)[0]:
-                place = self._cell_place(grid, *self._chosen(grid))
-                if place is not None:
-                    return place
+                span = self._cell_span(grid, *self._chosen(grid))
+                if span is not None:
+                    return span
         return None
 
-    def _cell_place(self, grid: RuleGrid, row: str, column: str) -> Span | None:
+    def _cell_span(self, grid: RuleGrid, row: str, column: str) -> Span | None:
         rules = grid.cells.get((row, column))
         if rules:
             return rules[0][0].span
@@ -337,8 +337,8 @@ class RulebaseScene(Scene):
                         return cell.span
         return None
 
-    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
-        """Return the place of the grid cell that is drawn at a place of the rules view."""
+    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+        """Return where the grid cell stands that is drawn there in the rules view."""
         if view != RULES:
             return None
         top = 0
@@ -353,7 +353,7 @@ class RulebaseScene(Scene):
                     if not 0 < index <= len(drawn.columns):
                         return None
                     row = drawn.rows[y - first] if grid.row else ""
-                    return self._cell_place(grid, row, drawn.columns[index - 1])
+                    return self._cell_span(grid, row, drawn.columns[index - 1])
                 top = first + len(drawn.rows) + 1
             if others:
                 break  # sentences take as many lines as they need; what is below is not found

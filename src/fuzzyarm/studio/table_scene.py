@@ -110,11 +110,11 @@ class TableScene(Scene):
         )
         return self._map(title, grid, scale, mark_at)
 
-    def place(self) -> Span | None:
+    def position(self) -> Span | None:
         """Return where the number of the chosen cell stands in the text."""
         return self.text.cell_span(self.cell)
 
-    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
         """Return nothing: a map is too coarse to be pointed at."""
         return None
 

@@ -48,7 +48,7 @@ def colour_map(scale: Scale) -> Any:
 
 
 def tidy(axes: Axes) -> None:
-    """Take away what is no information."""
+    """Take away lines that tell nothing; draw a faint grid."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8)
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
