@@ -1,20 +1,25 @@
-"""Draw a file again whenever it is saved, for people who keep their own editor.
-
-Shows the control surface, the rules and the findings of a rule base, or a lookup table.
-While the text has mistakes they are shown above the last good drawing. With --table the
-compiled table is written at each save, with --figure a figure (.png, .svg or .pdf).
-Ctrl-C ends it.
-"""
+"""While a file is written: ``fuzzyarm studio``, ``fuzzyarm watch`` and ``fuzzyarm lsp``."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fuzzyarm.cli.command import (
+    WordError,
+    argument,
+    at,
+    command,
+    demand_extra,
+    flag,
+    print_error,
+    read_assignments,
+)
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import render_all
@@ -25,33 +30,51 @@ if TYPE_CHECKING:
     from fuzzyarm.studio.document import StudioDocument
 
 
-VIEWS = ("surface", "rules", "terms", "firing", "numbers")
+_STUDIO = """Write a rule base and see what it means, as you type.
+
+The text is on the left; on the right stands what it means: the control surface, the rules,
+the terms, and which rules fire at the crisp inputs, which the arrow keys move. Findings
+stand below. Works in a terminal of 80 × 24, over ssh, with the mouse or without; F1 shows
+the keys. Needs: pip install "fuzzyarm[studio]"
+"""
+
+
+class StudioError(FuzzyarmError, OSError):
+    """The studio cannot be opened."""
+
+
+def _studio(arguments: argparse.Namespace) -> int:
+    demand_extra("textual", "studio", "the studio")
+    if not Path(arguments.file).exists():
+        name = Path(arguments.file).with_suffix("")
+        raise StudioError(
+            f"there is no file {arguments.file}", hint=f"fuzzyarm new {name} writes one"
+        )
+    from fuzzyarm.studio.document import StudioDocument
+
+    document = StudioDocument(arguments.file)
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise StudioError("the studio needs a terminal", hint="fuzzyarm show prints a drawing")
+    from fuzzyarm.studio.app import Studio
+
+    return Studio(document).run() or 0
+
+
+_WATCH = """Draw a file again whenever it is saved, for people who keep their own editor.
+
+Shows the control surface, the rules and the findings of a rule base, or a lookup table.
+While the text has mistakes they are shown above the last good drawing. With --table the
+compiled table is written at each save, with --figure a figure (.png, .svg or .pdf).
+Ctrl-C ends it.
+"""
+
+_VIEWS = ("surface", "rules", "terms", "firing", "numbers")
 _USUAL = ("surface", "rules", "numbers")
 _PAUSE = 0.2
 _WIDEST, _SURFACE_HEIGHT = 76, 16
 
 
-class WatchError(FuzzyarmError, ValueError):
-    """What was asked for makes no sense for this file."""
-
-
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm watch``."""
-    parser.add_argument("file", metavar="FILE", help="a .frb or .lut file")
-    parser.add_argument("--table", metavar="OUT", help="write the compiled table at each save")
-    parser.add_argument("--figure", metavar="FIG", help="write a figure at each save")
-    parser.add_argument("--at", metavar="NAME=VALUE,...", help="the crisp inputs (the middle)")
-    parser.add_argument(
-        "--view",
-        action="append",
-        choices=VIEWS,
-        help="what to draw, once or several times (surface and rules; of a table its numbers)",
-    )
-    parser.add_argument("--once", action="store_true", help="draw once and end, for scripts")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Draw until Ctrl-C; with ``--once`` return 1 if the file has errors."""
+def _watch(arguments: argparse.Namespace) -> int:
     from fuzzyarm.show.drawing import make_console
     from fuzzyarm.studio.document import StudioDocument
 
@@ -77,10 +100,10 @@ def _demand_sense(arguments: argparse.Namespace) -> None:
 
         require_figure_suffix(arguments.figure)
     if arguments.table and Path(arguments.file).suffix.lower() == ".lut":
-        raise WatchError(f"{arguments.file} is a table already", hint="leave out --table")
+        raise WordError(f"{arguments.file} is a table already", hint="leave out --table")
     for target in (arguments.table, arguments.figure):
         if target and Path(target).resolve() == Path(arguments.file).resolve():
-            raise WatchError(f"{target} is the file that is watched")
+            raise WordError(f"{target} is the file that is watched")
 
 
 def _follow(
@@ -120,13 +143,11 @@ def _stamp(path: str) -> tuple[int, int, int] | None:
 
 def _redraw(console: Console, document: StudioDocument, arguments: argparse.Namespace) -> None:
     if arguments.at and document.scene is not None:
-        from fuzzyarm.cli.arguments import read_assignments
-
         document.scene.point |= read_assignments([arguments.at], list(document.scene.ranges))
     notes = [] if document.broken else _write_products(document, arguments)
     if console.is_terminal:
         console.clear()
-    console.print(picture(document, min(console.width, _WIDEST), arguments.view or _USUAL))
+    console.print(_picture(document, min(console.width, _WIDEST), arguments.view or _USUAL))
     for note in notes:
         console.print(note)
     sys.stdout.flush()
@@ -155,9 +176,7 @@ def _write_table(document: StudioDocument, rulebase: RuleBase | None, target: st
 
 
 def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
-    from fuzzyarm.show.figures.rulebase import rulebase_figure
-    from fuzzyarm.show.figures.style import save_figure
-    from fuzzyarm.show.figures.surface import table_figure
+    from fuzzyarm.show.figures import rulebase_figure, save_figure, table_figure
 
     if rulebase is not None:
         save_figure(rulebase_figure(rulebase), target)
@@ -167,25 +186,13 @@ def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: s
     save_figure(table_figure(read_table(document.path)), target)
 
 
-def picture(document: StudioDocument, width: int, views: Sequence[str] = _USUAL) -> RenderableType:
-    """Return the findings and the drawings of a file.
-
-    Parameters
-    ----------
-    document : StudioDocument
-        The file.
-    width : int
-        Columns to draw in.
-    views : sequence of str
-        Which drawings; those that the file does not have are left out.
-    """
+def _picture(document: StudioDocument, width: int, views: Sequence[str]) -> RenderableType:
+    """Return the findings and, of `views`, the drawings that the file has."""
     from rich.console import Group
     from rich.text import Text
 
-    from fuzzyarm.studio.scene import findings_text
-
     head = Text(document.path, "bold")
-    head.append(f"   {findings_text(document.findings)}   {time.strftime('%H:%M:%S')}", "not bold")
+    head.append(f"   {document.summary}   {time.strftime('%H:%M:%S')}", "not bold")
     parts: list[RenderableType] = [head, Text()]
     if document.findings:
         said = render_all(document.findings, document.text)
@@ -199,3 +206,65 @@ def picture(document: StudioDocument, width: int, views: Sequence[str] = _USUAL)
         parts += [scene.draw(view, width, _SURFACE_HEIGHT), Text()]
     parts.append(scene.caption(keys=False))
     return Group(*parts)
+
+
+_LSP = """The language server for editors: diagnostics, completion, hover, rename and more.
+
+Editors start it themselves and talk to it over its standard input and output; with
+`--tcp PORT` (or HOST:PORT) it waits for one connection instead. docs/authoring.md says how
+to set up VS Code, Neovim and Helix. Needs: pip install "fuzzyarm[lsp]"
+"""
+
+_HOST = "127.0.0.1"
+
+
+def _address(text: str) -> tuple[str, int]:
+    host, _, port = text.rpartition(":")
+    if not port.isdigit() or not 0 < int(port) < 65536:
+        raise argparse.ArgumentTypeError(f"'{text}' is neither a port nor a host with a port")
+    return host.strip("[]") or _HOST, int(port)
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    demand_extra("pygls", "lsp", "the language server")
+    from fuzzyarm.lsp.features import make_server
+
+    server = make_server()
+    if arguments.tcp is None:
+        # The server closes its output when it ends; ours stays open for the farewell.
+        server.start_io(stdout=os.fdopen(os.dup(sys.stdout.fileno()), "wb"))
+        return 0
+    host, port = arguments.tcp
+    print_error(f"waiting for an editor on {host}:{port}")
+    server.start_tcp(host, port)
+    return 0
+
+
+_TEXT = argument("file FILE", "a .frb or .lut file")
+
+COMMANDS = (
+    command("studio", _STUDIO, _studio, _TEXT),
+    command(
+        "watch",
+        _WATCH,
+        _watch,
+        _TEXT,
+        argument("--table OUT", "write the compiled table at each save"),
+        argument("--figure FIG", "write a figure at each save"),
+        at("the crisp inputs (the middle)"),
+        argument(
+            "--view",
+            "what to draw, once or several times (surface and rules; of a table its numbers)",
+            action="append",
+            choices=_VIEWS,
+        ),
+        flag("--once", "draw once and end, for scripts"),
+    ),
+    command(
+        "lsp",
+        _LSP,
+        _serve,
+        flag("--stdio", "talk over stdin and stdout (usual)"),
+        argument("--tcp [HOST:]PORT", "wait for a connection instead", type=_address),
+    ),
+)
