@@ -103,10 +103,10 @@ def concluded_control(
 def magnification(size: float, zoom: float, window: float, smooth: float) -> float:
     """Return by how much inputs are magnified, of which the larger has this size.
 
-    Abruptly: `zoom` inside the window, else 1. Smoothly: inputs grow by `zoom` until the
+    Abruptly: `zoom` up to the edge of the window (section 6.6: "within [-3 3]"), else 1. Smoothly: inputs grow by `zoom` until the
     larger one comes to the edge of the window and wait there, so that nothing jumps.
     """
-    if size >= window:
+    if size > window:
         return 1.0
     if smooth != 0.0 and size * zoom > window:
         return window / size

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -127,16 +128,12 @@ class Course:
         self.points = sample(trajectory, conventions)
         self.conventions = conventions
         self.as_array = as_array
-        kinds = list(dict.fromkeys(arms))
-        which = np.array([kinds.index(arm) for arm in arms])[self.points.segment]
-        plants = [constants(arm, single=conventions.single) for arm in kinds]
         points = self.points
-        self.inputs = (
+        self._motion = (
             self._flat(np.hstack([points.position, points.velocity, points.acceleration])),
             self._flat(points.iterations, np.int64),
-            self._flat(which, np.int64),
-            self._flat(plants),
         )
+        self.inputs = (*self._motion, *self._plants(arms))
         step = SET_POINT_PERIOD / ITERATIONS
         if conventions.single:
             step = float(np.float32(np.float64(np.float32(SET_POINT_PERIOD)) / ITERATIONS))
@@ -151,6 +148,19 @@ class Course:
             float(options.disturbance),
             options.seed,
         )
+
+    def _plants(self, arms: Schedule) -> tuple[Any, Any]:
+        """Return which arm each set point meets, and the constants of each."""
+        kinds = list(dict.fromkeys(arms))
+        which = np.array([kinds.index(arm) for arm in arms])[self.points.segment]
+        plants = [constants(arm, single=self.conventions.single) for arm in kinds]
+        return self._flat(which, np.int64), self._flat(plants)
+
+    def with_arms(self, arms: Schedule) -> Course:
+        """Return the same trajectory with other arms."""
+        other = copy(self)
+        other.inputs = (*self._motion, *self._plants(arms))
+        return other
 
     def setting(self, seed: int | None = None) -> Any:
         """Return the rest of the setting, for a seed other than that of the options."""
