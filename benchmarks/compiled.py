@@ -35,7 +35,6 @@ from compiled_pictures import draw
 from ratios import Ratio, in_turns, number, quarters, ratio
 
 from fuzzyarm import compiled, infer
-from fuzzyarm.inference.kernel.compiled import machine
 from fuzzyarm.inference.sets import polyline
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.files import write_atomically
@@ -289,22 +288,21 @@ def profile() -> list[tuple[str, float]]:
     spent = {"whole call": [], "kernel": []}  # type: dict[str, list[float]]
     engine = fast._engine
     assert engine is not None
-    kernel, inside = machine(compiled=True), [0.0]
+    kernel, inside = engine._sweep, [0.0]
 
-    def timed(block: Any) -> int:
+    def timed(block: Any) -> None:
         start = time.process_time()
-        missing = kernel(block)
+        kernel(block)
         inside[0] += time.process_time() - start
-        return missing
 
-    engine._kernel = timed
+    engine._sweep = timed
     for _ in range(ROUNDS):
         inside[0] = 0.0
         start = time.process_time()
         fast(e=e, ce=ce)
         spent["whole call"].append((time.process_time() - start) / POINTS)
         spent["kernel"].append(inside[0] / POINTS)
-    engine._kernel = kernel
+    engine._sweep = kernel
     whole, core = (statistics.median(spent[name]) for name in ("whole call", "kernel"))
     return [
         ("kernel: finding cells, sorting, firing, integrating", 1e9 * core),

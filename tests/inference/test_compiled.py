@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer
-from fuzzyarm.inference.kernel.compiled import machine
+from fuzzyarm.kernels import watch_compiling
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -265,4 +265,14 @@ def test_threads_do_not_disturb_each_other(pd7: RuleBase) -> None:
 def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
     compiled(pd7)(e=1.0, ce=1.0)
     compiled(norms_base("min", "max", "max"))(a=0.5, b=0.5, c=0.5)
-    assert len(machine(compiled=True).signatures) == 1  # type: ignore[attr-defined]
+    found: list[str | None] = []
+    watch_compiling(found.append)
+    try:
+        edited = dataclasses.replace(
+            pd7, blocks=(dataclasses.replace(pd7.blocks[0], threshold=0.1),)
+        )
+        compiled(edited)(e=1.0, ce=1.0)
+        compiled(norms_base("min", "max", "max"))(a=0.25, b=0.5, c=0.5)
+    finally:
+        watch_compiling(lambda name: None)
+    assert found == []

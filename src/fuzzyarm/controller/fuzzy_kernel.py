@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from fuzzyarm.controller.sources import SourceError
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.inference.defuzzify.aggregate import places, weights
+from fuzzyarm.inference.defuzzify.aggregate import positions, weights
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, plan
 from fuzzyarm.inference.sets import Piece, profile
 from fuzzyarm.kernels import address_of, kernel
@@ -536,7 +536,7 @@ def _output(target: OutputPlan) -> _Sections:
         parts = [_ends(member) for member in target.members]
         return _Sections(parts, [[len(part) // LINE] for part in parts])
     count, sampling = output.defuzzifier.resolution, output.defuzzifier.sampling
-    x = places(output.low, output.high, count, sampling)
+    x = positions(output.low, output.high, count, sampling)
     w = weights(count, sampling)
     sampled = [[member.membership(each) for each in x] for member in target.members]
     spans = [_span(values) for values in sampled]

@@ -194,6 +194,11 @@ class Formula:
     mentions: tuple[tuple[str, int], ...]
 
     @cached_property
+    def positions(self) -> dict[str, int]:
+        """Where each name stands first in the text."""
+        return dict(reversed(self.mentions))
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """The variables, each once, in order of appearance; constants are among them."""
         return tuple(dict(self.mentions))
@@ -218,7 +223,7 @@ class Formula:
         free = [name for name in self.names if name not in variables]
         for name in free:
             if name not in CONSTANTS:
-                position = dict(reversed(self.mentions))[name]
+                position = self.positions[name]
                 raise FormulaError(f"unknown variable '{name}'", self.text, position)
         return replace(self.root, {name: CONSTANTS[name] for name in free})
 
@@ -317,26 +322,26 @@ class _Parser:
         if not self.take(sign):
             raise self.fault(f"expected '{sign}' {self.found()}")
 
-    def deeper(self, part: Callable[[], Node]) -> Node:
+    def enter(self) -> None:
+        """Count one level; the parser calls itself six deep for each, of the 1000 of Python."""
         self.depth += 1
         if self.depth > MAX_DEPTH:
             raise self.fault(f"nested deeper than {MAX_DEPTH} levels")
-        node = part()
+
+    def sum(self) -> Node:
+        self.enter()
+        node = self.product()
+        while sign := self.take(*_SUM):
+            node = apply(_SUM[sign], node, self.product())
         self.depth -= 1
         return node
 
-    def chain(self, signs: Mapping[str, str], operand: Callable[[], Node]) -> Node:
-        node = operand()
-        while sign := self.take(*signs):
-            node = apply(signs[sign], node, operand())
-        return node
-
-    def sum(self) -> Node:
-        return self.deeper(lambda: self.chain(_SUM, self.product))
-
     def product(self) -> Node:
         signs = _PRODUCT if self.dialect.powers_from_left else _PRODUCT | _REMAINDER
-        return self.chain(signs, self.signed)
+        node = self.signed()
+        while sign := self.take(*signs):
+            node = apply(signs[sign], node, self.signed())
+        return node
 
     def signed(self) -> Node:
         negative = False
@@ -346,12 +351,16 @@ class _Parser:
         return apply("negative", node) if negative else node
 
     def power(self) -> Node:
+        node = self.atom()
         if self.dialect.powers_from_left:
-            return self.chain(_POWER | _REMAINDER, self.atom)
-        base = self.atom()
-        if not self.take(*_POWER):
-            return base
-        return apply("power", base, self.deeper(self.signed))
+            signs = _POWER | _REMAINDER
+            while sign := self.take(*signs):
+                node = apply(signs[sign], node, self.atom())
+        elif self.take(*_POWER):
+            self.enter()
+            node = apply("power", node, self.signed())
+            self.depth -= 1
+        return node
 
     def atom(self) -> Node:
         kind, value, position = self.tokens[self.index]
@@ -479,15 +488,20 @@ class _Writer:
         return self._call(node)
 
     def _operator(self, node: Apply) -> str:
-        binds = _BINDS.get(node.operation, 9)
-        left, right = node.arguments
-        # A chain of the same operators is a loop: it may be thousands long.
-        parts = [f"{_SIGNS[node.operation]} {self._operand(right, binds, at_right=True)}"]
-        while isinstance(left, Apply) and binds < 3 and _BINDS.get(left.operation) == binds:
-            right = left.arguments[1]
-            parts.append(f"{_SIGNS[left.operation]} {self._operand(right, binds, at_right=True)}")
-            left = left.arguments[0]
-        return " ".join([self._operand(left, binds, at_right=False), *reversed(parts)])
+        # Left operands by a loop, from the right end: a chain may be thousands long.
+        text: list[str] = []
+        opened = 0
+        while True:
+            left, right = node.arguments
+            binds = _BINDS.get(node.operation, 9)
+            text.append(f" {_SIGNS[node.operation]} {self._operand(right, binds, at_right=True)}")
+            if not (isinstance(left, Apply) and left.operation in _SIGNS):
+                text.append(self._operand(left, binds, at_right=False))
+                return "(" * opened + "".join(reversed(text))
+            if not _clear(left, binds, at_right=False):
+                text.append(")")
+                opened += 1
+            node = left
 
     def _operand(self, node: Node, above: int, *, at_right: bool) -> str:
         text = self.text(node)
@@ -495,9 +509,7 @@ class _Writer:
             return f"({text})" if text.startswith("-") else text
         if node.operation not in _SIGNS and node.operation != "negative":
             return text
-        own = _BINDS.get(node.operation, 0)
-        clear = own > above or (own == above and not at_right and own < 3)
-        return text if clear else f"({text})"
+        return text if _clear(node, above, at_right=at_right) else f"({text})"
 
     def _call(self, node: Apply) -> str:
         word = self.dialect.words.get(node.operation)
@@ -509,6 +521,12 @@ class _Writer:
             raise FormulaError(message, self.dialect.name)
         inner = ", ".join(map(self.text, arguments))
         return f"{word.upper() if self.upper else word}({inner})"
+
+
+def _clear(node: Apply, above: int, *, at_right: bool) -> bool:
+    """Whether an operand needs no parentheses beside an operator that binds so tightly."""
+    own = _BINDS.get(node.operation, 0)
+    return own > above or (own == above and not at_right and own < 3)
 
 
 def _comparison_of(node: Apply) -> tuple[str | None, tuple[Node, ...]]:

@@ -115,7 +115,7 @@ def row_function(source: str, name: str) -> Callable[..., None]:
     """
     import numpy as np
 
-    space = _namespace() | {word: getattr(np, word) for word in _STEPS}
+    space = _namespace() | {word: getattr(np, word) for word in _STEPS} | {"__name__": __name__}
     file = f"<row {name}>"
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
     exec(compile(source, file, "exec"), space)

@@ -256,10 +256,16 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
     """Kinds of one sort by name, in the order of their registration.
 
     A name that is not built in is looked for among the entry points, once.
+
+    Attributes
+    ----------
+    words : dict of str to str
+        Every word that means a kind now, and the name of that kind: aliases are words too.
     """
 
     def __init__(self, sort: str) -> None:
         self.sort = sort
+        self.words: dict[str, str] = {}
         self._kinds: dict[str, _Kind] = {}
 
     def __getitem__(self, name: str) -> _Kind:
@@ -293,6 +299,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
             message = f"'{kind.name}' is not a word of small letters, digits and hyphens"
             raise KindError(message, kind.name)
         self._kinds[kind.name] = kind
+        self.words |= dict.fromkeys((kind.name, *getattr(kind, "aliases", ())), kind.name)
         return kind
 
     def remove(self, name: str) -> None:
@@ -300,6 +307,7 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]
+        self.words = {word: kind for word, kind in self.words.items() if kind != name}
 
 
 SHAPES: Registry[Shape] = Registry("shape")

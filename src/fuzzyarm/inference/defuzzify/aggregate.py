@@ -15,7 +15,7 @@ from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
 # --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
 
 
-def places(low: float, high: float, count: int, sampling: str) -> list[float]:
+def positions(low: float, high: float, count: int, sampling: str) -> list[float]:
     """Return the sample points over a range.
 
     Parameters
@@ -105,7 +105,7 @@ def sampled_set(
 def sample_places(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:
     """Return where a sampled defuzzifier looks."""
     assert defuzzifier.resolution is not None
-    return places(low, high, defuzzifier.resolution, defuzzifier.sampling)
+    return positions(low, high, defuzzifier.resolution, defuzzifier.sampling)
 
 
 def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.inference.defuzzify.aggregate import places, weights
+from fuzzyarm.inference.defuzzify.aggregate import positions, weights
 from fuzzyarm.inference.defuzzify.quadrature import (
     CLIPPING,
     DEEPEST,
@@ -146,7 +146,7 @@ def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tup
     """
     output, count = plan.output, plan.output.defuzzifier.resolution
     assert count is not None
-    samples = np.array(places(output.low, output.high, count, output.defuzzifier.sampling))
+    samples = np.array(positions(output.low, output.high, count, output.defuzzifier.sampling))
     norm = SNORMS[output.aggregation].array
     total = np.zeros((int(np.prod(strengths.shape)), samples.size))
     for member, strength in strengths.flat():

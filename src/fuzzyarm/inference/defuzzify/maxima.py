@@ -14,7 +14,7 @@ from fuzzyarm.inference.defuzzify.aggregate import (
     Fired,
     aggregate,
     fold_at_point,
-    places,
+    positions,
     sampled_aggregate_at_point,
 )
 from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves_at_point, noise_of, rule
@@ -80,7 +80,7 @@ def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
 def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
     output = plan.output
     value = aggregate(plan, fired)
-    xs = {*places(output.low, output.high, CANDIDATES, "endpoints")}
+    xs = {*positions(output.low, output.high, CANDIDATES, "endpoints")}
     for index, strength in fired:
         member = plan.members[index]
         xs |= {x for piece in member.pieces for x in (piece.x0, piece.x1)}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import math
+import os
 import struct
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -10,14 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.inference.arrays import blocks, infer_arrays, into_range, part_of, working_shape
+from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
 from fuzzyarm.inference.infer import holds_arrays, infer, merged
-from fuzzyarm.inference.kernel.layout import Block, Curved, Layout, NotCovered, lay_out, make_block
-from fuzzyarm.inference.kernel.point import sweep
+from fuzzyarm.inference.kernel.layout import Block, Layout, NotCoveredError, lay_out, make_block
+from fuzzyarm.inference.kernel.sweep import MISSING, evaluate, sweep
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.point import check_names
-from fuzzyarm.inference.sets import degrees, term_function
-from fuzzyarm.kernels import build, jit_wanted
+from fuzzyarm.kernels import address_of, jit_wanted
 from fuzzyarm.model.rulebase import RuleBase
 
 CHUNK = 8192
@@ -30,11 +31,28 @@ LONGEST_CHUNK = 1 << 17
 """… but no longer than this."""
 
 
+MANY = 100_000
+"""Points from which on all processors are used."""
+
+Kernel = Callable[[NDArray[np.float64]], None]
+
+
 @functools.cache
-def machine(*, compiled: bool) -> Callable[..., int]:
-    """Return the kernel as machine code (or as it stands), made once in a process."""
-    kernel = build(sweep, compiled=compiled)
-    return kernel if compiled else np.errstate(divide="ignore", invalid="ignore")(kernel)
+def kernel_of(function: Callable[[Any], None], *, compiled: bool) -> Kernel:
+    """Return a kernel of one block as a function for Python, made once in a process."""
+    if not compiled:
+        return np.errstate(divide="ignore", invalid="ignore", over="ignore")(function)
+    entry = _entry(function)
+    return lambda block: entry(block.ctypes.data, block.size)
+
+
+@functools.cache
+def _entry(function: Callable[[Any], None]) -> Callable[[int, int], None]:
+    """Return machine code as a function of where a block is and how long; it frees the GIL."""
+    from ctypes import CFUNCTYPE, c_int64, c_void_p
+
+    address = address_of(function, 1, compiled=True)
+    return CFUNCTYPE(None, c_void_p, c_int64)(address)
 
 
 class Compiled:
@@ -63,8 +81,8 @@ class Compiled:
         self._one: Callable[..., tuple[float, ...] | None] = lambda *_: None
         self._only = self._outputs[0] if len(self._outputs) == 1 else None
         try:
-            layout = lay_out(plan(rulebase))
-        except NotCovered as error:
+            layout = lay_out(plan(rulebase), compiled=self.kernel == "numba")
+        except NotCoveredError as error:
             self.kernel, self.reason = "numpy", str(error)
         else:
             self._engine = _Engine(rulebase, layout, compiled=self.kernel == "numba")
@@ -161,15 +179,11 @@ class _Engine:
     def __init__(self, rulebase: RuleBase, layout: Layout, *, compiled: bool) -> None:
         self.rulebase = rulebase
         self._layout = layout
-        self._kernel = machine(compiled=compiled)
-        names = [variable.name for variable in rulebase.inputs]
-        self._curved: list[tuple[int, Curved, Callable[[float], float]]] = [
-            (names.index(each.variable), each, term_function(each.shape, each.hedges))
-            for each in layout.curved
-        ]
+        self._compiled = compiled
         wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
-        self._chunk = max(CHUNK, wanted, layout.samples)
-        self._large: list[Block] = []
+        self._chunk = max(CHUNK, wanted)
+        self._sweep = kernel_of(sweep, compiled=compiled)
+        self._free: list[Block] = []
         self.one = self._point_function(make_block(layout, 1))
 
     def _point_function(self, first: Block) -> Callable[..., tuple[float, ...] | None]:
@@ -177,46 +191,35 @@ class _Engine:
 
         Evaluations at the same time, in several threads, take a block each.
         """
-        gap = f"{first.columns.strides[0] - 8}x"
-        start = first.numbers.ctypes.data
-        inputs, outputs = len(first.columns), len(first.results)
-        pack = struct.Struct("=" + f"d{gap}" * inputs).pack_into
-        unpack = struct.Struct("=" + f"d{gap}" * outputs).unpack_from
+        start, size = first.numbers.ctypes.data, first.numbers.size
+        pack = struct.Struct(f"={len(first.columns)}d").pack_into
+        unpack = struct.Struct(f"={len(first.results)}d").unpack_from
         x_at, y_at = first.columns.ctypes.data - start, first.results.ctypes.data - start
-        kernel, template = self._kernel, first.numbers
-        free: list[tuple[NDArray[np.float64], memoryview]] = []
+        template = first.numbers
+        if self._compiled:
+            entry = _entry(evaluate)
+        else:
+            plain = kernel_of(evaluate, compiled=False)
+        free: list[tuple[NDArray[np.float64], memoryview, int]] = []
         take, give = free.pop, free.append
+        compiled, isnan = self._compiled, math.isnan
 
         def one(*values: float) -> tuple[float, ...] | None:
             try:
                 room = take()
             except IndexError:
                 block = template.copy()
-                room = block, memoryview(block).cast("B")  # type: ignore[arg-type]
+                room = block, memoryview(block).cast("B"), block.ctypes.data  # type: ignore[arg-type]
             pack(room[1], x_at, *values)
-            missing = kernel(room[0])
+            if compiled:
+                entry(room[2], size)
+            else:
+                plain(room[0])
             found: tuple[float, ...] = unpack(room[1], y_at)
             give(room)
-            return None if missing else found
+            return None if any(map(isnan, found)) else found
 
-        if not self._curved:
-            return one
-        bounds = [
-            (each.low, each.high) if each.outside == "clamp" else (-np.inf, np.inf)
-            for each in self.rulebase.inputs
-        ]
-
-        def with_curved(*values: float) -> tuple[float, ...] | None:
-            degrees = []
-            for i, _, function in self._curved:
-                low, high = bounds[i]
-                value = min(max(values[i], low), high)
-                if not -np.inf < value < np.inf:
-                    return None
-                degrees.append(function(value))
-            return one(*values, *degrees)
-
-        return with_curved
+        return one
 
     def many(
         self, given: Mapping[str, Any], held: Mapping[str, float] | None
@@ -230,9 +233,19 @@ class _Engine:
         except ValueError:
             return infer_arrays(self.rulebase, given, held)
         working = working_shape(arrays, shape)
-        size = int(np.prod(shape))
+        size = math.prod(shape)
         results = np.empty((len(self.rulebase.outputs), *working))
-        missing = self._fill(arrays, working, results) if size else 0
+        parts = list(blocks(working, self._chunk)) if size else []
+        workers = min(os.cpu_count() or 1, len(parts)) if size >= MANY and self._compiled else 1
+        if workers > 1:
+            from concurrent.futures import ThreadPoolExecutor
+
+            with ThreadPoolExecutor(workers) as pool:
+                missing = sum(
+                    pool.map(lambda part: self._fill(arrays, working, results, part), parts)
+                )
+        else:
+            missing = sum(self._fill(arrays, working, results, part) for part in parts)
         if missing:
             self._complete(arrays, working, results, held)
         names = [output.name for output in self.rulebase.outputs]
@@ -243,27 +256,22 @@ class _Engine:
         arrays: Mapping[str, NDArray[Any]],
         working: tuple[int, ...],
         results: NDArray[np.float64],
+        part: tuple[slice, ...],
     ) -> int:
+        """Evaluate one chunk of points; return how many outputs have no ordinary value."""
         try:
-            block = self._large.pop()
+            block = self._free.pop()
         except IndexError:
             block = make_block(self._layout, self._chunk)
-        missing = 0
-        for part in blocks(working, block.columns.shape[1]):
-            shape = tuple(each.stop - each.start for each in part)
-            count = int(np.prod(shape))
-            block.points[0] = count
-            values = [part_of(array, working, part) for array in arrays.values()]
-            for column, value in zip(block.columns, values, strict=False):
-                column[:count].reshape(shape)[...] = value
-            for column, (i, each, _) in zip(
-                block.columns[len(values) :], self._curved, strict=True
-            ):
-                proper = into_range(self.rulebase.inputs[i], np.asarray(values[i], dtype=float))
-                column[:count].reshape(shape)[...] = degrees(each.shape, proper, each.hedges)
-            missing += self._kernel(block.numbers)
-            results[:, *part] = block.results[:, :count].reshape(-1, *shape)
-        self._large.append(block)
+        shape = tuple(each.stop - each.start for each in part)
+        count = math.prod(shape)
+        block.points[0] = count
+        for column, array in zip(block.columns, arrays.values(), strict=True):
+            column[:count].reshape(shape)[...] = part_of(array, working, part)
+        self._sweep(block.numbers)
+        results[:, *part] = block.results[:, :count].reshape(-1, *shape)
+        missing = int(block.numbers.view(np.int64)[MISSING])
+        self._free.append(block)
         return missing
 
     def _complete(

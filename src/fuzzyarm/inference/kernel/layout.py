@@ -1,202 +1,45 @@
-"""A rule base as the numbers that the kernel reads: cells of the inputs, programs, outputs."""
+"""A rule base as the numbers that the kernel reads: the picture of the block is there.
+
+The writer goes through a plan once: inputs are cut into cells, each combination of cells
+becomes a program with the rules that can fire in it, and every output adds what its
+defuzzifier reads.
+"""
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator, Sequence
-from itertools import accumulate, pairwise, product
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from itertools import accumulate, product
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.inference.defuzzify.aggregate import places, weights
-from fuzzyarm.inference.kernel.point import (
-    CLAMP,
-    CLOSED,
-    CODES,
-    COLUMNS,
-    COUNT,
-    ENDS,
-    ERROR,
-    EXTEND,
-    FLOATS,
-    HEAD,
-    INPUT_HEAD,
-    INPUTS,
-    LAYER,
-    ONES,
-    ORDER,
-    ORDERED,
-    OUTPUT_HEAD,
-    OUTPUTS,
-    POINTS,
-    RESULTS,
-    ROOM,
-    SAMPLED,
-    SIZE,
-    WEIGHTED,
-    WEIGHTED_SUM,
-    WIDTH,
-    WORK_ROWS,
-)
+from fuzzyarm.expression.functions import row_function, row_source
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.expression.nodes import Node, replace, symbol
+from fuzzyarm.inference.defuzzify.aggregate import positions, weights
+from fuzzyarm.inference.kernel import sweep as at
+from fuzzyarm.inference.kernel.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule
-from fuzzyarm.inference.point import is_straight, line_at
-from fuzzyarm.inference.sets import term_function
+from fuzzyarm.inference.point import is_straight
+from fuzzyarm.inference.sets import POSITION, formula_of
+from fuzzyarm.kernels import address_of, kernel
 from fuzzyarm.model.rulebase import And, Hedge, Is, Or, Output, Shape
 from fuzzyarm.model.shapes import polyline
-
-# --- The range of an input cut at the corners of its terms ---
-#
-# Between two corners every straight term is one line, so a cell lists the lines that are
-# not zero there. A corner with a vertical edge gets a cell of its own, as narrow as floats
-# are: the value there belongs to the set. Even buckets lead from a value to its cell.
-
-Line = tuple[float, float, float]
-"""y0, x0 and slope: y = y0 + (x − x0) slope."""
-
-ZERO_LINE: Line = (0.0, 0.0, 0.0)
-IDENTITY: Line = (0.0, 0.0, 1.0)
-
-FINENESS = 8
-"""Most buckets for each cell."""
-
-
-class Cells(NamedTuple):
-    """An input, cut up.
-
-    Attributes
-    ----------
-    edges : tuple of float
-        Ascending; cell i reaches from edge i up to, but not at, edge i + 1. The first and
-        the last are infinite.
-    lines : tuple of dict of int to Line
-        For each cell, the propositions that are not zero there, by their number.
-    first, scale : float
-        ``int((x − first) scale)`` is the bucket of x, brought into 0 … buckets − 1.
-    starts : tuple of int
-        The cell where to begin to look, for each bucket.
-    """
-
-    edges: tuple[float, ...]
-    lines: tuple[dict[int, Line], ...]
-    first: float
-    scale: float
-    starts: tuple[int, ...]
-
-
-def cut_into_cells(
-    propositions: Sequence[tuple[int, Shape, Sequence[Hedge]]], low: float, high: float
-) -> Cells:
-    """Cut an input at the corners of its straight propositions.
-
-    Parameters
-    ----------
-    propositions : sequence of (int, Shape, sequence of Hedge)
-        Number, shape and hedges of each.
-    low, high : float
-        Values that can occur.
-
-    Returns
-    -------
-    Cells
-        All cells that hold values from `low` to `high`.
-    """
-    corners = [polyline(shape) for _, shape, _ in propositions]
-    steps = {a[0] for line in corners for a, b in pairwise(line) if a[0] == b[0]}
-    places = sorted({x for line in corners for x, _ in line})
-    edges = [-math.inf]
-    for x in places:
-        if x in steps:
-            edges += [x, math.nextafter(x, math.inf)]
-        else:
-            edges.append(x)
-    edges = _within(sorted(set(edges[1:])), low, high, steps)
-    lines = []
-    for left, right in pairwise(edges):
-        left, right = max(left, low), min(right, high)  # noqa: PLW2901
-        at_step = left in steps and right in {left, math.nextafter(left, math.inf)}
-        cell: dict[int, Line] = {}
-        for line, (number, shape, hedges) in zip(corners, propositions, strict=True):
-            if at_step:
-                found: Line | None = (term_function(shape, tuple(hedges))(left), 0.0, 0.0)
-            else:
-                found = _line(line, hedges, _between(left, right))
-            if found is not None and found != ZERO_LINE:
-                cell[number] = found
-        lines.append(cell)
-    first, scale, starts = _buckets(edges)
-    return Cells(tuple(edges), tuple(lines), first, scale, starts)
-
-
-def identity_cell(number: int) -> Cells:
-    """Return the one cell of an input whose value is a degree already."""
-    return Cells((-math.inf, math.inf), ({number: IDENTITY},), 0.0, 0.0, (0,))
-
-
-def _within(edges: list[float], low: float, high: float, steps: set[float]) -> list[float]:
-    """Drop the edges that no value passes."""
-    kept = [x for x in edges if low < x < high or (x == high and x in steps)]
-    return [-math.inf, *kept, math.inf]
-
-
-def _between(left: float, right: float) -> float:
-    if math.isinf(left) and math.isinf(right):
-        return 0.0
-    if math.isinf(left):
-        return right - 1.0 - abs(right)
-    return left + 1.0 + abs(left) if math.isinf(right) else 0.5 * (left + right)
-
-
-def _line(corners: list[tuple[float, float]], hedges: Sequence[Hedge], place: float) -> Line | None:
-    found = line_at(corners, hedges, place)
-    return None if found is None else (found[1], found[0], found[2])
-
-
-def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:
-    """Return the even buckets that need the fewest steps from there to the cell."""
-    inner = edges[1:-1]
-    if len(inner) < 2:
-        return 0.0, 0.0, (0,)
-    first, width = inner[0], inner[-1] - inner[0]
-    if not math.isfinite(width / (FINENESS * len(inner))) or not width > 0.0:
-        return 0.0, 0.0, (0,)
-
-    def late(count: int) -> float:
-        """How far edges stand from the left end of their bucket, in widths of the range."""
-        shares = [(x - first) / width * count for x in inner[:-1]]
-        rounded = [share - math.floor(share + 1e-9) for share in shares]
-        return sum(max(share, 0.0) for share in rounded) / count
-
-    count = min(range(len(inner) - 1, FINENESS * len(inner)), key=lambda n: (late(n), n))
-    starts = [0]  # the first bucket holds all that is below, the last all that is above
-    for bucket in range(count + 1):
-        left = first + (bucket + 1e-9) / count * width
-        starts.append(sum(1 for x in inner if x <= left))
-    return first - width / count, count / width, tuple(starts)
-
-
-# --- A rule base as the numbers that the kernel reads ---
 
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000
 """Programs, and rules in all programs together; beyond, inputs are left out of the index."""
 
-Key = tuple[str, str, tuple[Hedge, ...]]
+Proposition = tuple[str, str, tuple[Hedge, ...]]
+"""Variable, term and hedges."""
 
 
-class NotCovered(Exception):  # noqa: N818
+class NotCoveredError(Exception):
     """The kernel does not do this; the message says what."""
-
-
-class Curved(NamedTuple):
-    """A proposition that another one computes: its degree is one more input of the kernel."""
-
-    variable: str
-    shape: Shape
-    hedges: tuple[Hedge, ...]
 
 
 class Layout(NamedTuple):
@@ -209,9 +52,7 @@ class Layout(NamedTuple):
     programs : int
         How many cells of all inputs together there are.
     rows, samples : int
-        How many rows the kernel needs to work in, and how long they have to be at least.
-    curved : tuple of Curved
-        Inputs behind those of the rule base.
+        How many rows the kernel works in, and how long the row of samples has to be.
     """
 
     whole: list[int]
@@ -219,16 +60,6 @@ class Layout(NamedTuple):
     programs: int
     rows: int
     samples: int
-    curved: tuple[Curved, ...]
-
-
-class _Rule(NamedTuple):
-    number: int
-    code: int
-    conjunction: bool
-    parts: tuple[int, ...]
-    weight: float
-    threshold: float
 
 
 class Block(NamedTuple):
@@ -252,64 +83,173 @@ class Block(NamedTuple):
 
 def make_block(layout: Layout, points: int) -> Block:
     """Give the numbers of a rule base room for so many points."""
-    inputs, outputs = layout.whole[INPUTS], layout.whole[OUTPUTS]
-    width = max(points, layout.samples)
+    inputs, outputs = layout.whole[at.INPUTS], layout.whole[at.OUTPUTS]
+    # In the order of memory: each name is where the next part begins.
     lengths = {
-        FLOATS: len(layout.whole),
-        ROOM: len(layout.floats),
-        COLUMNS: layout.rows * width,
-        RESULTS: inputs * width,
-        ORDERED: outputs * width,
-        ORDER: inputs * width,
-        ENDS: 2 * width,
-        SIZE: layout.programs + 2,
+        at.FLOATS: len(layout.whole),
+        at.ROOM: len(layout.floats),
+        at.COLUMNS: layout.rows * points + 2 * layout.samples,
+        at.RESULTS: inputs * points,
+        at.ORDERED: outputs * points,
+        at.ORDER: inputs * points,
+        at.ENDS: 2 * points,
+        at.SIZE: layout.programs + 2,
     }
-    places = dict(zip(lengths, accumulate(lengths.values()), strict=True))
-    numbers = np.zeros(places[SIZE])
+    ends = dict(zip(lengths, accumulate(lengths.values()), strict=True))
+    numbers = np.zeros(ends[at.SIZE])
     whole = numbers.view(np.int64)
     whole[: len(layout.whole)] = layout.whole
-    whole[POINTS], whole[WIDTH] = points, width
-    for name, place in places.items():
-        whole[name] = place
-    numbers[places[FLOATS] : places[ROOM]] = layout.floats
-    ones = places[ROOM] + ONES * width
-    numbers[ones : ones + width] = 1.0
-    columns = numbers[places[COLUMNS] : places[RESULTS]].reshape(inputs, width)
-    results = numbers[places[RESULTS] : places[ORDERED]].reshape(outputs, width)
-    return Block(numbers, columns, results, whole[POINTS : POINTS + 1])
+    whole[at.POINTS], whole[at.WIDTH] = points, points
+    for name, end in ends.items():
+        whole[name] = end
+    numbers[ends[at.FLOATS] : ends[at.ROOM]] = layout.floats
+    ones = ends[at.ROOM] + at.ONES * points
+    numbers[ones : ones + points] = 1.0
+    columns = numbers[ends[at.COLUMNS] : ends[at.RESULTS]].reshape(inputs, points)
+    results = numbers[ends[at.RESULTS] : ends[at.ORDERED]].reshape(outputs, points)
+    return Block(numbers, columns, results, whole[at.POINTS : at.POINTS + 1])
 
 
-def lay_out(plan: Plan) -> Layout:
+# ── row functions ────────────────────────────────────────────────────────────────────
+
+_OWN_NORMS = {
+    ("T", "min"): at.MIN, ("T", "product"): at.PRODUCT, ("S", "max"): at.MAX, ("S", "sum"): at.SUM,
+}  # fmt: skip
+
+_functions: dict[tuple[Node, tuple[str, ...], tuple[str, ...]], Callable[..., None]] = {}
+"""Row functions by what they compute; of a definition there is one, and one address."""
+
+
+def _row_function(
+    root: Node, rows: tuple[str, ...], numbers: tuple[str, ...], name: str
+) -> Callable[..., None]:
+    key = (root, rows, numbers)
+    if key not in _functions:
+        word = f"{name.replace('-', '_')}_row"
+        _functions[key] = row_function(row_source(root, rows, numbers, word), word)
+    return _functions[key]
+
+
+def norm_address(norm: Norm, sort: str, *, compiled: bool) -> int:
+    """Return what a program calls a norm: a number of the kernel's own, or an address."""
+    own = _OWN_NORMS.get((sort, norm.name))
+    if own is not None:
+        return own
+    function = _row_function(norm.expression, norm.symbols, (), norm.name)
+    return address_of(function, 4, compiled=compiled)
+
+
+class Curve(NamedTuple):
+    """A term whose degrees a row function computes, with its numbers."""
+
+    address: int
+    numbers: tuple[float, ...]
+
+
+def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curve:
+    """Return the row function of a term under hedges.
+
+    Terms that differ in their numbers only share it: shape, height and hedges become one
+    expression of `x` and their numbers.
+    """
+    if shape.kind == "points":
+        corners = [number for corner in polyline(shape) for number in corner]
+        return Curve(address_of(_polyline_row, 3, compiled=compiled), tuple(corners))
+    names: list[str] = []
+    numbers: list[float] = []
+
+    def number(value: float) -> Node:
+        names.append(f"n{len(names)}")
+        numbers.append(value)
+        return symbol(names[-1])
+
+    if shape.kind == "formula":
+        root = formula_of(shape).with_constants((POSITION,))
+        root = replace(root, {POSITION: symbol("x")})
+    else:
+        kind = SHAPES[shape.kind]
+        own = [number(value) for value in shape.parameters]
+        root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
+    root = number(shape.height) * root if shape.height != 1.0 else root
+    for hedge in reversed(hedges):
+        modifier = HEDGES[hedge.name]
+        own = [] if hedge.exponent is None else [number(hedge.exponent)]
+        root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
+    function = _row_function(root, ("x",), tuple(names), shape.kind)
+    return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
+
+
+@kernel
+def _polyline_row(x: Any, corners: Any, into: Any) -> None:
+    """Heights of a line through corners (x, y, x, y …); the greatest on a vertical edge."""
+    count = corners.shape[0] // 2
+    for point in range(into.shape[0]):
+        after = 0  # the first corner behind x
+        while after < count and corners[2 * after] <= x[point]:
+            after += 1
+        if after > 0 and corners[2 * after - 2] == x[point]:
+            height = corners[2 * after - 1]
+            same = after - 1
+            while same > 0 and corners[2 * same - 2] == x[point]:
+                same -= 1
+                height = max(height, corners[2 * same + 1])
+            into[point] = height
+        elif after == 0:
+            into[point] = corners[1]
+        elif after == count:
+            into[point] = corners[2 * count - 1]
+        else:
+            x_0, y_0 = corners[2 * after - 2], corners[2 * after - 1]
+            x_1, y_1 = corners[2 * after], corners[2 * after + 1]
+            into[point] = y_0 + (y_1 - y_0) * (x[point] - x_0) / (x_1 - x_0)
+
+
+# ── the writer ───────────────────────────────────────────────────────────────────────
+
+
+class _Rule(NamedTuple):
+    number: int
+    norm: int
+    conjunction: bool
+    parts: tuple[int, ...]
+    weight: float
+    threshold: float
+
+
+def lay_out(plan: Plan, *, compiled: bool) -> Layout:
     """Write a plan as numbers.
 
     Parameters
     ----------
     plan : Plan
         Of any rule base.
+    compiled : bool
+        Whether the kernel will run as machine code: row functions have other addresses then.
 
     Returns
     -------
     Layout
-        For :func:`fuzzyarm.inference.kernel.point.sweep`.
+        For :func:`fuzzyarm.inference.kernel.sweep.sweep`.
 
     Raises
     ------
-    NotCovered
+    NotCoveredError
         If the kernel cannot evaluate it.
     """
-    return _Writer(plan).layout()
+    return _Writer(plan, compiled=compiled).layout()
 
 
 class _Writer:
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, *, compiled: bool) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
-            raise NotCovered("there is nothing to evaluate")
+            raise NotCoveredError("there is nothing to evaluate")
         self.plan = plan
-        self.numbers: dict[Key, int] = {}
+        self.compiled = compiled
+        self.numbers: dict[Proposition, int] = {}
         self.rules = [self._rule(i, planned) for i, planned in enumerate(plan.rules)]
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
-                raise NotCovered(f"'{name}' is used by later rules")
+                raise NotCoveredError(f"'{name}' is used by later rules")
             _check_output(output)
         self._cut_inputs()
         self.whole: list[int] = []
@@ -318,60 +258,60 @@ class _Writer:
     def _rule(self, index: int, planned: PlannedRule) -> _Rule:
         antecedent = planned.rule.antecedent
         parts: tuple[Is, ...]
-        conjunction, code = True, CODES[f"and {planned.conjunction}"]
+        conjunction, norm = True, at.MIN
         if isinstance(antecedent, Is):
-            parts, code = (antecedent,), CODES["and min"]
+            parts = (antecedent,)
         elif isinstance(antecedent, And | Or):
             parts = tuple(part for part in antecedent.operands if isinstance(part, Is))
             if len(parts) < len(antecedent.operands):
-                raise NotCovered("a rule has parentheses")
-            if isinstance(antecedent, Or):
-                conjunction, code = False, CODES[f"or {planned.disjunction}"]
+                raise NotCoveredError("a rule has parentheses")
+            conjunction = isinstance(antecedent, And)
+            sort, norms = ("T", TNORMS) if conjunction else ("S", SNORMS)
+            record = norms[planned.conjunction if conjunction else planned.disjunction]
+            norm = norm_address(record, sort, compiled=self.compiled)
         else:
-            raise NotCovered("a rule has a hedge on parentheses")
+            raise NotCoveredError("a rule has a hedge on parentheses")
         keys = [(part.variable, part.term, part.hedges) for part in parts]
         found = tuple(self.numbers.setdefault(key, len(self.numbers)) for key in keys)
-        weight, threshold = planned.rule.weight, planned.threshold
-        return _Rule(index, code, conjunction, found, weight, threshold)
+        return _Rule(index, norm, conjunction, found, planned.rule.weight, planned.threshold)
 
     # ── inputs ───────────────────────────────────────────────────────────────────────
 
     def _cut_inputs(self) -> None:
         """Cut the inputs into cells; not all of them where that would make too many programs."""
-        given: set[str] = set()
+        uncut: set[str] = set()
         while True:
-            self.cells, self.curved = self._cut(given)
+            self._cut(uncut)
             self.known = [{n for lines in cells.lines for n in lines} for cells in self.cells]
             programs = math.prod(len(cells.lines) for cells in self.cells)
             if programs <= MOST_PROGRAMS and self._entries() <= MOST_ENTRIES:
                 return
             inputs = self.plan.rulebase.inputs
-            sizes = {v.name: len(cells.lines) for v, cells in zip(inputs, self.cells, strict=False)}
+            sizes = {v.name: len(cells.lines) for v, cells in zip(inputs, self.cells, strict=True)}
             largest = max(sizes, key=lambda name: sizes[name])
             if sizes[largest] == 1:
                 return
-            given.add(largest)
+            uncut.add(largest)
 
-    def _cut(self, given: set[str]) -> tuple[list[Cells], tuple[Curved, ...]]:
-        """Cut the inputs; all degrees of those in `given` are found elsewhere."""
-        cells: list[Cells] = []
-        curved: list[Curved] = []
-        bent: list[int] = []
+    def _cut(self, uncut: set[str]) -> None:
+        """Cut the inputs; all degrees of those in `uncut` are found by row functions."""
+        self.cells: list[Cells] = []
+        self.curves: list[list[tuple[int, Curve]]] = []
         for variable in self.plan.rulebase.inputs:
             straight = []
+            curves = []
             for (name, term, hedges), number in self.numbers.items():
                 if name != variable.name:
                     continue
                 shape = variable.term(term).shape
-                if name not in given and is_straight(shape, hedges):
+                if name not in uncut and is_straight(shape, hedges):
                     straight.append((number, shape, hedges))
                 else:
-                    curved.append(Curved(name, shape, hedges))
-                    bent.append(number)
+                    curves.append((number, curve_of(shape, hedges, compiled=self.compiled)))
             bounded = variable.outside != "extend"
             low, high = (variable.low, variable.high) if bounded else (-math.inf, math.inf)
-            cells.append(cut_into_cells(straight, low, high))
-        return cells + [identity_cell(number) for number in bent], tuple(curved)
+            self.cells.append(cut_into_cells(straight, low, high))
+            self.curves.append(curves)
 
     def _entries(self) -> int:
         return sum(math.prod(len(each) for each in self._alive(rule)) for rule in self.rules)
@@ -393,27 +333,28 @@ class _Writer:
 
     def layout(self) -> Layout:
         inputs, outputs = len(self.cells), list(self.plan.outputs.values())
-        self.whole = [0] * (HEAD + INPUT_HEAD * inputs)
-        self.floats = [0.0] * (4 * inputs)
-        slot, stride = ONES + 2, 1
-        self.slots: list[tuple[int, list[dict[int, int]]]] = []
+        self.whole = [0] * (at.HEAD + at.INPUT_HEAD * inputs)
+        self.floats = [0.0] * (at.RANGE * inputs)
+        row, stride = at.ONES + 2, 1
+        self.rows: list[list[dict[int, int]]] = []
         self.lines: list[list[tuple[int, int]]] = []
         strides = []
         for i, cells in enumerate(self.cells):
-            self._input(i, cells, slot, stride)
+            self._write_input(i, cells, row, stride)
             strides.append(stride)
-            slot += max(len(places) for places in self.slots[i][1])
+            row += max(map(len, cells.lines)) + len(self.curves[i])
             stride *= len(cells.lines)
         self.operands = max([len(rule.parts) for rule in self.rules], default=1)
-        self.one, self.zero = ONES, ONES + 1
+        self.one, self.zero = at.ONES, at.ONES + 1
         heads = len(self.whole)
-        self.whole += [0] * (OUTPUT_HEAD * len(outputs))
+        self.whole += [0] * (at.OUTPUT_HEAD * len(outputs))
         self.rule_floats = []
         for rule in self.rules:
             self.rule_floats.append(len(self.floats))
             self.floats += [rule.weight, rule.threshold]
         writers = [
-            _OutputWriter(self, output, heads + OUTPUT_HEAD * o) for o, output in enumerate(outputs)
+            _OutputWriter(self, output, heads + at.OUTPUT_HEAD * o)
+            for o, output in enumerate(outputs)
         ]
         programs = len(self.whole)
         self.whole += [0] * stride
@@ -427,38 +368,44 @@ class _Writer:
                 self.whole += lines[c]
             for writer in writers:
                 writer.write(active, cells_here)
-        work = slot + max([writer.heights for writer in writers], default=0)
-        self.whole[: POINTS] = [
-            inputs, len(outputs), self.operands, slot, work, programs, heads, stride,
-        ]  # fmt: skip
+        work = row + max([writer.heights for writer in writers], default=0)
         samples = max([writer.samples for writer in writers], default=0)
-        rows = work + WORK_ROWS + (1 if samples else 0)
-        return Layout(self.whole, self.floats, stride, rows, samples, self.curved)
+        self.whole[: at.POINTS] = [
+            inputs, len(outputs), self.operands, row, work, programs, heads, stride, samples,
+        ]  # fmt: skip
+        self.whole[at.RUN] = address_of(at.run, 1, compiled=self.compiled)
+        return Layout(self.whole, self.floats, stride, work + at.WORK_ROWS, samples)
 
-    def _input(self, i: int, cells: Cells, slot: int, stride: int) -> None:
-        variables = self.plan.rulebase.inputs
+    def _write_input(self, i: int, cells: Cells, row: int, stride: int) -> None:
+        variable = self.plan.rulebase.inputs[i]
         low, high, clamped = -sys.float_info.max, sys.float_info.max, False
-        if i < len(variables) and variables[i].outside != "extend":
-            low, high = variables[i].low, variables[i].high
-            clamped = variables[i].outside == "clamp"
-        self.floats[4 * i : 4 * i + 4] = [low, high, cells.first, cells.scale]
+        if variable.outside != "extend":
+            low, high = variable.low, variable.high
+            clamped = variable.outside == "clamp"
+        self.floats[at.RANGE * i : at.RANGE * (i + 1)] = [low, high, cells.first, cells.scale]
         starts = len(self.whole)
         self.whole += cells.starts
         edges = len(self.floats)
         self.floats += cells.edges
         listed = [sorted(lines) for lines in cells.lines]
+        most = max(map(len, listed))
         here: list[tuple[int, int]] = []
         for found, lines in zip(listed, cells.lines, strict=True):
             here.append((len(self.floats), len(found)))
             for part in found:
                 self.floats += lines[part]
-        self.slots.append(
-            (slot, [{part: slot + j for j, part in enumerate(found)} for found in listed])
-        )
         self.lines.append(here)
-        head = HEAD + INPUT_HEAD * i
-        self.whole[head : head + INPUT_HEAD] = [
-            int(clamped), len(cells.starts), starts, edges, stride, slot, len(listed),
+        curves = len(self.whole)
+        for _, curve in self.curves[i]:
+            self.whole += [curve.address, len(self.floats), len(curve.numbers)]
+            self.floats += curve.numbers
+        always = {part: row + most + j for j, (part, _) in enumerate(self.curves[i])}
+        self.rows.append(
+            [{part: row + j for j, part in enumerate(found)} | always for found in listed]
+        )
+        head = at.HEAD + at.INPUT_HEAD * i
+        self.whole[head : head + at.INPUT_HEAD] = [
+            int(clamped), len(cells.starts), starts, edges, stride, row, most, len(always), curves,
         ]  # fmt: skip
 
     def _active(self, strides: Sequence[int], programs: int) -> list[list[_Rule]]:
@@ -471,13 +418,13 @@ class _Writer:
 
     def record(self, rule: _Rule, cells: Sequence[int]) -> list[int]:
         """Return [norm, weight, operands …] of a rule in a cell."""
-        places: dict[int, int] = {}
-        for c, (_, listed) in zip(cells, self.slots, strict=True):
-            places.update(listed[c])
-        operands = [places.get(part, self.zero) for part in rule.parts]
+        rows: dict[int, int] = {}
+        for c, listed in zip(cells, self.rows, strict=True):
+            rows.update(listed[c])
+        operands = [rows.get(part, self.zero) for part in rule.parts]
         neutral = self.one if rule.conjunction else self.zero
         operands += [neutral] * (self.operands - len(operands))
-        return [rule.code, self.rule_floats[rule.number], *operands]
+        return [rule.norm, self.rule_floats[rule.number], *operands]
 
 
 class _OutputWriter:
@@ -487,29 +434,35 @@ class _OutputWriter:
         self.base, self.plan = base, plan
         self.heights = self.samples = 0
         output, whole = plan.output, base.whole
-        self.kind = _kind(plan)
-        mode = {"clamp": CLAMP, "extend": EXTEND, "error": ERROR}[output.outside]
+        self.defuzzifier = _defuzzifier(plan)
+        mode = {"clamp": at.CLAMP, "extend": at.EXTEND, "error": at.ERROR}[output.outside]
         floats = len(base.floats)
         silent = math.nan if isinstance(output.no_rule, str) else float(output.no_rule)
         base.floats += [output.low, output.high, silent, 0.0]
-        whole[head : head + OUTPUT_HEAD] = [
-            self.kind, floats, CODES[f"or {output.aggregation}"], mode, 0,
-        ]  # fmt: skip
         self.members: dict[int, list[int]] = {}
         for member, rule in plan.contributions:
             self.members.setdefault(rule, []).append(member)
-        self.info = [0] * len(plan.members)
-        self.layers: dict[int, tuple[int, int]] = {}
-        if self.kind == CLOSED:
+        self.consequents = [0] * len(plan.members)
+        detail = 0
+        if self.defuzzifier is at.closed_centroid:
             self._write_layers(floats)
-        elif self.kind == SAMPLED:
-            whole[head + COUNT] = self._write_samples()
+        elif self.defuzzifier is at.sampled_centroid:
+            detail = self._write_samples()
         else:
-            whole[head + COUNT] = self._write_values()
+            detail = self._write_values()
+        is_mean = output.defuzzifier.method != "weighted-sum"
+        fold = norm_address(SNORMS[output.aggregation], "S", compiled=base.compiled)
+        address = address_of(self.defuzzifier, 1, compiled=base.compiled)
+        whole[head : head + at.OUTPUT_HEAD] = [
+            address, floats, fold, mode, detail, int(is_mean),
+        ]  # fmt: skip
 
     def _write_layers(self, floats: int) -> None:
         form = self.plan.closed
-        assert form is not None
+        if form is None:  # an output that no rule concludes
+            self.own: list[tuple[int, int]] = []
+            self.overlaps: list[tuple[int, tuple[int, ...], tuple[int, int]]] = []
+            return
         self.base.floats[floats + 3] = form.centre
         self.own = [self._put(layers, 1.0) for layers in form.own]
         self.overlaps = [
@@ -518,25 +471,26 @@ class _OutputWriter:
         ]
 
     def _put(self, layers: Layers, sign: float) -> tuple[int, int]:
-        place = len(self.base.floats)
+        begin = len(self.base.floats)
         for start, depth, *rest in layers:
             self.base.floats += [start, depth, *(sign * number for number in rest)]
-        return len(layers), place
+        return len(layers), begin
 
     def _write_samples(self) -> int:
         output, floats = self.plan.output, self.base.floats
         count = output.defuzzifier.resolution
         assert count is not None
-        where = places(output.low, output.high, count, output.defuzzifier.sampling)
+        where = positions(output.low, output.high, count, output.defuzzifier.sampling)
         floats += where
         floats += weights(count, output.defuzzifier.sampling)
         self.samples = count
         for i, member in enumerate(self.plan.members):
             degrees = sampled_degrees(member, where)
-            held = [j for j, degree in enumerate(degrees) if degree > 0.0]
-            begin, end = (held[0], held[-1] + 1) if held else (0, 0)
-            self.info[i] = len(self.base.whole)
-            self.base.whole += [begin, end, len(floats), CODES[f"and {member.implication}"]]
+            inside = [j for j, degree in enumerate(degrees) if degree > 0.0]
+            begin, end = (inside[0], inside[-1] + 1) if inside else (0, 0)
+            self.consequents[i] = len(self.base.whole)
+            cut = norm_address(TNORMS[member.implication], "T", compiled=self.base.compiled)
+            self.base.whole += [begin, end, len(floats), cut]
             floats += degrees[begin:end]
         return count
 
@@ -544,12 +498,12 @@ class _OutputWriter:
         linear = any(member.value is None for member in self.plan.members)
         count = len(self.base.plan.rulebase.inputs) if linear else 0
         for i, member in enumerate(self.plan.members):
-            self.info[i] = len(self.base.floats)
+            self.consequents[i] = len(self.base.floats)
             if member.value is not None:
                 self.base.floats += [member.value, *[0.0] * count]
             else:
-                *coefficients, constant = member.term.shape.parameters
-                self.base.floats += [constant, *coefficients]
+                *coefficients, constant_term = member.term.shape.parameters
+                self.base.floats += [constant_term, *coefficients]
         return count
 
     def write(self, active: Sequence[_Rule], cells: Sequence[int]) -> None:
@@ -559,16 +513,15 @@ class _OutputWriter:
         whole.append(len(groups))
         self.heights = max(self.heights, len(groups))
         for member, rules in groups:
-            whole += [len(rules), self.info[member]]
+            whole += [len(rules), self.consequents[member]]
             for rule in rules:
                 whole += self.base.record(rule, cells)
-        if self.kind == CLOSED:
+        if self.defuzzifier is at.closed_centroid:
             self._write_terms([member for member, _ in groups])
 
     def _groups(self, active: Sequence[_Rule]) -> Iterator[tuple[int, list[_Rule]]]:
         entries = [(m, rule) for rule in active for m in self.members.get(rule.number, ())]
-        aggregation = self.plan.output.aggregation
-        if aggregation == "max" or self.kind in {WEIGHTED, WEIGHTED_SUM}:
+        if self.plan.output.aggregation == "max" or self.defuzzifier is at.weighted:
             grouped: dict[int, list[_Rule]] = {}
             for member, rule in entries:
                 grouped.setdefault(member, []).append(rule)
@@ -581,21 +534,21 @@ class _OutputWriter:
         terms = [(g, g, self.own[member]) for g, member in enumerate(members)]
         unions: list[list[int]] = []
         if self.plan.output.aggregation == "max":
-            place = {member: g for g, member in enumerate(members)}
+            group_of = {member: g for g, member in enumerate(members)}
             for member, others, layers in self.overlaps:
-                above = [place[other] for other in others if other in place]
-                if member not in place or not above:
+                above = [group_of[other] for other in others if other in group_of]
+                if member not in group_of or not above:
                     continue
                 if len(above) > 1 and above not in unions:
                     unions.append(above)
                 top = above[0] if len(above) == 1 else len(members) + unions.index(above)
-                terms.append((place[member], top, layers))
+                terms.append((group_of[member], top, layers))
         whole = self.base.whole
         whole.append(len(unions))
         for union in unions:
             whole += [len(union), *union]
         entries = [
-            (own, other, floats + LAYER * i)
+            (own, other, floats + at.LAYER * i)
             for own, other, (count, floats) in terms
             for i in range(count)
         ]
@@ -612,11 +565,11 @@ def sampled_degrees(member: Member, where: Sequence[float]) -> list[float]:
     return [float(degree) for degree in member_at(member, np.array(where))]
 
 
-def _kind(plan: OutputPlan) -> int:
+def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
     if plan.discrete:
-        method = plan.output.defuzzifier.method
-        return WEIGHTED_SUM if method == "weighted-sum" else WEIGHTED
-    return SAMPLED if plan.output.defuzzifier.resolution is not None else CLOSED
+        return at.weighted
+    exact = plan.output.defuzzifier.resolution is None
+    return at.closed_centroid if exact else at.sampled_centroid
 
 
 def _check_output(plan: OutputPlan) -> None:
@@ -625,9 +578,9 @@ def _check_output(plan: OutputPlan) -> None:
     if plan.discrete and method in {"centroid", "weighted-average", "weighted-sum"}:
         formulas = [member.term.name for member in plan.members if member.formula is not None]
         if formulas:
-            raise NotCovered(f"'{output.name} is {formulas[0]}' is a formula")
+            raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
         return
     if method != "centroid" or plan.discrete:
-        raise NotCovered(f"the {method} of '{output.name}'")
+        raise NotCoveredError(f"the {method} of '{output.name}'")
     if output.defuzzifier.resolution is None and plan.closed is None and plan.members:
-        raise NotCovered(f"the exact centroid of '{output.name}' has no closed form")
+        raise NotCoveredError(f"the exact centroid of '{output.name}' has no closed form")

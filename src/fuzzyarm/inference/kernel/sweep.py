@@ -1,0 +1,506 @@
+"""The kernel: a rule base as numbers, evaluated at one point or at many.
+
+Everything stands in one array of floats, the **block**, so that one array is all there is
+to hand over; parts of it are read as whole numbers. In the order of memory:
+
+====================  =======================================================================
+whole numbers ``k``   head (below), inputs, outputs, programs; row functions by address
+floats ``f``          ranges, edges of cells, lines, weights, layers, samples, consequents
+rows ``room``         to work in, each as long as there are points: ones, zeros, degrees,
+                      heights of sets, strength, total, moment; behind them one row of samples
+columns               the inputs, one row each
+results               the outputs, one row each
+ordered               the inputs once more, points of one program together
+order                 for each point its program, and where it came from
+ends                  where the points of each program end
+====================  =======================================================================
+
+:mod:`fuzzyarm.inference.kernel.layout` writes it. Every input finds its cell between the
+corners of its terms; the cells together name a **program**, which lists the rules that can
+fire there and what to integrate. So nothing is searched, and the cost grows with the rules
+that fire, not with the rules. Points are sorted by their program; what a program does it
+does to all of its points in a row, which the processor takes several at a time.
+
+A program is a stretch of whole numbers::
+
+    for each input:   where its lines begin in f, and how many there are
+    for each output:  number of sets that may fire (groups)
+                      for each group: rules, where its consequent begins
+                          for each rule: norm, where its weight and threshold are, operands
+                      then what its defuzzifier reads
+
+What a program does with a row beside min, max, product and sum (other norms, curved terms,
+the defuzzifiers) it calls by address: it is compiled when a rule base needs it first.
+
+Where there is no ordinary value (not a number, outside a range that forbids it, no rule
+fires and nothing is stated) the output is NaN; the caller asks another engine then.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.kernels import call, kernel
+
+# Head of the whole numbers: counts; first rows; where programs and outputs begin;
+INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
+# points and length of a row; where the parts of the block begin, and its end;
+POINTS, WIDTH, FLOATS, ROOM, COLUMNS, RESULTS, ORDERED, ORDER, ENDS, SIZE = range(9, 19)
+# address of `run`, and what it and the defuzzifiers are called with: where in the block the
+# inputs stand, where the program is, first point and number of points (in `order`), how many
+# outputs were NaN; where the groups of an output are, where its program goes on, its head.
+RUN, INPUT_ROWS, PROGRAM, FIRST, COUNT, MISSING, GROUPS, NEXT, OUTPUT = range(19, 28)
+HEAD = 28
+
+# For each input, from HEAD on: whether it is clamped; buckets that lead to its cells; its
+# first row of degrees and the most lines of a cell; its curved terms: how many, and where
+# (for each an address, where its numbers are, and how many).
+CLAMPED, BUCKETS, STARTS_AT, EDGES_AT, STRIDE, SLOT, MOST_LINES, CURVES, CURVES_AT = range(9)
+INPUT_HEAD = 9
+CURVE = 3
+
+# For each output, from OUTPUTS_AT on: its defuzzifier by address, its floats, how strengths
+# and sets are folded, what happens outside its range, a number for the defuzzifier, and
+# whether its value is a mean.
+DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN = range(6)
+OUTPUT_HEAD = 6
+CLAMP, EXTEND, ERROR = range(3)
+
+RANGE = 4
+"""Floats of an input: low, high, first bucket, buckets per unit."""
+
+OUTPUT_RANGE = 4
+"""Floats of an output: low, high, value where no rule fires, centre of the moments."""
+
+LINE = 3
+"""Floats of a straight line: y0, x0, slope."""
+
+LAYER = 7
+"""Floats of a layer of the closed form."""
+
+GROUP_HEAD = 2
+"""Whole numbers in front of the rules of a group: how many, where its consequent begins."""
+
+RULE_HEAD = 2
+"""Whole numbers in front of the operands of a rule: norm, where its weight is."""
+
+MIN, PRODUCT, MAX, SUM = range(4)
+"""Norms that the kernel does by itself; any other number is the address of one."""
+
+ONES = 0
+"""Row of ones; behind it one of zeros."""
+
+STRENGTH, TOTAL, MOMENT = range(3)
+"""Rows from WORK on: strength of a rule, area (or weight), moment about the centre."""
+
+WORK_ROWS = 3
+
+FAILED = -1
+"""The program of a point whose inputs are not numbers, or out of range."""
+
+
+# ── points ───────────────────────────────────────────────────────────────────────────
+
+
+@kernel
+def evaluate(block: Any) -> None:
+    """Evaluate the one point in a block; ``k[MISSING]`` outputs are NaN then."""
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    programs = k[k[ORDER] : k[ORDER] + 1]
+    programs[0] = 0
+    for i in range(k[INPUTS]):
+        begin = k[COLUMNS] + i * k[WIDTH]
+        locate(k, f, i, block[begin : begin + 1], programs)
+    if programs[0] < 0:
+        for o in range(k[OUTPUTS]):
+            block[k[RESULTS] + o * k[WIDTH]] = math.nan
+        k[MISSING] = k[OUTPUTS]
+        return
+    k[k[ORDER] + k[WIDTH]] = 0
+    k[INPUT_ROWS] = k[COLUMNS]
+    k[PROGRAM] = k[k[PROGRAMS_AT] + programs[0]]
+    k[FIRST], k[COUNT], k[MISSING] = 0, 1, 0
+    call(k[RUN], block)
+
+
+@kernel
+def sweep(block: Any) -> None:
+    """Evaluate the points in a block; ``k[MISSING]`` outputs are NaN then.
+
+    Parameters
+    ----------
+    block : ndarray of float64
+        With inputs in its columns (brought into their ranges here); its results are filled.
+    """
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    points = k[POINTS]
+    width = k[WIDTH]
+    programs = k[k[ORDER] : k[ORDER] + points]
+    origin = k[k[ORDER] + width : k[ORDER] + width + points]
+    ends = k[k[ENDS] : k[ENDS] + k[PROGRAMS] + 2]
+    for point in range(points):
+        programs[point] = 0
+    for i in range(k[INPUTS]):
+        begin = k[COLUMNS] + i * width
+        locate(k, f, i, block[begin : begin + points], programs)
+    sort(block, k, programs, origin, ends)
+    k[MISSING] = ends[0] * k[OUTPUTS]
+    for point in range(ends[0]):  # these have no program
+        for o in range(k[OUTPUTS]):
+            block[k[RESULTS] + o * width + origin[point]] = math.nan
+    begin = ends[0]
+    for program in range(k[PROGRAMS]):
+        end = ends[program + 1]
+        if end > begin:
+            k[INPUT_ROWS] = k[ORDERED] + begin
+            k[PROGRAM] = k[k[PROGRAMS_AT] + program]
+            k[FIRST], k[COUNT] = begin, end - begin
+            call(k[RUN], block)
+            begin = end
+
+
+@kernel
+def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
+    """Bring points of one program together; those without a program go to the front.
+
+    A counting sort. Afterwards the points of program p stand in front of ``ends[p + 1]``,
+    behind those of the program before.
+    """
+    width = k[WIDTH]
+    for program in range(ends.shape[0]):
+        ends[program] = 0
+    for point in range(programs.shape[0]):  # a point without a program has -1: slot 1
+        ends[programs[point] + 2] += 1
+    for program in range(1, ends.shape[0]):
+        ends[program] += ends[program - 1]
+    # Now slot p + 1 says where program p begins; filling it moves it to where it ends.
+    for point in range(programs.shape[0]):
+        index = ends[programs[point] + 1]
+        ends[programs[point] + 1] = index + 1
+        origin[index] = point
+    for i in range(k[INPUTS]):
+        begin = k[COLUMNS] + i * width
+        column = block[begin : begin + programs.shape[0]]
+        begin = k[ORDERED] + i * width
+        ordered = block[begin : begin + programs.shape[0]]
+        for point in range(programs.shape[0]):
+            ordered[point] = column[origin[point]]
+
+
+@kernel
+def locate(k: Any, f: Any, i: int, x: Any, programs: Any) -> None:
+    """Bring an input into its range; add its share to the numbers of the programs."""
+    head = HEAD + INPUT_HEAD * i
+    clamped = k[head + CLAMPED] != 0
+    at = RANGE * i
+    low, high, first, scale = f[at], f[at + 1], f[at + 2], f[at + 3]
+    last = k[head + BUCKETS] - 1.0
+    starts = k[head + STARTS_AT]
+    edges = k[head + EDGES_AT]
+    stride = k[head + STRIDE]
+    for point in range(programs.shape[0]):
+        value = x[point]
+        if clamped:
+            value = min(max(value, low), high)
+            x[point] = value
+        if not low <= value <= high:
+            programs[point] = FAILED
+        elif programs[point] >= 0:
+            # Even buckets lead near the cell; the rest of the way is a step or none.
+            bucket = int(min(max((value - first) * scale, 0.0), last))
+            cell = k[starts + bucket]
+            while value < f[edges + cell]:
+                cell -= 1
+            while value >= f[edges + cell + 1]:
+                cell += 1
+            programs[point] += cell * stride
+
+
+# ── programs ─────────────────────────────────────────────────────────────────────────
+
+
+@kernel
+def run(block: Any) -> None:
+    """Run the program at ``k[PROGRAM]`` for the points from ``k[FIRST]`` on that share it."""
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    room = block[k[ROOM] : k[COLUMNS]]
+    count = k[COUNT]
+    width = k[WIDTH]
+    at = k[PROGRAM]
+    for i in range(k[INPUTS]):
+        fuzzify(k, f, room, i, k[at], k[at + 1], block[k[INPUT_ROWS] + i * width :][:count])
+        at += 2
+    total = room[(k[WORK] + TOTAL) * width :][:count]
+    moment = room[(k[WORK] + MOMENT) * width :][:count]
+    origin = k[k[ORDER] + width + k[FIRST] :][:count]
+    head = k[OUTPUTS_AT]
+    for o in range(k[OUTPUTS]):
+        for point in range(count):
+            total[point] = 0.0
+            moment[point] = 0.0
+        k[GROUPS] = at
+        k[OUTPUT] = head
+        k[NEXT] = fold_heights(k, f, room, at, k[head + AGGREGATION], count)
+        call(k[head + DEFUZZIFIER], block)  # fills total and moment; moves k[NEXT]
+        at = k[NEXT]
+        bounds = f[k[head + FLOATS_AT] :][:OUTPUT_RANGE]
+        if k[head + IS_MEAN] != 0:
+            for point in range(count):
+                moment[point] = bounds[3] + moment[point] / total[point]
+        results = block[k[RESULTS] + o * width :][: k[POINTS]]
+        k[MISSING] += settle(k[head + OUT_MODE], bounds, total, moment, results, origin)
+        head += OUTPUT_HEAD
+
+
+@kernel
+def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) -> None:
+    """Write down the degrees of an input: along straight lines, and of its curved terms."""
+    width = k[WIDTH]
+    count = x.shape[0]
+    head = HEAD + INPUT_HEAD * i
+    row = k[head + SLOT]
+    for _ in range(lines):
+        degrees = room[row * width :][:count]
+        height, x_0, slope = f[line], f[line + 1], f[line + 2]
+        for point in range(count):
+            degrees[point] = max(0.0, height + (x[point] - x_0) * slope)
+        line += LINE
+        row += 1
+    row = k[head + SLOT] + k[head + MOST_LINES]
+    curve = k[head + CURVES_AT]
+    for _ in range(k[head + CURVES]):
+        numbers = f[k[curve + 1] :][: k[curve + 2]]
+        call(k[curve], x, numbers, room[row * width :][:count])
+        curve += CURVE
+        row += 1
+
+
+@kernel
+def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
+    """Fold the strengths of the rules of each group, one row each; return what is behind."""
+    width = k[WIDTH]
+    groups = k[at]
+    at += 1
+    strength = room[(k[WORK] + STRENGTH) * width :][:count]
+    for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
+        folded = room[group * width :][:count]
+        rules = k[at]
+        at += GROUP_HEAD
+        for i in range(rules):
+            fire(k, f, room, at, strength if i else folded)
+            at += RULE_HEAD + k[OPERANDS]
+            if i:
+                join(fold, folded, strength, folded)
+    return at
+
+
+@kernel
+def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
+    """Write down how far a rule fires: its operands under its norm, times its weight."""
+    count = strength.shape[0]
+    width = k[WIDTH]
+    norm = k[rule]
+    weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
+    first = rule + RULE_HEAD
+    degrees = room[k[first] * width :][:count]
+    # A rule of one operand has a neutral second one: the strength is written in any case.
+    for operand in range(min(first + 1, first + k[OPERANDS] - 1), first + k[OPERANDS]):
+        join(norm, degrees, room[k[operand] * width :][:count], strength)
+        degrees = strength
+    if weight != 1.0 or threshold > 0.0:
+        for point in range(count):
+            part = strength[point] * weight
+            strength[point] = part if part > threshold else 0.0
+
+
+@kernel
+def join(norm: int, a: Any, b: Any, into: Any) -> None:
+    """Take the norm of two rows; `into` may be one of them."""
+    if norm == MIN:
+        for point in range(into.shape[0]):
+            into[point] = min(a[point], b[point])
+    elif norm == PRODUCT:
+        for point in range(into.shape[0]):
+            into[point] = a[point] * b[point]
+    elif norm == MAX:
+        for point in range(into.shape[0]):
+            into[point] = max(a[point], b[point])
+    elif norm == SUM:
+        for point in range(into.shape[0]):
+            into[point] = a[point] + b[point]
+    else:
+        call(norm, a, b, a[0:0], into)
+
+
+@kernel
+def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: Any) -> int:
+    """Bring values into the range, say what holds where nothing fired; count the NaN."""
+    low, high, silent = bounds[0], bounds[1], bounds[2]
+    missing = 0
+    for point in range(total.shape[0]):
+        found = value[point]
+        if total[point] > 0.0:
+            if mode == CLAMP:
+                found = min(max(found, low), high)
+            elif mode == ERROR and not low <= found <= high:
+                found = math.nan
+            if not abs(found) < math.inf:
+                found = math.nan
+        else:
+            found = silent
+        result[origin[point]] = found
+        if math.isnan(found):
+            missing += 1
+    return missing
+
+
+# ── defuzzifiers ─────────────────────────────────────────────────────────────────────
+#
+# Each adds up, for the points of a program, the area (or the weight) of the output in the
+# row TOTAL and the moment about the centre in the row MOMENT. The heights of the groups
+# stand in the rows from HEIGHTS on.
+
+
+@kernel
+def closed_centroid(block: Any) -> None:
+    """Add up area and moment of straight sets; see :mod:`fuzzyarm.inference.overlap`.
+
+    Reads from ``k[NEXT]`` on: unions of heights (how many; each a count and its rows), then
+    terms (how many; each two rows, of which the smaller counts, and where its layer is).
+    """
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    room = block[k[ROOM] : k[COLUMNS]]
+    count = k[COUNT]
+    width = k[WIDTH]
+    total = room[(k[WORK] + TOTAL) * width :][:count]
+    moment = room[(k[WORK] + MOMENT) * width :][:count]
+    groups = k[k[GROUPS]]
+    first = k[HEIGHTS] * width
+    at = k[NEXT]
+    unions = k[at]
+    at += 1
+    for union in range(groups, groups + unions):
+        others = k[at]
+        most = room[first + union * width :][:count]
+        for point in range(count):
+            most[point] = 0.0
+        for other in range(at + 1, at + 1 + others):
+            height = room[first + k[other] * width :][:count]
+            for point in range(count):
+                most[point] = max(most[point], height[point])
+        at += 1 + others
+    terms = k[at]
+    at += 1
+    for _ in range(terms):
+        one = room[first + k[at] * width :][:count]
+        other = room[first + k[at + 1] * width :][:count]
+        add_layer(f[k[at + 2] :][:LAYER], one, other, total, moment)
+        at += 3
+    k[NEXT] = at
+
+
+@kernel
+def add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> None:
+    """Add a layer of the closed form at the smaller of two heights."""
+    start, depth, a1, a2 = layer[0], layer[1], layer[2], layer[3]
+    b1, b2, b3 = layer[4], layer[5], layer[6]
+    for point in range(total.shape[0]):
+        x = min(max(min(one[point], other[point]) - start, 0.0), depth)
+        total[point] += x * (a1 + a2 * x)
+        moment[point] += x * (b1 + x * (b2 + b3 * x))
+
+
+@kernel
+def weighted(block: Any) -> None:
+    """Add up the strengths, and the strengths times the values of the consequents.
+
+    A value is linear in the first ``k[DETAIL]`` inputs: constant, then coefficients in f.
+    """
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    room = block[k[ROOM] : k[COLUMNS]]
+    count = k[COUNT]
+    width = k[WIDTH]
+    total = room[(k[WORK] + TOTAL) * width :][:count]
+    moment = room[(k[WORK] + MOMENT) * width :][:count]
+    value = room[(k[WORK] + STRENGTH) * width :][:count]
+    linear = k[k[OUTPUT] + DETAIL]
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        weight = room[group * width :][:count]
+        values = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        for point in range(count):
+            value[point] = f[values]
+        for i in range(linear):
+            inputs = block[k[INPUT_ROWS] + i * width :][:count]
+            for point in range(count):
+                value[point] += f[values + 1 + i] * inputs[point]
+        for point in range(count):
+            if weight[point] > 0.0:
+                total[point] += weight[point]
+                moment[point] += weight[point] * value[point]
+
+
+@kernel
+def sampled_centroid(block: Any) -> None:
+    """Add up the samples of the aggregate, point by point.
+
+    A consequent is: first and last sample where the set is not zero, its degrees in f, its
+    implication.
+    """
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    room = block[k[ROOM] : k[COLUMNS]]
+    width = k[WIDTH]
+    total = room[(k[WORK] + TOTAL) * width :][: k[COUNT]]
+    moment = room[(k[WORK] + MOMENT) * width :][: k[COUNT]]
+    head = k[OUTPUT]
+    fold = k[head + AGGREGATION]
+    samples = k[head + DETAIL]
+    numbers = k[head + FLOATS_AT] + OUTPUT_RANGE
+    positions, weights = f[numbers:][:samples], f[numbers + samples :][:samples]
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    aggregate, cut = heap[:samples], heap[samples : 2 * samples]
+    for point in range(total.shape[0]):
+        for i in range(samples):
+            aggregate[i] = 0.0
+        first, last = samples, 0
+        at = k[GROUPS] + 1
+        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+            consequent = k[at + 1]
+            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+            height = room[group * width + point]
+            if height > 0.0:
+                begin, end = k[consequent], k[consequent + 1]
+                first, last = min(first, begin), max(last, end)
+                degrees = f[k[consequent + 2] :][: end - begin]
+                implication = k[consequent + 3]
+                so_far = aggregate[begin:end]
+                cut_in(implication, fold, height, degrees, so_far, cut[: end - begin])
+        for i in range(first, last):
+            total[point] += weights[i] * aggregate[i]
+            moment[point] += weights[i] * aggregate[i] * positions[i]
+
+
+@kernel
+def cut_in(implication: int, fold: int, height: float, degrees: Any, so_far: Any, cut: Any) -> None:
+    """Cut a set at a height and fold it into the aggregate, over its own stretch of samples."""
+    if implication == MIN and fold == MAX:
+        for i in range(so_far.shape[0]):
+            so_far[i] = max(so_far[i], min(height, degrees[i]))
+    elif implication == PRODUCT and fold == MAX:
+        for i in range(so_far.shape[0]):
+            so_far[i] = max(so_far[i], height * degrees[i])
+    else:
+        for i in range(cut.shape[0]):
+            cut[i] = height
+        join(implication, cut, degrees, cut)
+        join(fold, so_far, cut, so_far)
