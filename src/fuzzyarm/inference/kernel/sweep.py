@@ -485,9 +485,13 @@ def sampled_centroid(block: Any) -> None:
                 implication = k[consequent + 3]
                 so_far = aggregate[begin:end]
                 cut_in(implication, fold, height, degrees, so_far, cut[: end - begin])
+        area = torque = 0.0  # in registers: a sum in a row waits for its own store
         for i in range(first, last):
-            total[point] += weights[i] * aggregate[i]
-            moment[point] += weights[i] * aggregate[i] * positions[i]
+            part = weights[i] * aggregate[i]
+            area += part
+            torque += part * positions[i]
+        total[point] = area
+        moment[point] = torque
 
 
 @kernel
