@@ -12,8 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.law import Arithmetic
-from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.loop.loop import final, rms, signed_maximum
 from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
 from fuzzyarm.plant.setting import PLAIN, ArmError, Conventions
@@ -93,18 +91,18 @@ def simulate_batch(
     """
     options = options or Options()
     count = _count(gains or {}, arms, seeds)
-    arithmetic = Arithmetic(conventions.single, conventions.pi)
-    compiled = jit_wanted() if options.compiled is None else options.compiled
+    arithmetic = options.arithmetic(conventions)
     program = Program(controller, arithmetic)
     if not program.compilable:
         raise ArmError(f"'{controller.name}' runs as plain Python; a batch takes compiled ones")
-    loop = program.loop(compiled)
+    compiled = program.compiled
+    loop = program.loop(options)
     rows = {name: np.asarray(values, float) for name, values in (gains or {}).items()}
     drawn = np.asarray(seeds) if seeds is not None else None
     arms_of = partial(checked_arms, trajectory, payload=payload, conventions=conventions)
     first_arms = arms_of(arms[0] if arms is not None else None)
     shared = Course(trajectory, first_arms, conventions, options, as_array=compiled)
-    shared_inputs = program.inputs(compiled)
+    shared_inputs = program.inputs()
 
     def one(run: int) -> tuple[Vector, Vector, Vector, float]:
         course = shared if arms is None else shared.with_arms(arms_of(arms[run]))
@@ -113,7 +111,7 @@ def simulate_batch(
             gains_of_run = {name: np.atleast_1d(values[run]) for name, values in rows.items()}
             changed = {name: values.tolist() for name, values in gains_of_run.items()}
             own = Program(controller.with_gains(changed), arithmetic)
-            memory, inputs = own.memory, own.inputs(compiled)
+            memory, inputs = own.memory, own.inputs()
         record = Record(course, memory)
         setting = course.setting(int(drawn[run]) if drawn is not None else None)
         loop(*course.inputs, setting, *inputs, *record.outputs)

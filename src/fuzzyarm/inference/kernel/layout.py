@@ -452,7 +452,7 @@ class _OutputWriter:
             detail = self._write_values()
         is_mean = output.defuzzifier.method != "weighted-sum"
         fold = norm_address(SNORMS[output.aggregation], "S", compiled=base.compiled)
-        address = address_of(self.defuzzifier, 1, compiled=base.compiled)
+        address = address_of(self.defuzzifier, 1, compiled=base.compiled, inline=True)
         whole[head : head + at.OUTPUT_HEAD] = [
             address, floats, fold, mode, detail, int(is_mean),
         ]  # fmt: skip
