@@ -159,13 +159,26 @@ def routine(
 _NAMES = {"f": "float64", "i": "int64"}
 
 
+def is_kept(function: Callable[..., None], arrays: int | str) -> bool:
+    """Whether machine code of a kernel is on disk, so that loading it takes no compiling."""
+    types = "f" * arrays if isinstance(arrays, int) else arrays
+    label, digest = _label_and_digest(function, types, {}, inline=False)
+    return any((folder / f"{label}.{digest}.code").is_file() for folder in _folders(function))
+
+
+def _label_and_digest(
+    function: Callable[..., None], types: str, bindings: _Bindings, inline: bool
+) -> tuple[str, str]:
+    names = [function.__name__, *(bound.__name__ for bound in bindings.values())]
+    label = f"{function.__module__.rpartition('.')[2]}.{'-'.join(names)}"
+    return label, _code_digest(function, f"{types}{inline}", bindings)
+
+
 def _machine_address(
     function: Callable[..., None], types: str, bindings: _Bindings, inline: bool
 ) -> tuple[int, Any]:
     """Load the machine code of a function, or make it and keep it."""
-    names = [function.__name__, *(bound.__name__ for bound in bindings.values())]
-    label = f"{function.__module__.rpartition('.')[2]}.{'-'.join(names)}"
-    digest = _code_digest(function, f"{types}{inline}", bindings)
+    label, digest = _label_and_digest(function, types, bindings, inline)
     symbol = f"fuzzyarm_{digest}"
     folders = _folders(function)
     for folder in folders:
@@ -254,24 +267,28 @@ def _numba_version() -> bytes:
     return (Path(next(iter(folders))) / "_version.py").read_bytes() if folders else b""
 
 
+def _load(code: bytes, symbol: str) -> tuple[int, Any]:
+    """Give an object file of this process its address, in an engine of its own.
+
+    numba numbers the functions inside a file anew in every process, so two files may call
+    different functions by one name; in one engine the second would get those of the first.
+    """
+    import llvmlite.binding as llvm
+
+    machine = _target().create_target_machine(jit=True)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return int(engine.get_function_address(symbol)), engine
+
+
 @functools.cache
-def _engine() -> Any:
-    """Return what gives object files of this process their addresses."""
+def _target() -> Any:
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    machine = llvm.Target.from_default_triple().create_target_machine(jit=True)
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-
-
-def _load(code: bytes, symbol: str) -> tuple[int, Any]:
-    import llvmlite.binding as llvm
-
-    engine = _engine()
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-    engine.finalize_object()
-    return int(engine.get_function_address(symbol)), engine
+    return llvm.Target.from_default_triple()
 
 
 # --- Compiling ---

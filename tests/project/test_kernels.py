@@ -109,6 +109,31 @@ def test_second_process_loads_machine_code_from_disk(tmp_path):
     assert in_new_process(RUN_AND_TELL, **environment) == [first, False, []]
 
 
+RUN_IN_ORDER = (
+    "import sys, json; from dataclasses import replace; from fuzzyarm.plant import reach;"
+    "from fuzzyarm.controller import controller; from fuzzyarm.loop import simulate;"
+    "from fuzzyarm.plant.setting import STUDY_CONVENTIONAL as study;"
+    "runs = [simulate(controller('cdid+ie'), reach(segment=0.5),"
+    " conventions=replace(study, precision=each)) for each in {order}];"
+    "print(json.dumps([[list(run.rms) for run in runs], 'numba' in sys.modules]))"
+)
+
+
+@pytest.mark.slow
+def test_machine_code_of_two_processes_does_not_mix_in_a_third(tmp_path):
+    # Both loops have inner functions that numba calls by the same names.
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
+    alone = {}
+    for precision in ("float32", "float64"):
+        code = RUN_IN_ORDER.format(order=[precision])
+        (alone[precision],), compiled = in_new_process(code, **environment)
+        assert compiled
+    assert alone["float32"] != alone["float64"]
+    for order in (["float32", "float64"], ["float64", "float32"]):
+        found = in_new_process(RUN_IN_ORDER.format(order=order), **environment)
+        assert found == [[alone[each] for each in order], False]
+
+
 @pytest.mark.slow
 def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
     code = (
