@@ -67,7 +67,11 @@ def test_shipped_rule_bases_agree_with_the_engine_and_compiled_to_the_last_bit(n
 
 HEAD = "rulebase x\ninput e -6 .. 6\ninput ce -6 .. 6\noutput u -6 .. 6\n"
 TERMS = "terms e, ce, u: triangles N Z P\n"
-RULES = "rule if e is N and ce is P then u is P\nrule if e is P or ce is N then u is N\n"
+RULES = (
+    "rule if e is N and ce is P then u is P\n"
+    "rule if e is P or ce is N then u is N\n"
+    "rule if e is Z then u is Z\n"
+)
 
 
 @pytest.mark.slow
