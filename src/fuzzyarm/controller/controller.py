@@ -123,7 +123,7 @@ class CompiledController(Controller):
 
     def prepare(self, arithmetic: Arithmetic) -> None:
         """Forget everything and count as a run does; called once before each run."""
-        block = self.block(arithmetic._replace(compiled=False))
+        block = self._block = self.block(arithmetic._replace(compiled=False))
         # Views on arrays give plain numbers, which Python adds and multiplies faster.
         self._lists = view(block.numbers), view(block.memory), block.links
 
