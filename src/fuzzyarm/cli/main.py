@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import gc
 import importlib
 import os
@@ -102,11 +103,17 @@ def _run(words: list[str]) -> int:
     if name not in COMMANDS or words[0] != name:
         return _overview(words, name)
     try:
-        # Options may stand anywhere among the names, as in `eval FILE --json e=1 ce=2`.
         command = find_command(name)
-        return command.run(command.parser().parse_intermixed_args(words[1:]))
+        return command.run(_parse(command.parser(), words[1:]))
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
+
+
+def _parse(parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
+    """Parse the words behind a command's name; options may stand anywhere among the others."""
+    if words and not any(word.startswith("-") for word in words):
+        return parser.parse_args(words)  # nothing to intermix: the usage need not be written
+    return parser.parse_intermixed_args(words)  # as in `eval FILE --json e=1 ce=2`
 
 
 def find_command(name: str) -> Command:

@@ -10,9 +10,8 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from fuzzyarm.expression.formulas import CONSTANTS, Formula
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
 from fuzzyarm.inference.sets import (
@@ -38,6 +37,9 @@ from fuzzyarm.model.rulebase import (
     Term,
     propositions,
 )
+
+if TYPE_CHECKING:
+    from fuzzyarm.expression.formulas import Formula
 
 WEIGHTED = frozenset({"weighted-average", "weighted-sum", "tsukamoto"})
 """Defuzzifiers that turn every consequent into a number first."""
@@ -387,6 +389,8 @@ def _member(
 def _check_formula(
     rulebase: RuleBase, output: Output, term: Term, formula: Formula, *, discrete: bool
 ) -> None:
+    from fuzzyarm.expression.formulas import CONSTANTS
+
     known = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
     for name in formula.names:
         if name == POSITION and name not in known and not discrete:
