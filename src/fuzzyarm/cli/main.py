@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import gc
 import importlib
 import os
@@ -60,6 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # A command makes many small objects and ends soon: looking for cycles among them takes
     # longer than reading the file that they come from.
     gc.set_threshold(200_000)
+    if arguments is None:  # the process ends with the command: no last search for cycles either
+        atexit.register(gc.freeze)
     _prepare_output()
     if sys.stderr.isatty():
         from fuzzyarm.kernels import watch_compiling
