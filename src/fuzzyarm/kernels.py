@@ -159,13 +159,26 @@ def routine(
 _NAMES = {"f": "float64", "i": "int64"}
 
 
+def is_kept(function: Callable[..., None], arrays: int | str) -> bool:
+    """Whether machine code of a kernel is on disk, so that loading it takes no compiling."""
+    types = "f" * arrays if isinstance(arrays, int) else arrays
+    label, digest = _label_and_digest(function, types, {}, inline=False)
+    return any((folder / f"{label}.{digest}.code").is_file() for folder in _folders(function))
+
+
+def _label_and_digest(
+    function: Callable[..., None], types: str, bindings: _Bindings, inline: bool
+) -> tuple[str, str]:
+    names = [function.__name__, *(bound.__name__ for bound in bindings.values())]
+    label = f"{function.__module__.rpartition('.')[2]}.{'-'.join(names)}"
+    return label, _code_digest(function, f"{types}{inline}", bindings)
+
+
 def _machine_address(
     function: Callable[..., None], types: str, bindings: _Bindings, inline: bool
 ) -> tuple[int, Any]:
     """Load the machine code of a function, or make it and keep it."""
-    names = [function.__name__, *(bound.__name__ for bound in bindings.values())]
-    label = f"{function.__module__.rpartition('.')[2]}.{'-'.join(names)}"
-    digest = _code_digest(function, f"{types}{inline}", bindings)
+    label, digest = _label_and_digest(function, types, bindings, inline)
     symbol = f"fuzzyarm_{digest}"
     folders = _folders(function)
     for folder in folders:

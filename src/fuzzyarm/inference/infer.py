@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.point import Prepared, prepare
+from fuzzyarm.inference.point import Prepared, holds_arrays, merged, prepare
 from fuzzyarm.model.rulebase import Expectation, Outcome, Output, RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
@@ -63,30 +62,17 @@ def infer(
     """
     given = merged(inputs, named)
     if holds_arrays(given):
-        from fuzzyarm.inference.arrays import infer_arrays
+        from fuzzyarm.inference.kernel.compiled import infer_many
 
-        return dict(infer_arrays(rulebase, given, held))
-    return dict(prepare(rulebase).evaluate(given, held))
+        return dict(infer_many(rulebase, given, held))
+    prepared = prepare(rulebase)
+    if prepared.is_worth_a_kernel():
+        from fuzzyarm.inference.kernel.compiled import infer_one
 
-
-def merged(inputs: Mapping[str, Any] | None, named: Mapping[str, Any]) -> dict[str, Any]:
-    """Put inputs from both ways of giving them together."""
-    given = dict(inputs or {})
-    for name, value in named.items():
-        if name in given:
-            raise InferenceError(f"input '{name}' is given twice")
-        given[name] = value
-    return given
-
-
-def holds_arrays(given: Mapping[str, Any]) -> bool:
-    """Whether any input is an array."""
-    return any(not isinstance(value, float | int) and is_array(value) for value in given.values())
-
-
-def is_array(value: object) -> bool:
-    """Whether an input is many values."""
-    return isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0
+        found = infer_one(rulebase, given)
+        if found is not None:
+            return dict(found)
+    return dict(prepared.evaluate(given, held))
 
 
 # --- Run the `expect` lines of a rule base ---

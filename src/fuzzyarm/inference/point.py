@@ -11,11 +11,12 @@ from bisect import bisect_right
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference.defuzzify.dispatch import defuzzify_at_point
 from fuzzyarm.inference.errors import (
+    InferenceError,
     MissingInputError,
     NoRuleFiredError,
     NotANumberError,
@@ -137,6 +138,10 @@ def line_at(
 Key = tuple[str, str, tuple[Hedge, ...]]
 
 
+STEPS_BEFORE_KERNEL = 100_000
+"""Samples evaluated in plain Python, at a point each, before the kernel is asked."""
+
+
 class Point:
     """What is known while one point is evaluated.
 
@@ -189,6 +194,12 @@ class Prepared:
     def __init__(self, rulebase: RuleBase) -> None:
         self.plan: Plan = plan(rulebase)
         self._inputs = rulebase.inputs
+        # Under max the order of the rules changes no bit; elsewhere the kernel's is another.
+        sampled = [output for output in rulebase.outputs if output.aggregation == "max"]
+        self._samples = sum(output.defuzzifier.resolution or 0 for output in sampled)
+        if len(sampled) < len(rulebase.outputs):
+            self._samples = 0
+        self._steps_so_far = 0
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._numbers: dict[Key, int] = {}
         self._consequents = self._rule_members()
@@ -197,6 +208,15 @@ class Prepared:
         self._input_steps = tuple(
             (v.name, v.low, v.high, v.outside, self._partitions.get(v.name)) for v in self._inputs
         )
+
+    def is_worth_a_kernel(self) -> bool:
+        """Count an evaluation; tell whether sampled outputs were evaluated often by now.
+
+        One sample costs a step of the interpreter for each set that fired. Where that adds
+        up to more than loading the kernel takes, the kernel does it, with the same bits.
+        """
+        self._steps_so_far += self._samples
+        return self._steps_so_far > STEPS_BEFORE_KERNEL
 
     # ── preparation ──────────────────────────────────────────────────────────────────
 
@@ -557,3 +577,26 @@ def prepare(rulebase: RuleBase) -> Prepared:
     while len(_recent) > _KEPT:
         _recent.popitem(last=False)
     return prepared
+
+
+# ── inputs as a caller gives them ────────────────────────────────────────────────────
+
+
+def merged(inputs: Mapping[str, Any] | None, named: Mapping[str, Any]) -> dict[str, Any]:
+    """Put inputs from both ways of giving them together."""
+    given = dict(inputs or {})
+    for name, value in named.items():
+        if name in given:
+            raise InferenceError(f"input '{name}' is given twice")
+        given[name] = value
+    return given
+
+
+def holds_arrays(given: Mapping[str, Any]) -> bool:
+    """Whether any input is an array."""
+    return any(not isinstance(value, float | int) and is_array(value) for value in given.values())
+
+
+def is_array(value: object) -> bool:
+    """Whether an input is many values."""
+    return isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0

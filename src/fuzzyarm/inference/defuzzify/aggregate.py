@@ -66,7 +66,7 @@ def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
     norm = SNORMS[plan.output.aggregation].scalar
     parts = [
         (TNORMS[plan.members[member].implication].scalar, strength, plan.members[member].membership)
-        for member, strength in fired
+        for member, strength in _folded_where_max(plan, fired)
     ]
 
     def value(y: float) -> float:
@@ -114,7 +114,7 @@ def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[flo
     samples = sample_places(output.low, output.high, output.defuzzifier)
     norm = SNORMS[output.aggregation].scalar
     total = [0.0] * len(samples)
-    for member, strength in fired:
+    for member, strength in _folded_where_max(plan, fired):
         term, hedges, implication = plan.members[member][:3]
         first, heights = sampled_set(
             term.shape, hedges, output.low, output.high, output.defuzzifier
@@ -132,3 +132,8 @@ def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
     for member, strength in fired:
         folded[member] = norm(folded[member], strength) if member in folded else strength
     return folded
+
+
+def _folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
+    """Return one strength for each member under max: a T-norm rises with the strength."""
+    return list(fold_at_point(plan, fired).items()) if plan.output.aggregation == "max" else fired

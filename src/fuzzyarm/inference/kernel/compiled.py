@@ -6,6 +6,7 @@ import functools
 import math
 import os
 import struct
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -13,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
-from fuzzyarm.inference.infer import holds_arrays, infer, merged
 from fuzzyarm.inference.kernel.layout import Block, Layout, NotCoveredError, lay_out, make_block
-from fuzzyarm.inference.kernel.sweep import MISSING, evaluate, sweep
+from fuzzyarm.inference.kernel.sweep import MISSING, evaluate, run, sweep
 from fuzzyarm.inference.plan import plan
-from fuzzyarm.inference.point import check_names
-from fuzzyarm.kernels import address_of, jit_wanted
+from fuzzyarm.inference.point import check_names, holds_arrays, merged, prepare
+from fuzzyarm.kernels import address_of, is_kept, jit_wanted
 from fuzzyarm.model.rulebase import RuleBase
 
 CHUNK = 8192
@@ -30,6 +30,9 @@ POINTS_PER_PROGRAM = 32
 LONGEST_CHUNK = 1 << 17
 """… but no longer than this."""
 
+
+STEPS_WORTH_COMPILING = 800_000_000
+"""Points times rules that take NumPy about as long as compiling the kernel takes."""
 
 MANY = 100_000
 """Points from which on all processors are used."""
@@ -109,7 +112,7 @@ class Compiled:
             found = self._one(*values)
             if found is not None:
                 return found
-        return tuple(infer(self.rulebase, self._by_name(values)).values())  # type: ignore[arg-type]
+        return tuple(prepare(self.rulebase).evaluate(self._by_name(values)).values())
 
     def __call__(
         self,
@@ -149,18 +152,29 @@ class Compiled:
         self, given: Mapping[str, Any], held: Mapping[str, float] | None
     ) -> dict[str, Any]:
         if self._engine is None or given.keys() != set(self._names):
-            return infer(self.rulebase, given, held=held)
+            return self._plain(given, held)
         if held:
             check_names(held, self._outputs, what="output")
         if holds_arrays(given):
             return dict(self._engine.many(given, held))
+        found = self.ordinary(given)
+        return self._plain(given, held) if found is None else dict(found)
+
+    def ordinary(self, given: Mapping[str, Any]) -> dict[str, float] | None:
+        """Return the outputs at a point by the kernel; None where one is not ordinary."""
+        if self._engine is None or given.keys() != set(self._names):
+            return None
         try:
             found = self._one(*(float(given[name]) for name in self._names))
         except (TypeError, ValueError, OverflowError):
-            found = None
-        if found is None:
-            return infer(self.rulebase, given, held=held)
-        return dict(zip(self._outputs, found, strict=True))
+            return None
+        return None if found is None else dict(zip(self._outputs, found, strict=True))
+
+    def _plain(self, given: Mapping[str, Any], held: Mapping[str, float] | None) -> dict[str, Any]:
+        """Evaluate without the kernel: what it does not cover, and what is wrong."""
+        if holds_arrays(given):
+            return dict(infer_arrays(self.rulebase, given, held))
+        return dict(prepare(self.rulebase).evaluate(given, held))
 
     def _mapping(self, values: tuple[Any, ...]) -> Mapping[str, Any] | None:
         if len(values) == 1 and (values[0] is None or isinstance(values[0], Mapping)):
@@ -287,6 +301,53 @@ class _Engine:
         found = infer_arrays(self.rulebase, left, held)
         for result, values in zip(results, found.values(), strict=True):
             result[where] = values
+
+
+_recent: OrderedDict[int, tuple[RuleBase, Compiled]] = OrderedDict()
+_REMEMBERED = 32
+
+
+def _remembered(rulebase: RuleBase) -> Compiled:
+    """Return a rule base laid out for the kernel; the last few are remembered."""
+    known = _recent.get(id(rulebase))
+    if known is not None and known[0] is rulebase:
+        return known[1]
+    made = Compiled(rulebase)
+    _recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
+    while len(_recent) > _REMEMBERED:
+        _recent.popitem(last=False)
+    return made
+
+
+@functools.cache
+def _at_hand() -> bool:
+    """Whether the kernel is compiled already, in this process or on disk."""
+    return is_kept(sweep, 1) and is_kept(run, 1)
+
+
+def infer_many(
+    rulebase: RuleBase, given: Mapping[str, Any], held: Mapping[str, float] | None = None
+) -> dict[str, Any]:
+    """Evaluate arrays of inputs: by the kernel where it is at hand or pays for its compiling.
+
+    Raises
+    ------
+    InferenceError, NoRuleFiredError
+        As :func:`fuzzyarm.infer`.
+    """
+    if jit_wanted():
+        points = max(getattr(value, "size", 1) for value in given.values())
+        steps = points * (len(rulebase.rules) + 10)
+        if _at_hand() or steps > STEPS_WORTH_COMPILING:
+            return _remembered(rulebase)(dict(given), held=held)
+    return dict(infer_arrays(rulebase, given, held))
+
+
+def infer_one(rulebase: RuleBase, given: Mapping[str, Any]) -> dict[str, float] | None:
+    """Evaluate a point by the kernel; None where it does not cover it, or says what is wrong."""
+    if not jit_wanted() or not _at_hand():
+        return None
+    return _remembered(rulebase).ordinary(given)
 
 
 def compiled(rulebase: RuleBase) -> Compiled:

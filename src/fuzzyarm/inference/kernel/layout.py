@@ -11,7 +11,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate, product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,9 @@ from fuzzyarm.model.shapes import polyline
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000
 """Programs, and rules in all programs together; beyond, inputs are left out of the index."""
+
+MOST_PLAIN_SAMPLES = 20_000
+"""Samples of a set that are found one by one; more are found by NumPy, to the last bit or two."""
 
 Proposition = tuple[str, str, tuple[Hedge, ...]]
 """Variable, term and hedges."""
@@ -558,11 +561,13 @@ class _OutputWriter:
         self.heights = max(self.heights, len(members) + len(unions))
 
 
-def sampled_degrees(member: Member, where: Sequence[float]) -> list[float]:
-    """Return the degrees of a set at the samples, as the engine for arrays finds them."""
+def sampled_degrees(member: Member, where: Sequence[float]) -> Sequence[float]:
+    """Return the degrees of a set at the samples, with the bits that one point gives."""
+    if len(where) <= MOST_PLAIN_SAMPLES:
+        return [member.membership(y) for y in where]
     from fuzzyarm.inference.defuzzify.arrays import member_at
 
-    return [float(degree) for degree in member_at(member, np.array(where))]
+    return cast(Sequence[float], member_at(member, np.array(where)).tolist())
 
 
 def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
