@@ -266,6 +266,8 @@ def test_direct_inference_in_c(tmp_path):
         found = routine.evaluate(*points, *held)
         truth = [outcome(rulebase, a, b) for a, b in POINTS]
         truth = np.array([math.nan if isinstance(each, str) else each for each in truth])
+        if case == ("outside", "error"):  # a PLC has no exceptions: values are clamped there
+            truth = np.array([outcome(model(("outside", "clamp")), a, b) for a, b in POINTS])
         np.testing.assert_allclose(found, truth, rtol=0, atol=1e-9, err_msg=str(case))
         routines.append(routine)
         columns.append([*points, *held])
