@@ -204,6 +204,8 @@ class Copy:
     def __init__(self, home: Path) -> None:
         self.home = home
         shutil.copytree(ROOT / "src", home / "src", ignore=shutil.ignore_patterns("__pycache__"))
+        for name in ("rulebases", "examples", "docs"):  # which the package looks for beside it
+            (home / name).symlink_to(ROOT / name)
 
     def passes(self, tests: Sequence[str], marks: str) -> bool:
         """Whether the tests pass against the copy; False where they fail or hang."""
