@@ -261,7 +261,7 @@ static void ruled(const struct now *x, double sum[2], double torque[2])
     for (int i = 0; i < 2; i++) {
         double e, ce, u = CONTROL == STFC || CONTROL == CFAF ? 3.0 : 1.0;
         scaled(x, i, 1080.0, &e, &ce);
-        if (CONTROL == CFAF && fabs(e) < 3.0 && fabs(ce) < 3.0) {
+        if (CONTROL == CFAF && fabs(e) <= 3.0 && fabs(ce) <= 3.0) {
             e *= 2.0;
             ce *= 2.0;
         }

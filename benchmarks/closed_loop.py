@@ -24,7 +24,7 @@ import numpy as np
 
 from fuzzyarm.controller import controller
 from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
-from fuzzyarm.inference.defuzzify.aggregate import places
+from fuzzyarm.inference.defuzzify.aggregate import positions
 from fuzzyarm.loop import Options, simulate, simulate_batch
 from fuzzyarm.model.rulebase import RuleBase, propositions
 from fuzzyarm.model.shapes import membership
@@ -76,8 +76,8 @@ def c_rules(name: str, rulebase: RuleBase) -> str:
         parts = {part.variable: part.term for part in propositions(rule.antecedent)}
         row, column = (names[v.name].index(parts[v.name]) for v in (e, ce))
         then[row][column] = names[output.name].index(rule.consequents[0].term)
-    x = places(output.low, output.high, 101, "endpoints")
-    sampled = [[membership(term.shape, place) for place in x] for term in output.terms]
+    x = positions(output.low, output.high, 101, "endpoints")
+    sampled = [[membership(term.shape, each) for each in x] for term in output.terms]
     spans = [[i for i, y in enumerate(values) if y > 0.0] for values in sampled]
     fields = [
         sets[e.name],

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fuzzyarm.api import check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
+    from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer
     from fuzzyarm.language import parse, write
     from fuzzyarm.model.rulebase import RuleBase
@@ -48,7 +49,9 @@ __all__ = [
     "compiled",
     "explain",
     "infer",
+    "kinds",
     "load",
+    "op",
     "parse",
     "read_table",
     "shipped",
@@ -57,29 +60,27 @@ __all__ = [
 ]
 
 _HOMES = {
-    "FuzzyarmError": "errors",
-    "LookupTable": "table",
-    "RuleBase": "language",
-    "RuleBaseError": "language",
-    "check_file": "api",
-    "check_text": "api",
-    "compile_table": "table",
-    "compile_with_report": "table",
-    "compiled": "inference",
-    "explain": "inference",
-    "infer": "inference",
-    "load": "api",
-    "parse": "language",
-    "read_table": "table",
-    "shipped": "shipped_files",
-    "write": "language",
-    "write_table": "table",
+    "api": ("check_file", "check_text", "load"),
+    "errors": ("FuzzyarmError",),
+    "expression.kinds": ("kinds",),
+    "expression.op": ("op",),
+    "inference": ("compiled", "explain", "infer"),
+    "language": ("RuleBase", "RuleBaseError", "parse", "write"),
+    "shipped_files": ("shipped",),
+    "table": ("LookupTable", "compile_table", "compile_with_report", "read_table", "write_table"),
 }
+"""Module → the names that it has, or the one that it is."""
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'fuzzyarm' has no attribute '{name}'")
     import importlib
 
-    return getattr(importlib.import_module(f"fuzzyarm.{_HOMES[name]}"), name)
+    for home, names in _HOMES.items():
+        if name in names:
+            module = importlib.import_module(f"fuzzyarm.{home}")
+            return module if home.endswith(f".{name}") else getattr(module, name)
+    raise AttributeError(f"module 'fuzzyarm' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from fuzzyarm.language import Parsed, load_rulebase, parse, read_text
 from fuzzyarm.language.check import check
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
@@ -94,6 +95,17 @@ class Review:
     def failed(self) -> bool:
         """Whether any finding is an error."""
         return any(diagnostic.is_error for diagnostic in self.diagnostics)
+
+    @property
+    def summary(self) -> str:
+        """How many findings there are of each severity, as ``1 error, 2 warnings``."""
+        counts = Counter(diagnostic.severity for diagnostic in self.diagnostics)
+        words = []
+        for severity in (Severity.ERROR, Severity.WARNING, Severity.INFO):
+            plural = "s" if counts[severity] != 1 and severity is not Severity.INFO else ""
+            if counts[severity]:
+                words.append(f"{counts[severity]} {severity}{plural}")
+        return ", ".join(words) or "no findings"
 
 
 def check_text(text: str, path: str = "<text>") -> Review:

@@ -398,7 +398,12 @@ def _compile(
         conventions.call_function(builder, called, numba_types.none, signature, arrays)
         builder.ret_void()
         library.add_ir_module(module)
-        library.add_linking_library(made.library)
+        whole = library._final_module
+        whole.link_in(made.library._get_module_for_linking(), preserve=True)
+        # Inner functions of other files may have the same names, bound to other kernels.
+        for each in (*whole.functions, *whole.global_variables):
+            if not each.is_declaration and each.name != symbol:
+                each.linkage = "internal"
         library.finalize()
         outside = [each.name for each in library._final_module.functions if each.is_declaration]
         return library._get_compiled_object(), not any(map(_only_with_numba, outside))

@@ -156,5 +156,21 @@ def test_a_lone_level_is_no_number_of_levels(levels, tmp_path, capsys):
     out = tmp_path / "x.lut"
     status, _, err = run("compile", GOOD, "-o", str(out), f"--levels={levels}", capsys=capsys)
     assert status == 1
-    assert "is no whole number of levels" in err
+    assert "is not a whole number of levels" in err
     assert not out.exists()
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
+def test_an_output_without_the_characters_takes_others(encoding, monkeypatch):
+    monkeypatch.setenv("PYTHONIOENCODING", encoding)
+    command = [sys.executable, "-m", "fuzzyarm", "show", GOOD]
+    done = subprocess.run(command, capture_output=True, check=True)
+    assert done.stderr == b""
+    assert b"  NB ??" in done.stdout
+
+
+@pytest.mark.parametrize("words", ["check --json", "show", "show --help #"])
+def test_a_closed_output_is_no_fault(words):
+    command = f"{sys.executable} -m fuzzyarm {words} {GOOD} >&-"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
+    assert done.stderr == ""

@@ -103,13 +103,36 @@ def test_self_tuning_with_a_zoom(smooth):
 
     def decide(_joint, e, ce):
         size = max(abs(e), abs(ce))
-        zoom = 2.0 if size < 3.0 else 1.0
+        zoom = 2.0 if size <= 3.0 else 1.0
         if smooth and 1.5 < size < 3.0:
             zoom = 3.0 / size
         point = {"e": zoom * e, "ce": zoom * ce}
         return 3.0 * rules.evaluate(point)["u"] * factor.evaluate(point)["alpha"]
 
     same(controller("cfaf").with_gains({"smooth": [smooth]}), Written(decide, 1080.0))
+
+
+@pytest.mark.parametrize(
+    ("e", "ce", "zoomed"),
+    [
+        (3.0, 1.0, True),
+        (-1.0, -3.0, True),
+        (math.nextafter(3.0, 4.0), 1.0, False),
+        (1.0, math.nextafter(-3.0, -4.0), False),
+    ],
+)
+def test_the_window_of_the_zoom_includes_its_edge(e, ce, zoomed):
+    # Section 6.6: "checks if the position and velocity errors are both within [-3 3]. If they
+    # are, then both the position and velocity error are doubled".
+    rules = prepare(shipped_rulebase("pd7-study.frb"))
+    factor = prepare(shipped_rulebase("alpha7-study.frb"))
+    point = {"e": 2.0 * e, "ce": 2.0 * ce} if zoomed else {"e": e, "ce": ce}
+    control = 3.0 * rules.evaluate(point)["u"] * factor.evaluate(point)["alpha"]
+    # Gains of π make the scaled errors exact.
+    made = controller("cfaf").with_gains({"G_e": [math.pi], "G_ce": [math.pi]})
+    reference = Reference((e, 0.0), (ce, 0.0), (0.0, 0.0))
+    torque = made.torque(reference, State((0.0, 0.0), (0.0, 0.0)), Clock(0.0006, False, False))
+    assert torque[0] == pytest.approx(motor(control, 0.0, 80.0), rel=1e-9)
 
 
 def test_smooth_zoom_has_no_jump_and_the_abrupt_one_has():

@@ -181,3 +181,24 @@ def test_batches_out_of_sense():
             simulate_batch(controller("pd"), SHORT, **words)
     with pytest.raises(ArmError, match="plain Python"):
         simulate_batch(Mine(), reach_return(), seeds=[1])
+
+
+def test_an_error_on_the_edge_of_a_bin_belongs_to_the_lower_cell():
+    # A run begins with errors of exactly 0. The middle cells below reach from just above -1e-300
+    # to 0, both ends of which are thresholds: nothing but an error of 0 falls into them, and
+    # only if a number that is equal to a threshold belongs to the lower cell.
+    def pinhole(name):
+        return Axis(name, (-1, 0, 1), (-1e-300, 0.0))
+
+    start = LookupTable((pinhole("e"), pinhole("ce")), "u", np.zeros((3, 3)))
+    judgement = np.zeros((3, 3))
+    judgement[1, 1] = 2.0
+    judge = start.with_values(judgement)
+    coarse = LookupTable((pinhole("e"), Axis("ce", (0,))), "p", judgement[:, 1:2])
+    for performance in (judge, coarse):
+        made = controller("soc-table", sources=Sources(table=start, performance=performance))
+        run = simulate(made.with_gains({"delay": [0]}), SHORT)
+        kept = learned(run.memory, 0, (3, 3))
+        assert kept.visits[:, 1, 1].min() >= 1
+        # Without a delay the cell in use is the responsible one.
+        assert kept.values[:, 1, 1].min() >= 2.0

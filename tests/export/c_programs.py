@@ -43,7 +43,7 @@ def compile_c(
     """Compile without any warning; fail with what the compiler says."""
     need(target)
     extra = ["-static"] if target == ARM else SANITIZED
-    words = [target, *STRICT, "-O1", *extra, *flags, *map(str, sources), "-o", str(program)]
+    words = [target, *STRICT, "-O1", *extra, *flags, *map(str, sources), "-o", str(program), "-lm"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 

@@ -12,6 +12,7 @@ from c_programs import ARM, HOST, run_c, spread, ulps
 from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 from strategies import (
+    SMOOTH,
     STRAIGHT,
     blocks_of,
     input_points,
@@ -21,10 +22,29 @@ from strategies import (
     value_terms,
 )
 
-from fuzzyarm.export import ExportError, routines_of
+from fuzzyarm.export import ExportError, export_files, routines_of
 from fuzzyarm.export.rulebase import corners_of
+from fuzzyarm.expression import kinds, op
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.nodes import Apply
+from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.language import load_rulebase, parse
-from fuzzyarm.model.rulebase import Defuzzifier, Output, RuleBase
+from fuzzyarm.model.rulebase import (
+    SAMPLINGS,
+    And,
+    Consequent,
+    Defuzzifier,
+    Hedge,
+    Input,
+    Is,
+    Or,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+)
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 TARGETS = [HOST, pytest.param(ARM, marks=pytest.mark.slow)]
@@ -113,6 +133,16 @@ VARIETY = [
     {"outside": "error"},
     {"outside": "extend"},
     {"no-rule": "error"},
+    {"defuzzifier": "centroid(101)"},
+    {"defuzzifier": "centroid(50, midpoints)", "implication": "product"},
+    {"defuzzifier": "centroid(33, left)", "aggregation": "sum", "no-rule": "error"},
+    {
+        "defuzzifier": "centroid(20, trapezoid)",
+        "aggregation": "einstein",
+        "implication": "hamacher",
+    },
+    {"defuzzifier": "weighted-average", "aggregation": "nilpotent"},
+    {"defuzzifier": "weighted-average", "aggregation": "hamacher"},
 ]
 
 
@@ -207,35 +237,40 @@ def test_the_program_is_the_inference_for_any_straight_rule_base(data, model):
 
 
 @st.composite
-def straight_systems(draw):
+def systems(draw):
     """Any antecedents and norms; sets or values; what is exported as a rule."""
-    inputs = draw(inputs_of(STRAIGHT, ["e", "ce", "load"][: draw(st.integers(1, 3))]))
+    inputs = draw(inputs_of(STRAIGHT + SMOOTH, ["e", "ce", "load"][: draw(st.integers(1, 3))]))
     low, high = -3.0, 8.0
     values = draw(st.booleans())
-    sets = term_lists(STRAIGHT, low, high)
+    samples = draw(st.sampled_from([None, 5, 40]))
+    sets = term_lists(STRAIGHT if samples is None else STRAIGHT + SMOOTH, low, high)
     terms = draw(value_terms(inputs, low, high, odd=False) if values else sets)
     methods = ["weighted-average", "weighted-sum"] if values else ["centroid", "weighted-average"]
     method = draw(st.sampled_from(methods))
-    folds = ["max", "sum"] if method == "centroid" else ["max", "sum", "probor"]
+    exact = method == "centroid" and samples is None
+    folds = ["max", "sum"] if exact else list(SNORMS)
+    way = Defuzzifier(method, samples, draw(st.sampled_from(SAMPLINGS)))
+    way = way if method == "centroid" else Defuzzifier(method)
     output = Output(
         "u", low, high, terms,
-        aggregation=draw(st.sampled_from(folds)), defuzzifier=Defuzzifier(method),
+        aggregation=draw(st.sampled_from(folds)), defuzzifier=way,
         no_rule=draw(st.sampled_from([1.5, "error", "hold"])),
         outside=draw(st.sampled_from(["clamp", "extend"])),
     )  # fmt: skip
     block = draw(blocks_of(inputs, [output]))
-    block = dataclasses.replace(block, implication=draw(st.sampled_from(["min", "product"])))
+    if exact:
+        block = dataclasses.replace(block, implication=draw(st.sampled_from(["min", "product"])))
     return RuleBase("made", inputs, (output,), (block,))
 
 
 @settings(max_examples=80, suppress_health_check=list(HealthCheck), phases=(Phase.generate,))
-@given(st.data(), straight_systems())
+@given(st.data(), systems())
 def test_what_is_exported_of_any_rule_base_agrees(data, model):
     routines = []
     for output in model.outputs:
         try:
             routines += routines_of(model, output=output.name, precision="float64")
-        except ExportError:  # a root, a formula, three overlapping sets
+        except ExportError:  # three overlapping sets, weighted sets that bend
             continue
     assume(routines)
     points = [np.array(x) for x in data.draw(input_points(model)).values()]
@@ -253,7 +288,7 @@ def test_what_is_exported_of_any_rule_base_agrees(data, model):
     ("settings", "what"),
     [
         ({"defuzzifier": "bisector exact"}, "defuzzifier bisector of 'u'"),
-        ({"defuzzifier": "centroid(101)"}, "the centroid of 'u' over 101 samples"),
+        ({"defuzzifier": "centroid(30000)"}, "the centroid of 'u' over 30,000 samples"),
         ({"aggregation": "einstein"}, "aggregation einstein of 'u'"),
         ({"implication": "hamacher"}, "implication hamacher of 'u'"),
         ({"aggregation": "probor"}, "the exact centroid under aggregation probor"),
@@ -276,11 +311,176 @@ def test_what_cannot_be_exported_is_named(settings, what):
     assert what in str(caught.value)
 
 
-def test_smooth_terms_and_roots_are_named():
-    with pytest.raises(ExportError, match="term 'POOR' of 'service' is gaussian"):
-        routines_of(load_rulebase(RULEBASES / "tipper.frb"))
-    with pytest.raises(ExportError, match="hedge 'somewhat' needs"):
-        routines_of(made("rule if a is somewhat L then u is D"))
+KINDS = {
+    "triangle": (-1, 0.25, 1.5), "trapezoid": (-1.5, -0.7, 0.1, 1.9), "rectangle": (-1, 0.3),
+    "ramp": (1.25, -0.75), "binary": (0.5, math.inf), "points": (-1, 0.2, 0, 0.4, 0, 0.9, 0.7, 1),
+    "singleton": (0.5,), "gaussian": (0.3, 0.6), "two-sided-gaussian": (-0.5, 0.3, 0.4, 0.7),
+    "bell": (0.2, 0.8, 1.7), "sigmoid": (0.1, 3.0), "sigmoid-difference": (-0.8, 6, 0.9, 4),
+    "sigmoid-product": (-0.8, 6, 0.9, -4), "z": (-0.6, 1.1), "s": (-1.3, 0.7),
+    "pi": (-1.5, -0.3, 0.1, 1.6), "concave": (-0.5, 1.2), "cosine": (0.25, 2.5),
+    "spike": (0.1, 3.0), "arc": (-1.2, 1.0), "semi-ellipse": (-1.4, 0.9),
+}  # fmt: skip
+"""Numbers for a term of every kind."""
+
+EXACT = {"sqrt", "absolute", "floor"}
+"""Functions of the mathematical library that round correctly everywhere."""
+
+
+def is_exact(routine):
+    nodes = [n for n in routine.program.nodes if isinstance(n, Apply)]
+    functions = {n.operation for n in nodes if OPERATIONS[n.operation].sort == "functions"}
+    return functions <= EXACT
+
+
+def degrees_of(shapes, hedges=()):
+    """A rule base whose outputs are the degrees of one input in the shapes."""
+    terms = tuple(Term(f"t{i}", shape) for i, shape in enumerate(shapes))
+    one = (Term("one", Shape("singleton", (1.0,))),)
+    way = Defuzzifier("weighted-sum")
+    outputs = tuple(
+        Output(f"y{i}", 0.0, 1.0, one, aggregation="sum", defuzzifier=way, no_rule=0.0)
+        for i in range(len(shapes))
+    )
+    rules = tuple(
+        Rule(Is("x", f"t{i}", hedges), (Consequent(f"y{i}", "one"),)) for i in range(len(shapes))
+    )
+    return RuleBase("degrees", (Input("x", -2.0, 2.0, terms),), outputs, (RuleBlock(rules),))
+
+
+def compared_in_c(model, tmp_path, columns):
+    """Run all outputs in C, compare them with their models, return both in double precision."""
+    routines, arrays = [], []
+    for precision in ("float64", "mixed", "float32"):
+        found = routines_of(model, precision=precision)
+        routines += found
+        arrays += [columns] * len(found)
+    results = run_c(routines, arrays, tmp_path)
+    for routine, found in zip(routines, results, strict=True):
+        expected = routine.evaluate(*columns)
+        if is_exact(routine):
+            assert found.tobytes() == expected.tobytes()
+        else:
+            single = routine.precision.inside is np.float32
+            close = {"rtol": 1e-5, "atol": 1e-6} if single else {"rtol": 1e-7, "atol": 1e-15}
+            np.testing.assert_allclose(found, expected, **close)
+    outputs = len(model.outputs)
+    return routines[:outputs], results[:outputs]
+
+
+@pytest.mark.parametrize("height", [1.0, 0.7])
+def test_every_kind_of_term_is_the_same_in_c(tmp_path, height):
+    shapes = [Shape(kind, numbers, height) for kind, numbers in KINDS.items()]
+    assert {*KINDS, "linear", "formula"} == {name for name in SHAPES if not SHAPES[name].own}
+    shapes.append(Shape("formula", (), height, "exp(-abs(x)) * (1 + min(x, 0, -0.1) / 2)"))
+    model = degrees_of(shapes)
+    x = np.unique(
+        np.concatenate([np.linspace(-2, 2, 401), *map(near, corners_of(model.inputs[0]))])
+    )
+    routines, results = compared_in_c(model, tmp_path, [x])
+    for shape, routine, found in zip(shapes, routines, results, strict=True):
+        if SHAPES[shape.kind].function is None:
+            continue
+        kind = SHAPES[shape.kind]
+        expected = np.array([height * kind.scalar(v, *shape.parameters) for v in x.tolist()])
+        if kind.straight or not is_exact(routine):
+            np.testing.assert_allclose(found, expected, rtol=1e-14, atol=1e-15)
+        else:
+            np.testing.assert_array_equal(found, expected)
+    assert [is_exact(routine) for routine in routines].count(False) == 9
+
+
+def near(x):
+    return [np.nextafter(x, -np.inf), x, np.nextafter(x, np.inf)]
+
+
+BUILT_IN_HEDGES = [name for name in HEDGES if not HEDGES[name].own]
+
+
+@pytest.mark.parametrize(
+    "hedges",
+    [
+        *((Hedge(name, 1.7 if HEDGES[name].parameters else None),) for name in BUILT_IN_HEDGES),
+        (Hedge("very"), Hedge("not"), Hedge("somewhat")),
+    ],
+    ids=lambda hedges: " ".join(hedge.name for hedge in hedges),
+)
+def test_every_hedge_is_the_same_in_c(tmp_path, hedges):
+    shapes = [Shape("trapezoid", (-1.5, -0.7, 0.1, 1.9)), Shape("s", (-1.3, 0.7))]
+    x = np.linspace(-2, 2, 203)
+    _, results = compared_in_c(degrees_of(shapes, hedges), tmp_path, [x])
+    for shape, found in zip(shapes, results, strict=True):
+        degree = [SHAPES[shape.kind].scalar(v, *shape.parameters) for v in x.tolist()]
+        for hedge in reversed(hedges):
+            numbers = () if hedge.exponent is None else (hedge.exponent,)
+            degree = [HEDGES[hedge.name].scalar(d, *numbers) for d in degree]
+        np.testing.assert_allclose(found, degree, rtol=1e-12, atol=1e-12)
+
+
+@pytest.fixture
+def own_kinds():
+    kinds.shape(
+        "parabola", ("centre", "width"), lambda x, c, w: op.maximum(0, 1 - ((x - c) / w) ** 2)
+    )
+    kinds.shape(
+        "wave", ("phase",), lambda x, phase: op.where(x < phase, 0.5 * (1 + op.cos(3 * x)), 0.25)
+    )
+    kinds.tnorm("yager2", lambda a, b: 1 - op.minimum(1, op.sqrt((1 - a) ** 2 + (1 - b) ** 2)))
+    kinds.snorm("yager2", lambda a, b: op.minimum(1, op.sqrt(a**2 + b**2)))
+    kinds.hedge("slightly", lambda d: op.where(d < 0.5, 2 * d, 2 - 2 * d))
+    yield
+    for registry, names in (
+        (SHAPES, ("parabola", "wave")), (TNORMS, ("yager2",)), (SNORMS, ("yager2",)),
+        (HEDGES, ("slightly",)),
+    ):  # fmt: skip
+        for name in names:
+            registry.remove(name)
+
+
+def test_kinds_of_a_user_are_the_same_in_c(tmp_path, own_kinds):
+    shapes = [Shape("parabola", (0.25, 1.5)), Shape("wave", (0.5,), 0.8)]
+    model = degrees_of(shapes, (Hedge("slightly"),))
+    both = [Is("x", "t0"), Is("x", "t1", (Hedge("slightly"),))]
+    rules = (
+        Rule(And((*both, *both)), (Consequent("y0", "one"),)),
+        Rule(Or((*both, *both)), (Consequent("y1", "one"),)),
+    )
+    block = RuleBlock(rules, conjunction="yager2", disjunction="yager2")
+    model = dataclasses.replace(model, blocks=(block,))
+    x = np.linspace(-2, 2, 301)
+    routines, results = compared_in_c(model, tmp_path, [x])
+    assert routines[0].headers == ("math.h",)
+    for k, norm in enumerate((TNORMS["yager2"].scalar, SNORMS["yager2"].scalar)):
+        expected = []
+        for v in x.tolist():
+            a = SHAPES["parabola"].scalar(v, 0.25, 1.5)
+            b = HEDGES["slightly"].scalar(0.8 * SHAPES["wave"].scalar(v, 0.5))
+            expected.append(norm(norm(norm(a, b), a), b))
+        np.testing.assert_allclose(results[k], expected, rtol=1e-12, atol=1e-15)
+
+
+def test_smooth_terms_are_exported_with_the_mathematical_library(tmp_path):
+    model = load_rulebase(RULEBASES / "tipper.frb")
+    (routine,) = routines_of(model)
+    points = points_for(model, 3_000)
+    (found,) = run_c([routine], [points], tmp_path)
+    assert_close(found, routine.model(*points), 30.0)
+    (header,) = [text for _, text in export_files([routine], tmp_path / "x.h").files]
+    assert "functions of math.h are called" in header
+    assert "-o self_test -lm &&" in " ".join(header.replace(" * ", "").split())
+    assert "3 functions of math.h" in routine.cost().in_words()
+
+
+def test_terms_without_functions_do_without_the_library(pd7, tmp_path):
+    (header,) = [text for _, text in export_files(routines_of(pd7), tmp_path / "x.h").files]
+    assert "no function of a library is called" in header
+    assert "-lm" not in header
+
+
+def test_numbers_too_large_for_single_precision_are_named():
+    model = degrees_of([Shape("gaussian", (1e39, 1.0))])
+    with pytest.raises(ExportError, match=r"1e\+39, which is too large for single precision"):
+        routines_of(model, precision="float32")
+    assert routines_of(model)
 
 
 def test_rules_and_inputs_that_do_not_count_leave_no_trace(tmp_path):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import table_definition as definition
 from c_programs import ARM, HOST, run_c, spread
 from hypothesis import given
 from hypothesis import strategies as st
@@ -53,6 +54,42 @@ def test_a_part_is_rounded_to_the_nearest_and_fits_32_bits(difference, share):
     assert abs(result - exact) <= Fraction(1, 2)
     assert abs(difference * share) + 16384 < 2**31
     assert int(part(np.array(-difference), np.array(share))) == -result
+    assert result == definition.half_away(exact)
+
+
+def test_exact_ties_of_a_scale_go_to_the_even_number():
+    scale = Scale(0.0, 32768.0, 15)  # a step is 1
+    halves = [-2.5, -1.5, -0.5, 0.5, 1.5, 2.5]
+    assert [scale.nearest(x) for x in halves] == [-2, -2, 0, 0, 2, 2]
+    assert [scale.below(x) for x in (*halves, 3.0)] == [-3, -2, -1, 0, 1, 2, 3]
+
+
+def halves(values):
+    """A table whose blends meet exact ties at e = 0 and t = 0, of either sign."""
+    axes = (Axis("e", (-1.0, 1.0)), Axis("t", (-1.0, 0.25, 1.0)))
+    return LookupTable(axes, "u", np.array(values) / 32768, low=-1.0, high=1.0)
+
+
+TIES = halves([[3, 8, -5], [8, -3, 5]]), halves([[-7, -2, 1], [1, -1, 0]])
+
+
+@pytest.mark.parametrize("table", TIES, ids=["a", "b"])
+def test_blends_are_those_of_the_definition_also_on_exact_ties(table, tmp_path):
+    (routine,) = routines_of(table, mode="linear", q=15)
+    core = routine.core
+    # The share at e = 0 is one half in steps of 2^-15: (0 + 32768) 32768 / 65535, rounded down.
+    assert definition.neighbours(core.points[0].tolist(), 0)[1] * 32768 // 1 == 16384
+    e, t = (x.ravel() for x in np.meshgrid(
+        [-32768, -1, 0, 1, 777, 32767], [-32768, -12288, -12287, 0, 8192, 20480, 32767]
+    ))  # fmt: skip
+    levels, values = [x.tolist() for x in core.points], core.values.reshape(2, 3).tolist()
+    expected = [
+        definition.in_fixed_point(levels, values, point)
+        for point in zip(e.tolist(), t.tolist(), strict=True)
+    ]
+    assert routine.evaluate(e, t).tolist() == expected
+    (found,) = run_c([routine], [(e, t)], tmp_path)
+    assert found.tolist() == expected
 
 
 def test_the_cell_is_the_one_of_the_quantity_itself():

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import importlib.util
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
+import table_definition as definition
 
 from fuzzyarm.export import ExportError, export_files, routines_of
 from fuzzyarm.table import Axis, LookupTable, read_table
@@ -170,6 +172,42 @@ def test_the_block_computes_what_the_model_computes(table, options, tmp_path):
         np.testing.assert_allclose(found, expected, rtol=0, atol=4e-6)
     else:
         np.testing.assert_array_equal(np.array(found, expected.dtype), expected)
+
+
+def block_of(table, folder, **options):
+    (routine,) = routines_of(table, **options)
+    (file,) = export_files([routine], folder / "plc.st").files
+    return routine, FunctionBlock(file[1])
+
+
+def test_exact_ties_of_fixed_point_are_rounded_away_from_zero(tmp_path):
+    # At e = 0 the share is one half: 16384 of 32768. Values are steps of the output, and one
+    # half of an odd difference is a tie.
+    for near, far, expected in ((3, 8, 6), (8, 3, 5), (-3, -8, -6), (-8, -3, -5), (0, 1, 1)):
+        values = np.array([near, far]) / 32768
+        table = LookupTable((Axis("e", (-1.0, 1.0)),), "u", values, low=-1.0, high=1.0)
+        routine, block = block_of(table, tmp_path, mode="linear", q=15)
+        half = Fraction(far - near, 2)
+        assert near + definition.half_away(half) == expected
+        assert block.call(0) == expected
+        for e in (-32768, -32767, -1, 1, 12345, 32767):
+            levels, cells = routine.core.points[0].tolist(), routine.core.values.tolist()
+            assert block.call(e) == definition.in_fixed_point([levels], cells, [e])
+
+
+@pytest.mark.parametrize("mode", ["bins", "nearest", "linear"])
+def test_thresholds_midpoints_and_levels_are_those_of_the_definition(mode, tmp_path):
+    axes = (Axis("e", (-2.0, -1.0, 1.0, 3.0), (-1.0, 0.0, 2.5)), Axis("ce", (0.0, 0.5, 1.0)))
+    table = LookupTable(axes, "u", np.arange(12.0).reshape(4, 3) ** 2)
+    _, block = block_of(table, tmp_path, mode=mode, precision="float64")
+    for e in (-3, -2, -1.5, -1, -0.0, 0, 0.5, 1, 2, 2.5, 3, 4):
+        for ce in (-1, 0, 0.25, 0.5, 0.75, 1, 2):
+            wanted = (
+                definition.interpolated(axes, table.values, (e, ce))
+                if mode == "linear"
+                else definition.picked(axes, table.values, (e, ce), mode)
+            )
+            assert block.call(e, ce) == float(wanted)
 
 
 @pytest.mark.slow

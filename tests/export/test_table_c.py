@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import table_definition as definition
 from c_programs import ARM, HOST, compile_c, execute, run_c, spread, ulps
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
@@ -70,6 +71,27 @@ def test_every_way_of_looking_up_agrees_over_100_000_points(tmp_path, target):
         else:
             largest = float(np.abs(core.table.values).max())
             assert np.abs(found - truth).max() <= 8 * np.finfo(np.float32).eps * largest
+
+
+def test_ties_edges_and_levels_are_those_of_the_definition(tmp_path):
+    axes = (Axis("e", (-2.0, -1.0, 1.0, 3.0), (-1.0, 0.0, 2.5)), Axis("ce", (0.0, 0.5, 1.0)))
+    table = LookupTable(axes, "u", np.arange(12.0).reshape(4, 3) ** 2)
+    e, ce = (x.ravel() for x in np.meshgrid(
+        [-3, -2, -1.5, -1, -0.0, 0, 0.5, 1, 2, 2.5, 3, 4], [-1, 0, 0.25, 0.5, 0.75, 1, 2]
+    ))  # fmt: skip
+    points = list(zip(e.tolist(), ce.tolist(), strict=True))
+    modes = ("bins", "nearest", "linear")
+    routines = [routine for mode in modes for routine in routines_of(table, mode=mode)]
+    found = run_c(routines, [(e, ce)] * 3, tmp_path)
+    for mode, routine, values in zip(modes, routines, found, strict=True):
+        expected = [
+            float(definition.interpolated(axes, table.values, point))
+            if mode == "linear"
+            else definition.picked(axes, table.values, point, mode)
+            for point in points
+        ]
+        assert values.tolist() == expected
+        assert routine.evaluate(e, ce).tolist() == expected
 
 
 @pytest.mark.parametrize("mode", ["bins", "nearest", "linear"])

@@ -340,3 +340,12 @@ def test_of_equal_arguments_the_first(name):
         alone = struct.pack("d", function(a, b))
         assert alone == struct.pack("d", a)
         assert struct.pack("d", float(function(np.array(a), np.array(b)))) == alone
+
+
+@pytest.mark.parametrize(
+    "kind", [kind for kind in kinds.SHAPES.values() if kind.inverse], ids=lambda kind: kind.name
+)
+def test_an_inverse_finds_the_degree(kind):
+    for degree in (0.05, 0.3, 0.5, 0.7, 0.95):
+        position = kind.inverse(degree, -1.5, 2.25)
+        assert kind.scalar(position, -1.5, 2.25) == pytest.approx(degree, abs=1e-12)

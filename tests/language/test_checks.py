@@ -182,7 +182,9 @@ def test_a_defuzzifier_must_fit_its_terms(terms, defuzzifier, name):
 def test_every_check_has_its_line_in_the_docs_with_its_severity():
     page = DOCS.read_text()
     for name, check in CHECKS.items():
-        assert f"| `{name}` | {check.severity} |" in page
+        assert f"| `{name}` | {check.severity} | {check.doc} |" in page
+    rows = re.findall(r"^\| `([\w-]+)` \| (?:error|warning|info) \|", page, re.MULTILINE)
+    assert rows == list(CHECKS)
 
 
 def test_every_diagnostic_of_the_language_is_in_the_docs():

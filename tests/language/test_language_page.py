@@ -5,14 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language import format_text, parse, write
-from fuzzyarm.language.tokens import HEDGE_WORDS, STATEMENTS
+from fuzzyarm.language.phrases import SETTINGS
+from fuzzyarm.language.statements import STATEMENTS
 from fuzzyarm.model.rulebase import DEFUZZIFIERS
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import MAX_INPUTS, MAX_TERMS
 
-PAGE = (Path(__file__).parents[2] / "docs" / "language.md").read_text()
+PATH = Path(__file__).parents[2] / "docs" / "language.md"
+PAGE = PATH.read_text()
 BLOCKS = re.findall(r"```frb ?(\w*)\n(.*?)```", PAGE, re.DOTALL)
 PREAMBLE = next(text for kind, text in BLOCKS if kind == "preamble")
 A_RULE = "rule if e is ZE then u is ZE\n"
@@ -43,7 +45,7 @@ def test_there_are_examples_of_every_kind():
 
 @pytest.mark.parametrize(
     "word",
-    [*STATEMENTS, *SHAPES, *EVEN_SHAPES, *HEDGE_WORDS, *DEFUZZIFIERS, *SNORMS],
+    [*STATEMENTS, *SHAPES, *EVEN_SHAPES, *HEDGES.words, *DEFUZZIFIERS, *SNORMS],
 )
 def test_every_word_of_the_language_is_on_the_page(word):
     assert re.search(rf"\b{re.escape(word)}\b", PAGE)
@@ -52,3 +54,64 @@ def test_every_word_of_the_language_is_on_the_page(word):
 def test_the_stated_limits_are_the_real_ones():
     assert f"{MAX_INPUTS} inputs" in PAGE
     assert f"{MAX_TERMS:,} terms" in PAGE
+
+
+# ── tables that follow from the records ──────────────────────────────────────────────────
+
+
+def rows_of_shapes():
+    for kind in SHAPES.values():
+        if kind.fuzzy:
+            numbers = "(x, y) …" if kind.name == "points" else " ".join(kind.parameters)
+            yield f"`{kind.name}`", numbers, kind.doc
+
+
+def rows_of_hedges():
+    for kind in HEDGES.values():
+        numbers = f"({', '.join(kind.parameters)})" if kind.parameters else ""
+        yield ", ".join(f"`{word}{numbers}`" for word in (kind.name, *kind.aliases)), kind.doc
+
+
+def rows_of_norms(norms):
+    for kind in norms.values():
+        yield f"`{kind.name}`", kind.doc, f"`{kind.dual}`" if kind.dual else ""
+
+
+TABLES = {
+    "| statement |": lambda: (
+        (f"`{f'{r.word} {r.syntax}'.strip()}`", r.doc) for r in STATEMENTS.values()
+    ),
+    "| family |": lambda: ((f"`{name}`", doc) for name, doc in EVEN_SHAPES.items()),
+    "| shape |": rows_of_shapes,
+    "| hedge |": rows_of_hedges,
+    "| T-norm |": lambda: rows_of_norms(TNORMS),
+    "| S-norm |": lambda: rows_of_norms(SNORMS),
+}
+
+
+@pytest.mark.parametrize("head", TABLES)
+def test_tables_of_kinds_are_those_of_the_records(head, update_golden):
+    page = PATH.read_text()
+    (table,) = re.findall(rf"^{re.escape(head)}.*\n\|---.*\n((?:\|.*\n)*)", page, re.MULTILINE)
+    lines = [" | ".join(cell.replace("|", "\\|") for cell in row) for row in TABLES[head]()]
+    expected = "".join(f"| {line} |\n" for line in lines)
+    if update_golden:
+        before, after = re.split(rf"(?<=\n){re.escape(head)}", page)
+        rule = after.index("\n", after.index("\n|---") + 1) + 1
+        PATH.write_text(before + head + after[:rule] + expected + after[rule + len(table) :])
+        return
+    assert table == expected
+
+
+def test_settings_of_the_page_are_those_of_the_records():
+    rows = re.findall(r"^\| `([\w-]+)` \| (.*) \| (\w+[\w ]*) \|$", PAGE, re.MULTILINE)
+    stated = {key: (values, of) for key, values, of in rows if key in SETTINGS}
+    assert list(stated) == ["and", "or", "implication", "threshold", "aggregation",
+                            "defuzzifier", "no-rule", "outside"]  # fmt: skip
+    assert set(stated) == set(SETTINGS)
+    for key in ("and", "or", "defuzzifier", "no-rule", "outside"):
+        assert re.findall(r"`([a-z-]+)`", stated[key][0])[: len(SETTINGS[key].values)] == list(
+            SETTINGS[key].values
+        )
+    for key, (_, of) in stated.items():
+        assert SETTINGS[key].of in (of, of.replace("inputs and outputs", "variables"))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm.language import parse
-from fuzzyarm.language.parser import ParseMemory
+from fuzzyarm.language.document import ParseMemory
 
 SHIPPED = sorted((Path(__file__).parents[2] / "rulebases").glob("*.frb"))
 PIECES = (

@@ -8,7 +8,6 @@ import pytest
 
 from fuzzyarm.api import check_text
 from fuzzyarm.language import parse
-from fuzzyarm.language.nodes import GridNode
 from fuzzyarm.language.queries import (
     Candidate,
     RenameError,
@@ -26,6 +25,7 @@ from fuzzyarm.language.queries import (
     symbols,
 )
 from fuzzyarm.language.queries.fixes import Edit
+from fuzzyarm.language.statements import GridNode
 
 HEAD = """\
 rulebase cart "a cart"

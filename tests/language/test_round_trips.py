@@ -6,7 +6,7 @@ from strategies import plain_mamdani, rulebases
 
 from fuzzyarm.language import format_text, parse, write
 from fuzzyarm.language.check import check
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.text.names import is_plain_name
 from fuzzyarm.text.numbers import number_text
 

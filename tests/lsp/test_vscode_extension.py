@@ -10,15 +10,75 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.language.tokens import HEDGE_WORDS, LOOKUP_ITEMS, STATEMENTS
-from fuzzyarm.model.rulebase import DEFUZZIFIERS
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.language.phrases import SETTINGS
+from fuzzyarm.language.statements import LOOKUP_ITEMS, STATEMENTS, WORDS
+from fuzzyarm.language.tokens import RESERVED
+from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
 from fuzzyarm.model.shapes import EVEN_SHAPES
-from fuzzyarm.table.grid import KEYWORDS
+from fuzzyarm.table.header import KEYWORDS
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 GRAMMAR = (FOLDER / "syntaxes" / "fuzzyarm.tmLanguage.json").read_text("utf-8")
 TABLE = (FOLDER / "syntaxes" / "fuzzyarm-table.tmLanguage.json").read_text("utf-8")
+
+
+# What the words between `(` and `)` in the patterns of a scope are, by the records.
+_NAMED = SETTINGS.keys() - RESERVED
+_PLAIN_HEDGES = [word for word, name in HEDGES.words.items() if not HEDGES[name].parameters]
+_FAMILIES = [*EVEN_SHAPES, *SHAPES]
+_VALUES = dict.fromkeys(
+    word
+    for words in (TNORMS, SNORMS, DEFUZZIFIERS, ("exact",), SAMPLINGS, SETTINGS["outside"].values,
+                  SETTINGS["no-rule"].values)
+    for word in words
+)  # fmt: skip
+_BEFORE_NAMES = [word for word in STATEMENTS if word in ("rulebase", "input", "output", "block")]
+_WITH_OWN_PATTERN = {*_BEFORE_NAMES, "terms", "term", "rules"}
+_CONNECTIVES = dict.fromkeys(
+    [*(word for word in RESERVED if word not in ("inf", "nan")),
+     *(word for word in WORDS if word not in (*LOOKUP_ITEMS, "exact"))]
+)  # fmt: skip
+WORD_LISTS = {
+    ("declaration", 0): _BEFORE_NAMES,
+    ("statement", 0): [word for word in STATEMENTS if word not in _WITH_OWN_PATTERN],
+    ("lookup", 0): LOOKUP_ITEMS,
+    ("words", 1): _PLAIN_HEDGES,
+    ("words", 2): HEDGES.words,
+    ("words", 3): _CONNECTIVES,
+    ("words", 4): sorted(_NAMED),
+    ("words", 5): _FAMILIES,
+    ("words", 6): _VALUES,
+}
+"""The words of a rule of the grammar, by its name and the index of the pattern in it."""
+_LIST = re.compile(r"(?<=[(:])[a-z-]+(?:\|[a-z-]+)+(?=\))")
+
+
+def with_words(grammar: str) -> str:
+    """Return the text of the grammar with the words of the records in its lists."""
+    tree = json.loads(grammar)
+    for (rule, index), words in WORD_LISTS.items():
+        part = tree["repository"][rule]
+        pattern = (part["patterns"][index] if "patterns" in part else part)["match"]
+        listed = _LIST.search(pattern)
+        assert listed is not None
+        if set(listed[0].split("|")) == set(words):
+            continue  # the order is the grammar's own
+        changed = pattern[: listed.start()] + "|".join(words) + pattern[listed.end() :]
+        old, new = (json.dumps(text, ensure_ascii=False) for text in (pattern, changed))
+        grammar = grammar.replace(old, new)
+    return grammar
+
+
+def test_the_words_of_the_grammar_are_those_of_the_records(update_golden: bool) -> None:
+    expected = with_words(GRAMMAR)
+    if update_golden:
+        (FOLDER / "syntaxes" / "fuzzyarm.tmLanguage.json").write_text(expected, "utf-8")
+    else:
+        assert expected == GRAMMAR
+    assert _WITH_OWN_PATTERN - {*_BEFORE_NAMES} == {
+        word for word in STATEMENTS if rf"^\\s*({word})" in GRAMMAR
+    }
 
 
 def _words(grammar: str) -> set[str]:
@@ -26,7 +86,7 @@ def _words(grammar: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "words", [STATEMENTS, HEDGE_WORDS, SHAPES, EVEN_SHAPES, DEFUZZIFIERS, LOOKUP_ITEMS]
+    "words", [STATEMENTS, HEDGES.words, SHAPES, EVEN_SHAPES, DEFUZZIFIERS, LOOKUP_ITEMS]
 )
 def test_the_grammar_knows_every_word_of_the_language(words: object) -> None:
     assert set(words) <= _words(GRAMMAR)  # type: ignore[call-overload]

@@ -135,6 +135,22 @@ def test_machine_code_of_two_processes_does_not_mix_in_a_third(tmp_path):
 
 
 @pytest.mark.slow
+def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
+    code = (
+        "import json; from fuzzyarm.plant import *; from fuzzyarm.controller import *;"
+        "from fuzzyarm.loop import simulate;"
+        "runs = [simulate(controller('cdid'), reach(segment=0.1), conventions=each)"
+        " for each in (PLAIN, STUDY_CONVENTIONAL, PLAIN)];"
+        "print(json.dumps([list(run.rms) for run in runs]))"
+    )
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path)}
+    wanted = in_new_process(code, **environment, FUZZYARM_JIT="0")
+    assert wanted[0] != wanted[1]
+    assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
+    assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
+
+
+@pytest.mark.slow
 def test_a_damaged_file_is_compiled_again(tmp_path):
     environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
     first, _, _ = in_new_process(RUN_AND_TELL, **environment)

@@ -39,9 +39,6 @@ FLOOR = {package: floor for floor, package in enumerate(ORDER)}
 
 KNOWN_CIRCLES = {
     frozenset({"fuzzyarm.inference", "fuzzyarm.inference.defuzzify", "fuzzyarm.inference.kernel"}),
-    frozenset(
-        {"fuzzyarm.formats", "fuzzyarm.formats.fcl", "fuzzyarm.formats.fis", "fuzzyarm.formats.fll"}
-    ),
 }
 """Packages that import each other though none of their modules do. They are to go.
 

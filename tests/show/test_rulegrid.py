@@ -1,9 +1,10 @@
 from __future__ import annotations
 
 from fuzzyarm.language import parse
+from fuzzyarm.language.queries.hover import rule_sentence
 from fuzzyarm.show.diff import compare_rulebases
 from fuzzyarm.show.drawing import plain_text
-from fuzzyarm.show.rulebase import expression_words, find_grids, rule_words, rules_view
+from fuzzyarm.show.rulebase import expression_words, find_grids, rules_view
 
 HEADER = """\
 rulebase r
@@ -57,7 +58,7 @@ def test_contradictions_weights_holes_and_several_outputs():
     text = plain_text(rules_view(base))
     assert "S/L" in text
     assert "M*0.5" in text
-    assert [rule_words(rule) for rule in others] == [
+    assert [rule_sentence(rule) for rule in others] == [
         "if a is LO and b is HI then y is M and z is S",
         "if a is LO then z is S",
         "if a is very LO or b is not HI then z is L with 0.25",

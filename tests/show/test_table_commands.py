@@ -85,17 +85,17 @@ def test_explain_as_text_and_as_data(capsys, frb):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["e=1", "cx=2"], "there is no input 'cx' (did you mean 'ce'?)"),
+        (["e=1", "cx=2"], "unknown input 'cx' (did you mean 'ce'?)"),
         (["e=1"], "no value for input ce (add, for instance, ce=0)"),
         ([], "no value for inputs e, ce"),
         (["e=nan", "ce=0"], "the value of 'e' must be finite, not nan"),
         (["e=inf", "ce=0"], "must be finite"),
-        (["e=one", "ce=0"], "the value of 'e' is no number: 'one'"),
+        (["e=one", "ce=0"], "the value of 'e' is not a number: 'one'"),
         (["e=1", "e=2", "ce=0"], "'e' is given twice"),
-        (["1.3", "ce=0"], "'1.3' is no assignment"),
+        (["1.3", "ce=0"], "'1.3' is not an assignment"),
         (["e=1", "ce=0", "--defuzzifier", "centriod"], "did you mean 'centroid'"),
         (["e=1", "ce=0", "--mode", "bins"], "--mode is for tables"),
-        (["e=1", "ce=0", "--held", "v=2"], "there is no output 'v'"),
+        (["e=1", "ce=0", "--held", "v=2"], "unknown output 'v'"),
         (["e=1", "ce=0", "--plot", "x.gif"], "does not tell a figure format"),
     ],
 )

@@ -101,9 +101,9 @@ def test_a_finder_counts_smaller_points(points, seed):
     x = np.array([*points, *near, *random.uniform(-2e6, 2e6, 5), np.inf, -np.inf])
     index = np.zeros(x.size, np.int32)
     with np.errstate(invalid="ignore"):
-        assert lookup.add_cells(x, *finder, 1, index)
+        assert lookup.add_cells(x, finder, 1, index)
     assert index.tolist() == np.searchsorted(points, x).tolist()
-    assert not lookup.add_cells(np.array([np.nan]), *finder, 1, index[:1])
+    assert not lookup.add_cells(np.array([np.nan]), finder, 1, index[:1])
 
 
 def test_small_arrays_do_not_load_numba():

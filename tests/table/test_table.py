@@ -162,7 +162,7 @@ def test_not_a_number_is_refused(mode):
         (lambda t: t.lookup(1, 2, 3), "has 2 inputs .e, ce., not 3"),
         (lambda t: t.lookup(1, cx=2), "no input 'cx'.*did you mean 'ce'"),
         (lambda t: t.lookup(1, e=2), "'e' is given twice"),
-        (lambda t: t.lookup(1, 2, mode="cubic"), "no lookup mode 'cubic'"),
+        (lambda t: t.lookup(1, 2, mode="cubic"), "unknown lookup mode 'cubic'"),
         (lambda t: t.lookup(np.zeros(2), np.zeros(3)), "do not fit each other"),
     ],
 )

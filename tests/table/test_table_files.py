@@ -105,6 +105,7 @@ def test_a_damaged_json_is_diagnosed(old, new, name):
         ("2,9,10,11,12", "3,9,10,11,12", "wrong-label"),
         ("2,9,10,11,12", "2,9,ten,11,12", "not-a-number"),
         ("2,9,10,11,12", "2,9,10,11,12#3", "not-a-number"),
+        ("2,9,10,11,12", '" #2",9,10,11,12', "not-a-number"),
         ("2,9,10,11,12", "2,9,,11,12", "not-a-number"),
         ("e \\ ce,0", "ce \\ e,0", "transposed-labels"),
         ("index   row e, column ce", "", "missing-index-order"),
@@ -117,6 +118,14 @@ def test_a_damaged_csv_is_diagnosed_at_its_line(old, new, name):
     parsed = parse_table(text.replace(old, new, 1).encode(), "t.csv")
     assert parsed.table is None
     assert name in [d.name for d in parsed.diagnostics]
+
+
+def test_a_row_of_a_csv_that_begins_like_a_comment_is_diagnosed():
+    table = LookupTable((Axis("t", (0, 1)),), "u", [5, 6])
+    text = table_as(table, ".csv").replace("u,5,6", '" #u",5,6')
+    parsed = parse_table(text.encode(), "t.csv")
+    assert parsed.table is None
+    assert {d.name for d in parsed.diagnostics} == {"not-a-number", "wrong-label"}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".json", ".npz", ".lut"])

@@ -19,16 +19,28 @@ C infers the rules themselves. All outputs go into one file unless --output name
 from __future__ import annotations
 
 import argparse
-import json
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import re
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import WordError, read_levels, read_number
+from fuzzyarm.cli.command import (
+    WordError,
+    argument,
+    busy,
+    command,
+    flag,
+    group,
+    json_of,
+    out,
+    print_json,
+    read_number,
+    require_suffix,
+)
+from fuzzyarm.language.tokens import Cursor, Fault, tokenize
+from fuzzyarm.text.diagnostic import Diagnostic
 
 if TYPE_CHECKING:
     from fuzzyarm.export import Exported
@@ -36,69 +48,48 @@ if TYPE_CHECKING:
     from fuzzyarm.table import CompileReport, LookupTable
 
 
-EXPORTS = (".h", ".c", ".st")
+_EXPORTS = (".h", ".c", ".st")
 
+# Options that make no sense for some inputs or outputs, by their names.
 _SOURCE_ONLY = ("direct", "q", "precision", "name")
 _RULES_ONLY = ("direct", "levels", "tolerance", "round", "date")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm compile``."""
-    parser.add_argument(
-        "file", metavar="FILE", help="a rule base (.frb, .fll, .fcl, .fis) or a table"
-    )
-    parser.add_argument("-o", "--out", required=True, metavar="OUT", help="the file to write")
-    parser.add_argument("--output", metavar="NAME", help="which output, if there are several")
-    size = parser.add_mutually_exclusive_group()
-    size.add_argument(
-        "--levels", metavar="SPEC", help="49, or '-6 .. 6 step 1', or 'e = 49, ce = 25'"
-    )
-    size.add_argument("--tolerance", metavar="T", help="find the smallest even grid within T")
-    parser.add_argument("--round", metavar="STEP", help="round the values; 0 for not at all")
-    parser.add_argument("--mode", choices=("bins", "nearest", "linear"), help="how to look up")
-    parser.add_argument("--date", action="store_true", help="put today's date into the table")
-    parser.add_argument("--json", action="store_true", help="print the report as JSON")
-    source = parser.add_argument_group("source text (.h, .c, .st)")
-    source.add_argument("--direct", action="store_true", help="infer the rules, without a table")
-    source.add_argument("--q", type=int, choices=(15, 7), help="fixed point: int16 or int8")
-    source.add_argument(
-        "--precision",
-        choices=("mixed", "float32", "float64"),
-        help="mixed (float outside, double inside where needed) by default",
-    )
-    source.add_argument("--name", metavar="IDENT", help="begins every identifier")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Compile, write, report."""
+def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.api import load
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table.files import SUFFIXES
 
-    out = Path(arguments.out)
-    exports = out.suffix.lower() in EXPORTS
-    if not exports and out.suffix.lower() not in SUFFIXES:
-        known = ", ".join((*SUFFIXES, *EXPORTS))
-        raise WordError(f"'{out.name}' does not tell a format", hint=f"known: {known}")
+    arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
+    exports = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS)) in _EXPORTS
     if not exports:
-        _forbid(arguments, _SOURCE_ONLY, f"{out.name} is a table")
+        _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
     model = load(arguments.file)
     if not isinstance(model, RuleBase):
         _forbid(arguments, _RULES_ONLY, f"{arguments.file} is a table already")
-        return _rewrite(model, out, arguments)
-    if arguments.direct:
+        if arguments.output not in (None, model.output):
+            has = f"it has {model.output}"
+            raise WordError(f"the table has no output '{arguments.output}': {has}")
+        if exports:
+            _export([model], (), arguments)
+        else:
+            _rewrite(model, arguments)
+    elif arguments.direct:
         _forbid(arguments, _TABLES_ONLY, "with --direct there is no table")
-        return _export(model, (), out, arguments)
-    if not exports:
+        _export(model, (), arguments)
+    elif exports:
+        names = [arguments.output] if arguments.output else [each.name for each in model.outputs]
+        reports = [_compile(model, name, arguments) for name in names or [None]]
+        _export([report.table for report in reports], reports, arguments)
+    else:
         report = _compile(model, arguments.output, arguments)
-        _write_table(report.table, out)
-        data = as_data(report, out)
-        print(json.dumps(data, indent=2) if arguments.json else in_words(report, out))
-        return 0
-    names = [arguments.output] if arguments.output else [each.name for each in model.outputs]
-    reports = [_compile(model, name, arguments) for name in names or [None]]
-    return _export([report.table for report in reports], reports, out, arguments)
+        _write(report.table, arguments)
+        if arguments.json:
+            print_json(_report_data(report, arguments.out), 2)
+        else:
+            print("\n".join(_report_lines(report, arguments.out)))
+    return 0
 
 
 def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> None:
@@ -110,99 +101,142 @@ def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> 
 def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
     from fuzzyarm.table.fidelity import compile_with_report
 
-    with _progress() as progress:
+    def number(text: str | None, option: str) -> float | None:
+        return None if text is None else read_number(text, option)
+
+    with busy("compiling") as progress:
         return compile_with_report(
             model,
             output,
-            levels=None if arguments.levels is None else read_levels(arguments.levels),
-            rounding=_number(arguments.round, "--round"),
+            levels=None if arguments.levels is None else _read_levels(arguments.levels),
+            rounding=number(arguments.round, "--round"),
             mode=arguments.mode,
-            tolerance=_number(arguments.tolerance, "--tolerance"),
+            tolerance=number(arguments.tolerance, "--tolerance"),
             source=arguments.file,
             date=datetime.now(UTC).date().isoformat() if arguments.date else None,
             progress=progress,
         )
 
 
-def _rewrite(table: LookupTable, out: Path, arguments: argparse.Namespace) -> int:
+def _rewrite(table: LookupTable, arguments: argparse.Namespace) -> None:
     """Write a table in another format."""
-    if arguments.output not in (None, table.output):
-        raise WordError(f"the table has no output '{arguments.output}': it has {table.output}")
-    if out.suffix.lower() in EXPORTS:
-        return _export([table], (), out, arguments)
     if arguments.mode is not None:
         table = replace(table, mode=arguments.mode)
-    _write_table(table, out)
-    shape = " x ".join(map(str, table.shape))
-    data = {
-        "file": str(out),
-        "output": table.output,
-        "index": list(table.names),
-        "shape": list(table.shape),
-        "cells": int(table.values.size),
-        "mode": table.default_mode,
-    }
-    words = f"{out}: {shape} cells of {table.output} over {', '.join(table.names)}"
-    print(json.dumps(data, indent=2) if arguments.json else words)
-    return 0
+    _write(table, arguments)
+    if arguments.json:
+        print_json({**_table_data(table, arguments.out), "mode": table.default_mode}, 2)
+    else:
+        print(_table_words(table, arguments.out))
 
 
-def _write_table(table: LookupTable, out: Path) -> None:
+def _write(table: LookupTable, arguments: argparse.Namespace) -> None:
     from fuzzyarm.table.files import write_table
 
-    write_table(table, out)
+    write_table(table, arguments.out)
 
 
 def _export(
     model: RuleBase | list[LookupTable],
-    reports: tuple[CompileReport, ...] | list[CompileReport],
-    out: Path,
+    reports: Sequence[CompileReport],
     arguments: argparse.Namespace,
-) -> int:
-    """Write source text and say how good and how large it is."""
+) -> None:
+    """Write source text and say how accurate and how large it is."""
     from fuzzyarm.export import routines_of, write_export
 
-    direct = bool(arguments.direct)
     precision = arguments.precision
     if precision is None:  # few PLCs have a double; a C compiler always has
-        precision = "float32" if out.suffix.lower() == ".st" else "mixed"
+        precision = "float32" if arguments.out.lower().endswith(".st") else "mixed"
     elif arguments.q is not None:
         raise WordError("--precision makes no sense with --q: whole numbers have no precision")
     routines = routines_of(
         model,
-        output=arguments.output if direct else None,
+        output=arguments.output if arguments.direct else None,
         mode=arguments.mode,
         q=arguments.q,
         precision=precision,
         source=arguments.file,
     )
-    exported = write_export(routines, out, arguments.name)
+    exported = write_export(routines, arguments.out, arguments.name)
     if arguments.json:
-        tables = [as_data(report, out) for report in reports]
-        print(json.dumps(export_data(exported, tables), indent=2))
-        return 0
-    for report in reports:
-        print(in_words(report, out))
-    print(export_words(exported))
-    return 0
+        tables = [_report_data(report, arguments.out) for report in reports]
+        print_json({**_export_data(exported), "tables": tables}, 2)
+        return
+    lines = [line for report in reports for line in _report_lines(report, arguments.out)]
+    print("\n".join([*lines, *_export_lines(exported)]))
 
 
-def _number(text: str | None, name: str) -> float | None:
-    return None if text is None else read_number(text, name)
+# --- The `--levels`, in the words of the language ---
+
+Levels = int | tuple[float, ...]
+
+_NAMED = re.compile(r"\s*(?P<name>[^=:]+?)\s*[=:]\s*(?P<rest>.+)", re.DOTALL)
 
 
-def as_data(report: CompileReport, out: Path) -> dict[str, Any]:
-    """Return the report as JSON data."""
-    table = report.table
+def _read_levels(text: str) -> Levels | dict[str, Levels]:
+    """Return what ``--levels`` asks for.
+
+    That many even levels for every input (``49``), these levels (``-6 .. 6 step 1``,
+    ``0 1 5``), or either for named inputs (``e = 49, ce = -6 .. 6 step 1``).
+    """
+    parts = [part for part in re.split(r"[,;]", text) if part.strip()]
+    if not parts:
+        raise WordError("--levels says nothing")
+    if len(parts) == 1 and not _NAMED.match(parts[0]):
+        return _levels_of_one(parts[0])
+    levels: dict[str, Levels] = {}
+    for part in parts:
+        match = _NAMED.match(part)
+        if match is None:
+            raise WordError(f"--levels '{part.strip()}' does not say for which input")
+        levels[match["name"].strip("'")] = _levels_of_one(match["rest"])
+    return levels
+
+
+def _levels_of_one(text: str) -> Levels:
+    from fuzzyarm.table.header import read_number_list
+
+    if re.fullmatch(r"\s*[0-9]+\s*", text):
+        return int(text)
+    diagnostics: list[Diagnostic] = []
+    lines = tokenize(text, diagnostics)
+    tokens = lines[0].tokens if lines else ()
+    if diagnostics or not tokens:
+        raise WordError(f"--levels '{text.strip()}' is not a list of numbers")
+    cursor = Cursor(tokens)
+    try:
+        values = read_number_list(cursor, "levels")
+        cursor.finish()
+    except Fault as fault:
+        raise WordError(f"--levels '{text.strip()}': {fault.diagnostic.message}") from None
+    if len(values) == 1:
+        raise WordError(f"--levels '{text.strip()}' is not a whole number of levels")
+    return values
+
+
+# --- What is said of tables and of source text ---
+
+
+def _table_data(table: LookupTable, out: str) -> dict[str, Any]:
     return {
-        "file": str(out),
+        "file": out,
         "output": table.output,
         "index": list(table.names),
         "shape": list(table.shape),
         "cells": int(table.values.size),
+    }
+
+
+def _table_words(table: LookupTable, out: str) -> str:
+    shape = " x ".join(map(str, table.shape))
+    return f"{out}: {shape} cells of {table.output} over {', '.join(table.names)}"
+
+
+def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
+    return {
+        **_table_data(report.table, out),
         "default_levels": report.default_levels,
         "tolerance": report.tolerance,
-        "mode": table.default_mode,
+        "mode": report.table.default_mode,
         "errors": [
             {
                 "mode": fidelity.mode,
@@ -216,47 +250,28 @@ def as_data(report: CompileReport, out: Path) -> dict[str, Any]:
     }
 
 
-def in_words(report: CompileReport, out: Path) -> str:
-    """Return the report as lines of text."""
-    from fuzzyarm.show.rulebase import number_words
+def _report_lines(report: CompileReport, out: str) -> list[str]:
+    from fuzzyarm.show.drawing import number_words
 
-    table = report.table
-    shape = " x ".join(map(str, table.shape))
-    lines = [f"{out}: {shape} cells of {table.output} over {', '.join(table.names)}"]
+    lines = [_table_words(report.table, out)]
     if report.default_levels:
         lines.append("the file names no levels for every input: 13 even levels were taken")
     lines.append("difference to direct inference, in units of the output:")
     for fidelity in report.fidelities:
-        at = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fidelity.at)
+        where = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fidelity.at)
         size = " x ".join(map(str, fidelity.points))
         lines.append(
             f"  {fidelity.mode:<7}  worst {number_words(fidelity.worst, 4):<8} "
-            f"rms {number_words(fidelity.rms, 4):<8} worst at {at} (of {size} points)"
+            f"rms {number_words(fidelity.rms, 4):<8} worst at {where} (of {size} points)"
         )
     if report.tolerance is not None:
         lines.append(
             f"this is the smallest even grid within {report.tolerance:g}, looked up linearly"
         )
-    return "\n".join(lines)
+    return lines
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None] | None]:
-    """Show what is going on, on a terminal only."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status("compiling") as status:
-        yield status.update
-
-
-# --- What `compile` says of exported source text ---
-
-
-def export_data(exported: Exported, tables: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the report as JSON data; `tables` are those that were compiled on the way."""
+def _export_data(exported: Exported) -> dict[str, Any]:
     return {
         "files": [str(path) for path, _ in exported.files],
         "functions": [
@@ -273,23 +288,48 @@ def export_data(exported: Exported, tables: list[dict[str, Any]]) -> dict[str, A
             }
             for call, routine in zip(exported.calls, exported.routines, strict=True)
         ],
-        "tables": tables,
     }
 
 
-def export_words(exported: Exported) -> str:
-    """Return the report as lines of text."""
-    from fuzzyarm.show.rulebase import number_words
+def _export_lines(exported: Exported) -> list[str]:
+    from fuzzyarm.show.drawing import number_words
 
-    lines = []
-    for path, text in exported.files:
-        lines.append(f"{path}: {len(text.encode()):,} bytes of source")
+    lines = [f"{path}: {len(text.encode()):,} bytes of source" for path, text in exported.files]
     for call, routine in zip(exported.calls, exported.routines, strict=True):
         accuracy, cost = routine.accuracy(), routine.cost()
-        lines.append(call)
-        lines.append(
-            f"  worst error against {accuracy.against}: {number_words(accuracy.worst, 3)}"
-            f" (of {accuracy.points:,} points)"
-        )
-        lines.append(f"  at most {cost.in_words()}")
-    return "\n".join(lines)
+        worst = number_words(accuracy.worst, 3)
+        lines += [
+            call,
+            f"  worst error against {accuracy.against}: {worst} (of {accuracy.points:,} points)",
+            f"  at most {cost.in_words()}",
+        ]
+    return lines
+
+
+COMMANDS = (
+    command(
+        "compile",
+        __doc__,
+        _run,
+        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis) or a table"),
+        out("OUT", "the file to write"),
+        argument("--output NAME", "which output, if there are several"),
+        argument("--levels SPEC", "49, or '-6 .. 6 step 1', or 'e = 49, ce = 25'", either="size"),
+        argument("--tolerance T", "find the smallest even grid within T", either="size"),
+        argument("--round STEP", "round the values; 0 for not at all"),
+        argument("--mode", "how to look up", choices=("bins", "nearest", "linear")),
+        flag("--date", "put today's date into the table"),
+        json_of("the report"),
+        *group(
+            "source text (.h, .c, .st)",
+            flag("--direct", "infer the rules, without a table"),
+            argument("--q", "fixed point: int16 or int8", type=int, choices=(15, 7)),
+            argument(
+                "--precision",
+                "mixed (float outside, double inside where needed) by default",
+                choices=("mixed", "float32", "float64"),
+            ),
+            argument("--name IDENT", "begins every identifier"),
+        ),
+    ),
+)

@@ -16,46 +16,37 @@ A table becomes the rules whose terms come nearest; what they cannot express is 
 from __future__ import annotations
 
 import argparse
-import json
-import os
 import sys
 from dataclasses import replace
 from pathlib import Path
 
 from fuzzyarm.api import TABLE_SUFFIXES
+from fuzzyarm.cli.command import (
+    argument,
+    command,
+    finding_data,
+    flag,
+    json_of,
+    print_error,
+    print_findings,
+    print_json,
+)
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, render
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 from fuzzyarm.text.files import write_atomically
 
 _SLIGHT = frozenset({"sampling", "outside-range"})
 """Losses that change numbers a little, or only outside the range of a variable."""
 
+_FIELDS = ("name", "severity", "message", "hint", "line", "column")
+"""What --json tells of a finding."""
+
 _PROGRAMS = sorted({program for programs in PRODUCERS.values() for program in programs})
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm convert``."""
-    parser.add_argument("source", metavar="IN", help=".frb, .fll, .fcl or .fis; or a table")
-    parser.add_argument("target", metavar="OUT", help=".frb, .fll, .fcl or .fis")
-    mode = parser.add_mutually_exclusive_group()
-    mode.add_argument("--lossy", action="store_true", help="go on where numbers will differ")
-    mode.add_argument("--strict", action="store_true", help="refuse small differences too")
-    parser.add_argument(
-        "--from", dest="producer", choices=_PROGRAMS, help="the program IN was written for"
-    )
-    parser.add_argument(
-        "--for", dest="consumer", choices=_PROGRAMS, help="the program OUT is written for"
-    )
-    parser.add_argument("--block", metavar="NAME", help="which function block of an .fcl to take")
-    parser.add_argument("--terms", type=int, metavar="N", help="of a table: terms of the output")
-    parser.add_argument("--quiet", "-q", action="store_true", help="print errors only")
-    parser.add_argument("--json", action="store_true", help="print what was found as JSON")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Convert one file; return 1 if it cannot be read or written faithfully."""
+def _run(arguments: argparse.Namespace) -> int:
     target = suffix_of(arguments.target)
     if Path(arguments.source).suffix.lower() in TABLE_SUFFIXES:
         return _convert_table(arguments, target)
@@ -96,22 +87,23 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
         for d in exported.diagnostics
         if d.is_error or d.severity == "warning"
     ]
+    written = exported.text is not None
     if exported.text is not None:
         write_atomically(arguments.target, exported.text)
     imported = Imported(found.rulebase, (), "table")
-    if not arguments.json:
-        _report(arguments, imported, diagnostics, written=exported.text is not None)
-        if exported.text is not None and not arguments.quiet:
-            print(
-                f"what {len(found.rulebase.rules)} rules cannot express of {table.output}: "
-                f"{found.worst:.3g} at worst, {found.rms:.3g} rms over "
-                f"{table.values.size} cells"
-            )
-    else:
-        data = _as_json(arguments, imported, diagnostics, written=exported.text is not None)
+    rules = len(found.rulebase.rules)
+    if arguments.json:
+        data = _as_json(arguments, imported, diagnostics, written=written)
         residual = {"worst": found.worst, "rms": found.rms}
-        print(json.dumps({**data, "rules": len(found.rulebase.rules), "residual": residual}))
-    return 0 if exported.text is not None else 1
+        print_json({**data, "rules": rules, "residual": residual})
+        return int(not written)
+    _report(arguments, imported, diagnostics, written=written)
+    if written and not arguments.quiet:
+        print(
+            f"what {rules} rules cannot express of {table.output}: {found.worst:.3g} at worst, "
+            f"{found.rms:.3g} rms over {table.values.size} cells"
+        )
+    return int(not written)
 
 
 def _differs_slightly(exported: Exported) -> bool:
@@ -127,29 +119,25 @@ def _report(
     arguments: argparse.Namespace, imported: Imported, found: list[Diagnostic], *, written: bool
 ) -> None:
     if arguments.json:
-        print(json.dumps(_as_json(arguments, imported, found, written=written), indent=2))
+        print_json(_as_json(arguments, imported, found, written=written), 2)
         return
-    shown = [d for d in found if d.is_error or not arguments.quiet]
-    if shown:
-        stream = sys.stderr if not written else sys.stdout
-        colour = stream.isatty() and "NO_COLOR" not in os.environ
-        text = text_to_show(arguments.source)
-        for diagnostic in shown:
-            print(_shown(diagnostic, text, colour=colour), file=stream)
+    stream = sys.stdout if written else sys.stderr
+    text = text_to_show(arguments.source) if found else ""
+    for diagnostic in found:
+        if arguments.quiet and not diagnostic.is_error:
+            continue
+        if diagnostic.span != NOWHERE:
+            print_findings([diagnostic], text, stream)
+            continue
+        hint = f"\n       = hint: {diagnostic.hint}" if diagnostic.hint else ""
+        label = f"{diagnostic.severity}[{diagnostic.name}]"
+        print(f"{diagnostic.path}: {label}: {diagnostic.message}{hint}", file=stream)
     if not written:
-        print(f"fuzzyarm: {arguments.target}: not written", file=sys.stderr)
+        print_error(f"{arguments.target}: not written")
     elif not arguments.quiet:
         # Of a table the residual tells what was lost.
         summary = "" if imported.producer == "table" and not found else f", {_summary(found)}"
         print(f"{arguments.target}: written{summary}")
-
-
-def _shown(diagnostic: Diagnostic, text: str, *, colour: bool) -> str:
-    if diagnostic.span != NOWHERE:
-        return render(diagnostic, text, colour=colour)
-    hint = f"\n       = hint: {diagnostic.hint}" if diagnostic.hint else ""
-    label = f"{diagnostic.severity}[{diagnostic.name}]"
-    return f"{diagnostic.path}: {label}: {diagnostic.message}{hint}"
 
 
 def _summary(found: list[Diagnostic]) -> str:
@@ -165,15 +153,24 @@ def _as_json(
         "target": arguments.target,
         "producer": imported.producer,
         "written": written,
-        "diagnostics": [
-            {
-                "name": d.name,
-                "severity": str(d.severity),
-                "message": d.message,
-                "hint": d.hint,
-                "line": d.line,
-                "column": d.column,
-            }
-            for d in found
-        ],
+        "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in found],
     }
+
+
+COMMANDS = (
+    command(
+        "convert",
+        __doc__,
+        _run,
+        argument("source IN", ".frb, .fll, .fcl or .fis; or a table"),
+        argument("target OUT", ".frb, .fll, .fcl or .fis"),
+        flag("--lossy", "go on where numbers will differ", either="mode"),
+        flag("--strict", "refuse small differences too", either="mode"),
+        argument("--from", "the program IN was written for", dest="producer", choices=_PROGRAMS),
+        argument("--for", "the program OUT is written for", dest="consumer", choices=_PROGRAMS),
+        argument("--block NAME", "which function block of an .fcl to take"),
+        argument("--terms N", "of a table: terms of the output", type=int),
+        flag("--quiet -q", "print errors only"),
+        json_of("what was found"),
+    ),
+)

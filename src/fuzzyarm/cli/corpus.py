@@ -12,13 +12,13 @@ import argparse
 import json
 import math
 import re
-import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from fuzzyarm.cli.command import argument, command, flag, json_of, print_error, print_json
 from fuzzyarm.formats import FOREIGN, PRODUCERS, Imported, read
 from fuzzyarm.inference import InferenceError, prepare
 from fuzzyarm.model.rulebase import RuleBase
@@ -44,26 +44,12 @@ _IGNORED = re.compile(r"outputs_resolution_\d+\Z")
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """One program's outputs for one file.
+    """One program's outputs for one file, row by row; NaN where there is no value."""
 
-    Attributes
-    ----------
-    program : str
-        ``octave``, ``fuzzylite`` and so on; empty where the file does not say.
-    block : str or None
-        The function block of an FCL file.
-    resolution : int or None
-        Number of samples where it was not the program's usual one.
-    input_names, output_names : tuple of str or None
-        None where the numbers are in the order of the file.
-    inputs, outputs : sequence of rows
-        NaN where there is no value.
-    """
-
-    program: str
-    block: str | None
-    resolution: int | None
-    input_names: tuple[str, ...] | None
+    program: str  # octave, fuzzylite and so on; empty where the file does not say
+    block: str | None  # the function block of an FCL file
+    resolution: int | None  # samples, where it was not the program's usual number
+    input_names: tuple[str, ...] | None  # None: in the order of the file
     output_names: tuple[str, ...] | None
     inputs: tuple[tuple[float, ...], ...]
     outputs: tuple[tuple[float, ...], ...]
@@ -77,7 +63,7 @@ def read_references(path: Path) -> list[Reference]:
     OSError
         If it cannot be read.
     ValueError
-        If it is no such file.
+        If it is not such a file.
     """
     data = json.loads(path.read_text(encoding="utf-8"))
     if not isinstance(data, dict):
@@ -109,8 +95,7 @@ def _number(value: float | str | None) -> float:
     return math.nan if value is None else float(value)
 
 
-def sampled(rulebase: RuleBase, resolution: int | None) -> RuleBase:
-    """Return the rule base with another number of samples, where it samples at all."""
+def _sampled(rulebase: RuleBase, resolution: int | None) -> RuleBase:
     if resolution is None:
         return rulebase
     outputs = tuple(
@@ -133,7 +118,7 @@ def worst_difference(rulebase: RuleBase, reference: Reference) -> float:
     InferenceError
         If the rule base cannot be evaluated.
     """
-    prepared = prepare(sampled(rulebase, reference.resolution))
+    prepared = prepare(_sampled(rulebase, reference.resolution))
     inputs = reference.input_names or tuple(v.name for v in rulebase.inputs)
     outputs = reference.output_names or tuple(o.name for o in rulebase.outputs)
     held = {output.name: math.nan for output in rulebase.outputs}
@@ -143,12 +128,9 @@ def worst_difference(rulebase: RuleBase, reference: Reference) -> float:
             found = prepared.evaluate(dict(zip(inputs, row, strict=True)), held)
         except (KeyError, ValueError) as error:
             raise InferenceError(str(error)) from error
-        worst = max(worst, _row_difference([found[name] for name in outputs], expected))
+        values = [found[name] for name in outputs]
+        worst = max([worst, *map(difference, values, expected)])
     return worst
-
-
-def _row_difference(found: Sequence[float], expected: Sequence[float]) -> float:
-    return max(map(difference, found, expected), default=0.0)
 
 
 def difference(found: float, expected: float) -> float:
@@ -164,39 +146,18 @@ def difference(found: float, expected: float) -> float:
 
 @dataclass(slots=True)
 class Row:
-    """What became of one file.
+    """What became of one file."""
 
-    Attributes
-    ----------
-    file : str
-        Its path within the folder.
-    format : str
-        Suffix.
-    imported : bool
-        Whether there was no error.
-    producer : str
-        The program whose defaults were taken.
-    findings : dict
-        Name of a diagnostic → how often.
-    first : str
-        The first error.
-    references : int
-        Reference columns at hand.
-    matched : int
-        How many of them the rule base equals at all points.
-    differences : dict
-        Program of each reference that is missed → greatest relative difference, or why.
-    """
-
-    file: str
-    format: str
-    imported: bool
-    producer: str
-    findings: dict[str, int]
-    first: str = ""
-    references: int = 0
-    matched: int = 0
+    file: str  # its path within the folder
+    format: str  # its suffix
+    imported: bool  # whether there was no error
+    producer: str  # the program whose defaults were taken
+    findings: dict[str, int]  # name of a diagnostic → how often
+    first: str = ""  # the first error
+    references: int = 0  # reference columns at hand
+    matched: int = 0  # how many of them the rule base equals at all points
     differences: dict[str, str] = field(default_factory=dict)
+    """Program of each reference that is missed → greatest relative difference, or why."""
 
     @property
     def equal(self) -> bool:
@@ -204,24 +165,13 @@ class Row:
         return self.references > 0 and self.matched == self.references
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm corpus``."""
-    parser.add_argument("folder", metavar="DIR", type=Path, help="where the files are")
-    parser.add_argument("--reference", metavar="DIR", type=Path, help="where the references are")
-    parser.add_argument("--verbose", "-v", action="store_true", help="a line for every file")
-    parser.add_argument("--json", action="store_true", help="print the report as JSON")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Print the report; return 1 if the folder holds no such file."""
+def _run(arguments: argparse.Namespace) -> int:
     rows = survey(arguments.folder, arguments.reference)
     if not rows:
-        kinds = ", ".join(FOREIGN)
-        print(f"fuzzyarm: {arguments.folder}: no {kinds} files in there", file=sys.stderr)
+        print_error(f"{arguments.folder}: no {', '.join(FOREIGN)} files in there")
         return 1
     if arguments.json:
-        report = {"summary": summary(rows), "files": [asdict(row) for row in rows]}
-        print(json.dumps(report, indent=2))
+        print_json({"summary": summary(rows), "files": [asdict(row) for row in rows]}, 2)
     else:
         _print(rows, verbose=arguments.verbose)
     return 0
@@ -238,7 +188,7 @@ def survey(folder: Path, reference: Path | None = None) -> list[Row]:
         Where the references are; by default ``reference`` in `folder` or beside it.
     """
     if not folder.is_dir():
-        raise NotADirectoryError(20, "is no folder", str(folder))
+        raise NotADirectoryError(20, "not a folder", str(folder))
     candidates = (folder / "reference", folder.parent / "reference")
     where = reference or next((c for c in candidates if c.is_dir()), None)
     files = sorted(p for p in folder.rglob("*") if p.suffix.lower() in FOREIGN and p.is_file())
@@ -317,3 +267,16 @@ def _print(rows: list[Row], *, verbose: bool) -> None:
     print(f"{'':>6}" + "".join(f"{column:>11}" for column in columns))
     for kind, counts in summary(rows).items():
         print(f"{kind:>6}" + "".join(f"{counts[column]:>11}" for column in columns))
+
+
+COMMANDS = (
+    command(
+        "corpus",
+        __doc__,
+        _run,
+        argument("folder DIR", "where the files are", type=Path),
+        argument("--reference DIR", "where the references are", type=Path),
+        flag("--verbose -v", "a line for every file"),
+        json_of("the report"),
+    ),
+)

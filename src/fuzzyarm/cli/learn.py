@@ -20,107 +20,81 @@ Examples
 from __future__ import annotations
 
 import argparse
-import json
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import (
+from fuzzyarm.cli.command import (
+    JSON,
+    SET,
     WordError,
-    add_conventions,
-    add_trajectory,
-    conventions_of,
+    argument,
+    command,
+    flag,
+    group,
+    out,
+    print_json,
+    progress_bar,
+    require_suffix,
+)
+from fuzzyarm.cli.simulate import (
+    CONVENTIONS,
+    TRAJECTORY,
+    experiment_of,
+    overrides,
     read_control_table,
     read_performance,
-    trajectory_of,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from rich.console import Console
 
     from fuzzyarm.controller import Sources
-    from fuzzyarm.controller.controller import CompiledController
     from fuzzyarm.controller.self_organizing import Learned
-    from fuzzyarm.controller.sources import JointTables
     from fuzzyarm.learning.self_organizing import Snapshot
     from fuzzyarm.table import LookupTable
 
 
-MOST_PASSES = 10_000
+_MOST_PASSES = 10_000
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm learn``."""
-    parser.add_argument(
-        "--start",
-        nargs="+",
-        default=["zero"],
-        metavar="WORD",
-        help="zero (default), table (the shipped one), FILE, or a FILE for each joint",
-    )
-    parser.add_argument(
-        "--performance",
-        default="yamazaki",
-        metavar="WORD",
-        help="FILE, or yamazaki (default) or procyk-mamdani, which are shipped",
-    )
-    add_trajectory(parser)
-    run = parser.add_argument_group("training")
-    run.add_argument("--passes", type=int, default=1, metavar="N", help="repeat the trajectory")
-    run.add_argument("--rate", type=float, default=1.0, metavar="R", help="learning rate")
-    run.add_argument(
-        "--delay",
-        type=int,
-        default=1,
-        metavar="N",
-        help="control steps from a cell's use to its judgement",
-    )
-    run.add_argument("--freeze", action="store_true", help="run with the table as it is")
-    run.add_argument(
-        "--set", action="append", default=[], metavar="GAIN=V[,V]", help="override a gain"
-    )
-    add_conventions(run)
-    out = parser.add_argument_group("output")
-    out.add_argument("-o", "--out", metavar="FILE", help=".lut, .csv, .json or .npz")
-    out.add_argument("--joint", type=int, choices=[1, 2], help="write the table of one joint")
-    out.add_argument("--date", action="store_true", help="write the date into the file")
-    out.add_argument(
-        "--every", type=int, metavar="N", help="show the tables after every N set points"
-    )
-    out.add_argument("--json", action="store_true")
-
-
-def run(arguments: argparse.Namespace) -> int:
-    """Run ``fuzzyarm learn``."""
+def _run(arguments: argparse.Namespace) -> int:
     _check(arguments)
-    sources = _sources(arguments)
-    controller, start = _controller(arguments, sources)
+    training = _Training(arguments)
     shown: list[dict[str, Any]] = []
     finished: list[Snapshot] = []
-    for snapshot in _watched(arguments, controller, start):
+    for snapshot in training.snapshots():
         if snapshot.complete:
             finished.append(snapshot)
         if arguments.every and not arguments.json:
-            _show_growth(arguments, snapshot, start, sources)
+            training.show(snapshot)
         elif arguments.every:
-            shown.append(_as_json(snapshot, start))
-    last = finished[-1]
+            shown.append(training.data(snapshot))
+    start, last = training.start, finished[-1]
     if arguments.out:
-        _write(arguments, last.learned, start, sources)
-    if arguments.json:
-        print(json.dumps(_report(arguments, finished, start, shown), indent=1))
-    else:
-        _print(arguments, finished, start, sources)
+        training.write(last.learned)
+    if not arguments.json:
+        training.print(finished)
+        return 0
+    report = {
+        "passes": [training.data(snapshot) for snapshot in finished],
+        "levels": {
+            "e": list(start.rows.levels),
+            "ce": list(start.columns.levels),
+        },
+        "tables": last.learned.values.tolist(),
+        "visits": last.learned.visits.tolist(),
+        "file": arguments.out,
+    }
+    print_json({**report, "snapshots": shown} if arguments.every else report, 1)
     return 0
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    if not 1 <= arguments.passes <= MOST_PASSES:
-        raise WordError(f"--passes takes 1 to {MOST_PASSES}, not {arguments.passes}")
+    if not 1 <= arguments.passes <= _MOST_PASSES:
+        raise WordError(f"--passes takes 1 to {_MOST_PASSES}, not {arguments.passes}")
     if arguments.every is not None and arguments.every < 1:
         raise WordError(f"--every takes at least 1 set point, not {arguments.every}")
     if arguments.freeze and arguments.out:
@@ -130,10 +104,8 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.out:
         from fuzzyarm.table.files import SUFFIXES
 
+        require_suffix(arguments.out, SUFFIXES)
         out = Path(arguments.out)
-        if out.suffix.lower() not in SUFFIXES:
-            known = ", ".join(SUFFIXES)
-            raise WordError(f"'{out.name}' does not tell a format", hint=f"known: {known}")
         if not out.parent.is_dir():
             raise WordError(f"there is no folder '{out.parent}'")
 
@@ -151,157 +123,149 @@ def _sources(arguments: argparse.Namespace) -> Sources:
     return Sources(table=table, performance=read_performance(arguments.performance))
 
 
-def _controller(
-    arguments: argparse.Namespace, sources: Sources
-) -> tuple[CompiledController, JointTables]:
-    from fuzzyarm.cli.simulate import overrides
-    from fuzzyarm.controller import controller
-    from fuzzyarm.controller.controller import CompiledController
-    from fuzzyarm.controller.self_organizing import starting_tables
-    from fuzzyarm.controller.sources import joint_tables
+class _Training:
+    """A training as the arguments ask for it, and what is printed and written of it."""
 
-    made = controller("soc-zero", sources=sources).with_gains(
-        {
-            "learning_rate": [0.0 if arguments.freeze else arguments.rate],
-            "delay": [float(arguments.delay)],
-            **overrides(arguments.set),
-        }
-    )
-    assert isinstance(made, CompiledController)
-    assert sources.performance is not None
-    return made, starting_tables(sources.table, joint_tables(sources.performance))
+    def __init__(self, arguments: argparse.Namespace) -> None:
+        from fuzzyarm.controller import controller
+        from fuzzyarm.controller.controller import CompiledController
+        from fuzzyarm.controller.self_organizing import starting_tables
+        from fuzzyarm.controller.sources import joint_tables
 
-
-def _watched(
-    arguments: argparse.Namespace, controller: CompiledController, start: JointTables
-) -> Iterator[Snapshot]:
-    """Train, with a progress bar where a terminal shows it."""
-    from fuzzyarm.learning.self_organizing import train
-    from fuzzyarm.plant import schedule
-    from fuzzyarm.plant.trajectory import sample
-
-    trajectory = trajectory_of(arguments)
-    conventions = conventions_of(arguments, "soc-zero")
-    arms = schedule(
-        trajectory, payload=arguments.payload, segments=arguments.loaded, conventions=conventions
-    )
-    points = len(sample(trajectory, conventions).time)
-    shape = len(start.rows.levels), len(start.columns.levels)
-    done = 0
-    with _bar(points * arguments.passes, arguments) as watch:
-        for snapshot in train(
-            controller,
-            trajectory,
-            shape,
-            passes=arguments.passes,
-            every=arguments.every,
-            arms=arms,
-            conventions=conventions,
-        ):
-            watch(snapshot.points - done)
-            done = snapshot.points
-            # A cell that was never used has to stay what its file says, and 1.8 - 1 + 1 is 1.8.
-            kept = snapshot.learned.readable(single=conventions.single)
-            yield replace(snapshot, learned=kept)
-
-
-@contextmanager
-def _bar(total: int, arguments: argparse.Namespace) -> Iterator[Callable[[int], None]]:
-    # A bar and grids on one screen would be in each other's way.
-    if not sys.stderr.isatty() or (arguments.every and not arguments.json):
-        yield lambda _count: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("learning", total=total)
-        yield lambda count: progress.advance(task, count)
-
-
-def _tables(values: Any, start: JointTables, sources: Sources) -> list[LookupTable]:
-    """Return the table of each joint over e and ce."""
-    from fuzzyarm.table import LookupTable
-
-    like = sources.table or sources.performance
-    assert like is not None
-    return [
-        LookupTable(
-            (start.rows, start.columns),
-            "u",
-            values[joint],
-            low=like.low,
-            high=like.high,
-            description="control, normalised",
-            mode=start.mode if start.mode != "bins" else None,
+        self.arguments = arguments
+        self.sources = _sources(arguments)
+        made = controller("soc-zero", sources=self.sources).with_gains(
+            {
+                "learning_rate": [0.0 if arguments.freeze else arguments.rate],
+                "delay": [float(arguments.delay)],
+                **overrides(arguments.set),
+            }
         )
-        for joint in (0, 1)
-    ]
+        assert isinstance(made, CompiledController)
+        assert self.sources.performance is not None
+        self.controller = made
+        self.start = starting_tables(self.sources.table, joint_tables(self.sources.performance))
 
+    def snapshots(self) -> Iterator[Snapshot]:
+        """Train, with a progress bar where a terminal shows it."""
+        from fuzzyarm.learning.self_organizing import train
+        from fuzzyarm.plant.trajectory import sample
 
-def _show_growth(
-    arguments: argparse.Namespace, snapshot: Snapshot, start: JointTables, sources: Sources
-) -> None:
-    from fuzzyarm.show.drawing import make_console
-    from fuzzyarm.show.table import learned_view
+        arguments = self.arguments
+        trajectory, conventions, arms = experiment_of(arguments, "soc-zero")
+        points = len(sample(trajectory, conventions).time)
+        shape = len(self.start.rows.levels), len(self.start.columns.levels)
+        done = 0
+        # A bar and grids on one screen would be in each other's way.
+        shown = not arguments.every or arguments.json
+        with progress_bar("learning", points * arguments.passes, shown=shown) as advance:
+            for snapshot in train(
+                self.controller,
+                trajectory,
+                shape,
+                passes=arguments.passes,
+                every=arguments.every,
+                arms=arms,
+                conventions=conventions,
+            ):
+                advance(snapshot.points - done)
+                done = snapshot.points
+                # An unused cell has to stay what its file says, and 1.8 - 1 + 1 is not 1.8.
+                learned = snapshot.learned.readable(single=conventions.single)
+                yield replace(snapshot, learned=learned)
 
-    console = make_console()
-    rms = snapshot.rms
-    console.print(
-        f"pass {snapshot.passage} of {arguments.passes}, {snapshot.time:.3f} s: "
-        f"RMS error {rms[0]:.4f}° and {rms[1]:.4f}° so far"
-    )
-    before = _tables(start.values, start, sources)
-    after = _tables(snapshot.learned.values, start, sources)
-    for joint in (0, 1):
-        visits = snapshot.learned.visits[joint]
-        name = f"joint {joint + 1}"
-        console.print(learned_view(before[joint], after[joint], visits, name, with_visits=False))
+    def _tables(self, values: Any) -> list[LookupTable]:
+        """Return the table of each joint over e and ce."""
+        from fuzzyarm.table import LookupTable
 
+        like = self.sources.table or self.sources.performance
+        assert like is not None
+        return [
+            LookupTable(
+                (self.start.rows, self.start.columns),
+                "u",
+                values[joint],
+                low=like.low,
+                high=like.high,
+                description="control, normalised",
+                mode=self.start.mode if self.start.mode != "bins" else None,
+            )
+            for joint in (0, 1)
+        ]
 
-def _print(
-    arguments: argparse.Namespace,
-    finished: list[Snapshot],
-    start: JointTables,
-    sources: Sources,
-) -> None:
-    from fuzzyarm.show.drawing import make_console
-    from fuzzyarm.show.table import learned_view
+    def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
+        from fuzzyarm.show.table import learned_view
 
-    console = make_console()
-    last = finished[-1]
-    before = _tables(start.values, start, sources)
-    after = _tables(last.learned.values, start, sources)
-    for joint in (0, 1):
-        visits = last.learned.visits[joint]
-        console.print(learned_view(before[joint], after[joint], visits, f"joint {joint + 1}"))
-    for snapshot in finished:
+        pairs = zip(self._tables(self.start.values), self._tables(learned.values), strict=True)
+        for joint, (before, after) in enumerate(pairs):
+            name, visits = f"joint {joint + 1}", learned.visits[joint]
+            console.print(learned_view(before, after, visits, name, with_visits=with_visits))
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Print the tables while they grow."""
+        from fuzzyarm.show.drawing import make_console
+
+        console = make_console()
         rms = snapshot.rms
         console.print(
-            f"pass {snapshot.passage}: RMS error {rms[0]:.4f}° and {rms[1]:.4f}°"
-            + (", learning off" if arguments.freeze else "")
+            f"pass {snapshot.passage} of {self.arguments.passes}, {snapshot.time:.3f} s: "
+            f"RMS error {rms[0]:.4f}° and {rms[1]:.4f}° so far"
         )
-    if last.diverged is not None:
-        console.print(f"diverged: the training was stopped at {last.diverged:.3f} s of that pass")
-    if arguments.out:
-        both = "" if arguments.joint else ", both joints in one table over joint, e and ce"
-        console.print(f"{arguments.out}: written{both}", soft_wrap=True)
+        self._print_tables(console, snapshot.learned, with_visits=False)
 
+    def print(self, finished: list[Snapshot]) -> None:
+        """Print the tables at the end and the errors of each pass."""
+        from fuzzyarm.show.drawing import make_console
 
-def _write(
-    arguments: argparse.Namespace, learned: Learned, start: JointTables, sources: Sources
-) -> None:
-    from fuzzyarm.controller.sources import over_joints
-    from fuzzyarm.table import write_table
+        console = make_console()
+        last, out = finished[-1], self.arguments.out
+        self._print_tables(console, last.learned, with_visits=True)
+        for snapshot in finished:
+            rms = snapshot.rms
+            console.print(
+                f"pass {snapshot.passage}: RMS error {rms[0]:.4f}° and {rms[1]:.4f}°"
+                + (", learning off" if self.arguments.freeze else "")
+            )
+        if last.diverged is not None:
+            console.print(
+                f"diverged: the training was stopped at {last.diverged:.3f} s of that pass"
+            )
+        if out:
+            both = "" if self.arguments.joint else ", both joints in one table over joint, e and ce"
+            console.print(f"{out}: written{both}", soft_wrap=True)
 
-    tables = _tables(learned.values, start, sources)
-    origin = tuple(_provenance(arguments).items())
-    if arguments.joint:
-        table = replace(tables[arguments.joint - 1], provenance=origin)
-    else:
-        values = replace(start, values=learned.values)
-        table = replace(over_joints(values, tables[0]), provenance=origin)
-    write_table(table, arguments.out)
+    def write(self, learned: Learned) -> None:
+        """Write the table of one joint, or one over both."""
+        from fuzzyarm.controller.sources import over_joints
+        from fuzzyarm.table import write_table
+
+        tables = self._tables(learned.values)
+        if self.arguments.joint:
+            table = tables[self.arguments.joint - 1]
+        else:
+            table = over_joints(replace(self.start, values=learned.values), tables[0])
+        origin = tuple(_provenance(self.arguments).items())
+        write_table(replace(table, provenance=origin), self.arguments.out)
+
+    def data(self, snapshot: Snapshot) -> dict[str, Any]:
+        """Return the state of a training as JSON data."""
+        learned = snapshot.learned
+        changed = learned.values != self.start.values
+        return {
+            "pass": snapshot.passage,
+            "time": snapshot.time,
+            "rms": [float(each) for each in snapshot.rms],
+            "complete": snapshot.complete,
+            "diverged": snapshot.diverged,
+            "joints": [
+                {
+                    "visited": int((learned.visits[joint] > 0).sum()),
+                    "changed": int(changed[joint].sum()),
+                    "never_visited": int((learned.visits[joint] == 0).sum()),
+                }
+                for joint in (0, 1)
+            ],
+        }
 
 
 def _provenance(arguments: argparse.Namespace) -> dict[str, str]:
@@ -341,38 +305,41 @@ def _trajectory_words(arguments: argparse.Namespace) -> str:
     return " ".join(words)
 
 
-def _as_json(snapshot: Snapshot, start: JointTables) -> dict[str, Any]:
-    learned = snapshot.learned
-    changed = learned.values != start.values
-    return {
-        "pass": snapshot.passage,
-        "time": snapshot.time,
-        "rms": [float(each) for each in snapshot.rms],
-        "complete": snapshot.complete,
-        "diverged": snapshot.diverged,
-        "joints": [
-            {
-                "visited": int((learned.visits[joint] > 0).sum()),
-                "changed": int(changed[joint].sum()),
-                "never_visited": int((learned.visits[joint] == 0).sum()),
-            }
-            for joint in (0, 1)
-        ],
-    }
-
-
-def _report(
-    arguments: argparse.Namespace,
-    finished: list[Snapshot],
-    start: JointTables,
-    shown: list[dict[str, Any]],
-) -> dict[str, Any]:
-    last = finished[-1].learned
-    report = {
-        "passes": [_as_json(snapshot, start) for snapshot in finished],
-        "levels": {"e": list(start.rows.levels), "ce": list(start.columns.levels)},
-        "tables": last.values.tolist(),
-        "visits": last.visits.tolist(),
-        "file": arguments.out,
-    }
-    return {**report, "snapshots": shown} if arguments.every else report
+COMMANDS = (
+    command(
+        "learn",
+        __doc__,
+        _run,
+        argument(
+            "--start WORD",
+            "zero (default), table (the shipped one), FILE, or a FILE for each joint",
+            nargs="+",
+            default=["zero"],
+        ),
+        argument(
+            "--performance WORD",
+            "FILE, or yamazaki (default) or procyk-mamdani, which are shipped",
+            default="yamazaki",
+        ),
+        *TRAJECTORY,
+        *group(
+            "training",
+            argument("--passes N", "repeat the trajectory", type=int, default=1),
+            argument("--rate R", "learning rate", type=float, default=1.0),
+            argument(
+                "--delay N", "control steps from a cell's use to its judgement", type=int, default=1
+            ),
+            flag("--freeze", "run with the table as it is"),
+            SET,
+            *CONVENTIONS,
+        ),
+        *group(
+            "output",
+            out("FILE", ".lut, .csv, .json or .npz", required=False),
+            argument("--joint", "write the table of one joint", type=int, choices=[1, 2]),
+            flag("--date", "write the date into the file"),
+            argument("--every N", "show the tables after every N set points", type=int),
+            JSON,
+        ),
+    ),
+)

@@ -1,13 +1,24 @@
-"""Draw a model: ``fuzzyarm show`` in the terminal, ``fuzzyarm plot`` as a figure."""
+"""Draw a model, ``fuzzyarm show`` and ``fuzzyarm plot``, or compare two, ``fuzzyarm diff``."""
 
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import WordError, read_assignments, require_all
+from fuzzyarm.cli.command import (
+    MODEL,
+    WordError,
+    argument,
+    at,
+    command,
+    flag,
+    json_of,
+    out,
+    print_json,
+    read_assignments,
+    read_point,
+)
 from fuzzyarm.model.rulebase import RuleBase
 
 if TYPE_CHECKING:
@@ -15,9 +26,10 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from fuzzyarm.table import LookupTable
+    from fuzzyarm.table.diff import TableDiff
 
 
-DESCRIPTION_SHOW = """Draw a rule base or a table in the terminal.
+_SHOW = """Draw a rule base or a table in the terminal.
 
 A rule base: its variables with their terms as small plots, the rules as grids, how they are
 evaluated. A table: its axes, its origin and its values as a heat grid. With --at the
@@ -27,63 +39,50 @@ inference (or the cell) at one point is shown as well.
 """
 
 
-def configure_show(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm show``."""
-    parser.add_argument("files", nargs="+", metavar="FILE", help="rule bases and tables")
-    parser.add_argument("--at", metavar="NAME=VALUE,...", help="also the inference at one point")
-    parser.add_argument("--all", action="store_true", help="every level of a large table")
-    parser.add_argument("--json", action="store_true", help="print the model as JSON")
-
-
-def run_show(arguments: argparse.Namespace) -> int:
-    """Draw every file."""
+def _show(arguments: argparse.Namespace) -> int:
     from fuzzyarm.api import load
 
     models = [load(path) for path in arguments.files]
     if arguments.json:
-        data = [as_data(model) for model in models]
-        print(json.dumps(data[0] if len(data) == 1 else data, ensure_ascii=False, indent=2))
+        data = [_model_data(model) for model in models]
+        print_json(data[0] if len(data) == 1 else data, 2, ascii_only=False)
         return 0
     from fuzzyarm.show.drawing import make_console
 
     console = make_console()
-    drawings = [drawing(model, at=arguments.at, all_levels=arguments.all) for model in models]
-    for k, picture in enumerate(drawings):
+    drawings = [_drawing(model, arguments) for model in models]
+    for k, drawing in enumerate(drawings):
         if k:
             console.print()
-        console.print(picture)
+        console.print(drawing)
     return 0
 
 
-def drawing(model: RuleBase | LookupTable, *, at: str | None, all_levels: bool) -> RenderableType:
-    """Return the drawing of a model, with the inference at the point `at` if one is given."""
+def _drawing(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> RenderableType:
+    words = None if arguments.at is None else [arguments.at]
     if not isinstance(model, RuleBase):
         from fuzzyarm.show.table import table_view
 
         point = None
-        if at is not None:
-            values = read_assignments([at], model.names)
-            require_all(values, model.names)
+        if words is not None:
+            values = read_point(words, model.names)
             point = [values[name] for name in model.names]
-        return table_view(model, all_levels=all_levels, at=point)
+        return table_view(model, all_levels=arguments.all, at=point)
+    from fuzzyarm.show.rulebase import rulebase_view
+
+    if words is None:
+        return rulebase_view(model)
     from rich.console import Group
     from rich.text import Text
 
-    from fuzzyarm.show.rulebase import rulebase_view
-
-    if at is None:
-        return rulebase_view(model)
     from fuzzyarm.inference.trace import explain
     from fuzzyarm.show.trace import trace_view
 
-    names = [variable.name for variable in model.inputs]
-    values = read_assignments([at], names)
-    require_all(values, names)
+    values = read_point(words, [variable.name for variable in model.inputs])
     return Group(rulebase_view(model), Text(), trace_view(explain(model, values)))
 
 
-def as_data(model: RuleBase | LookupTable) -> dict[str, Any]:
-    """Return a model as JSON data."""
+def _model_data(model: RuleBase | LookupTable) -> dict[str, Any]:
     if isinstance(model, RuleBase):
         return {"kind": "rulebase", **_without_spans(asdict(model))}
     from fuzzyarm.table.files import header_data
@@ -101,7 +100,7 @@ def _without_spans(data: Any) -> Any:
     return data
 
 
-DESCRIPTION_PLOT = """Draw a rule base or a table as a figure: .png, .svg or .pdf.
+_PLOT = """Draw a rule base or a table as a figure: .png, .svg or .pdf.
 
 A rule base gives the memberships of every variable and the control surface of every output:
 a line over one input, a surface and its map over two, a slice over two of more with the
@@ -110,41 +109,31 @@ others at the middle of their ranges or where --at says. A table gives its cells
   fuzzyarm plot rulebases/thermostat.frb -o thermostat.svg --at presence=1
 """
 
-WHAT = ("all", "terms", "surface")
 
-
-def configure_plot(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm plot``."""
-    parser.add_argument("file", metavar="FILE", help="a rule base or a table")
-    parser.add_argument("-o", "--out", required=True, metavar="FIG", help="the figure to write")
-    parser.add_argument("--what", choices=WHAT, default="all", help="part of a rule base to draw")
-    parser.add_argument("--output", metavar="NAME", help="the surface of this output only")
-    parser.add_argument("--at", metavar="NAME=VALUE,...", help="inputs to hold fixed or to mark")
-
-
-def run_plot(arguments: argparse.Namespace) -> int:
-    """Draw and write."""
+def _plot(arguments: argparse.Namespace) -> int:
     from fuzzyarm.api import load
     from fuzzyarm.show.figures.style import require_figure_suffix, save_figure
 
     require_figure_suffix(arguments.out)
-    model = load(arguments.file)
-    save_figure(figure_of(model, arguments), arguments.out)
+    save_figure(_figure(load(arguments.file), arguments), arguments.out)
     print(f"{arguments.out}: drawn from {arguments.file}")
     return 0
 
 
-def figure_of(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Figure:
-    """Return the figure that the arguments ask for."""
-    from fuzzyarm.show.figures.rulebase import memberships_figure, rulebase_figure
-    from fuzzyarm.show.figures.surface import surface_figure, table_figure
+def _figure(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Figure:
+    from fuzzyarm.show.figures import (
+        memberships_figure,
+        rulebase_figure,
+        surface_figure,
+        table_figure,
+    )
 
     words = [] if arguments.at is None else [arguments.at]
     if not isinstance(model, RuleBase):
         if arguments.what != "all" or arguments.output is not None:
             raise WordError("--what and --output are for rule bases, not for tables")
         return table_figure(model, at=read_assignments(words, model.names))
-    at = read_assignments(words, [variable.name for variable in model.inputs])
+    point = read_assignments(words, [variable.name for variable in model.inputs])
     if arguments.what == "terms":
         return memberships_figure(model)
     output = None
@@ -153,4 +142,89 @@ def figure_of(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> F
 
         output = choose_output(model, arguments.output).name
     draw = surface_figure if arguments.what == "surface" else rulebase_figure
-    return draw(model, output, at)
+    return draw(model, output, point)
+
+
+_DIFF = """Compare two tables cell by cell, or two rule bases rule by rule.
+
+Tables are compared by the names of their inputs: one with rows and columns swapped is
+turned round first, and that is said. Rule bases are compared by meaning: the order of rules,
+comments and layout do not count. The exit status is 0 whether or not they differ; with
+--json the answer has a field `same`.
+"""
+
+
+def _diff(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.api import load
+    from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
+    from fuzzyarm.show.drawing import make_console
+    from fuzzyarm.table.diff import compare_tables
+
+    before, after = load(arguments.before), load(arguments.after)
+    data: dict[str, Any]
+    if isinstance(before, RuleBase) and isinstance(after, RuleBase):
+        rules = compare_rulebases(before, after)
+        data, view = {"same": rules.same, **asdict(rules)}, rulebase_diff_view(rules)
+    elif isinstance(before, RuleBase) or isinstance(after, RuleBase):
+        raise WordError("a rule base and a table cannot be compared", hint="compile the rule base")
+    else:
+        cells = compare_tables(before, after)
+        data, view = _diff_data(cells), table_diff_view(cells)
+    if arguments.json:
+        print_json(data, 2)
+    else:
+        make_console().print(view)
+    return 0
+
+
+def _diff_data(diff: TableDiff) -> dict[str, Any]:
+    return {
+        "same": diff.same,
+        "comparable": diff.comparable,
+        "transposed": diff.transposed,
+        "header": [{"what": w, "before": a, "after": b} for w, a, b in diff.header],
+        "cells": [
+            {
+                "inputs": dict(zip(diff.before.names, change.levels, strict=True)),
+                "before": change.before,
+                "after": change.after,
+            }
+            for change in diff.changes
+        ],
+    }
+
+
+COMMANDS = (
+    command(
+        "show",
+        _SHOW,
+        _show,
+        argument("files FILE", "rule bases and tables", nargs="+"),
+        at("also the inference at one point"),
+        flag("--all", "every level of a large table"),
+        json_of("the model"),
+    ),
+    command(
+        "plot",
+        _PLOT,
+        _plot,
+        MODEL,
+        out("FIG", "the figure to write"),
+        argument(
+            "--what",
+            "part of a rule base to draw",
+            choices=("all", "terms", "surface"),
+            default="all",
+        ),
+        argument("--output NAME", "the surface of this output only"),
+        at("inputs to hold fixed or to mark"),
+    ),
+    command(
+        "diff",
+        _DIFF,
+        _diff,
+        argument("before A", "a table or a rule base"),
+        argument("after B", "another of the same kind"),
+        json_of("the differences"),
+    ),
+)

@@ -16,65 +16,141 @@ Examples
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
-from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.arguments import (
-    add_conventions,
-    add_trajectory,
-    conventions_of,
-    sources_of,
-    trajectory_of,
+from fuzzyarm.cli.command import (
+    JSON,
+    SET,
+    WordError,
+    argument,
+    busy,
+    command,
+    flag,
+    group,
+    load_rulebase,
+    load_table,
+    print_json,
 )
 
 if TYPE_CHECKING:
-    from fuzzyarm.controller import Controller
+    from fuzzyarm.controller import Controller, Sources
     from fuzzyarm.loop import Options, Run
     from fuzzyarm.plant import Conventions, Trajectory
+    from fuzzyarm.plant.trajectory import Schedule
+    from fuzzyarm.table import LookupTable
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm simulate``."""
-    parser.add_argument("controller", nargs="?", metavar="CONTROLLER", help="name, sum or file")
-    parser.add_argument("--list", action="store_true", help="list all controllers")
-    add_trajectory(parser)
-    files = parser.add_argument_group("files of fuzzy controllers, in place of the shipped ones")
-    files.add_argument("--rulebase", metavar="FILE", help="rules of the control")
-    files.add_argument("--alpha", metavar="FILE", help="rules of the factor on the control")
-    files.add_argument(
-        "--table", nargs="+", metavar="FILE", help="table of the control, or one for each joint"
-    )
-    files.add_argument("--performance", metavar="FILE", help="table by which SOC judges")
-    run = parser.add_argument_group("run")
-    add_conventions(run)
-    run.add_argument("--start", choices=["warm", "cold"], default="warm", help="adaptive ones")
-    run.add_argument(
-        "--variant",
-        choices=["as-printed", "as-described"],
-        default="as-printed",
-        help="by the study's figures or by its text, where they disagree",
-    )
-    run.add_argument(
-        "--set", action="append", default=[], metavar="GAIN=V[,V]", help="override a gain"
-    )
-    run.add_argument("--limits", nargs=2, type=float, metavar=("T1", "T2"), help="torque, N m")
-    run.add_argument(
-        "--runge-kutta", type=int, default=0, metavar="N", help="N fine steps in a control period"
-    )
-    out = parser.add_argument_group("output")
-    out.add_argument("--show-gains", action="store_true", help="print the gains and stop")
-    out.add_argument("--plot", metavar="FIG", help="draw the error profiles")
-    out.add_argument("--json", action="store_true")
+# --- What `learn` says in the same words: trajectory, load, conventions and tables ---
+
+TRAJECTORY = (
+    *group(
+        "trajectory",
+        argument(
+            "--trajectory",
+            choices=["reach", "reach-return", "pick-and-place"],
+            default="reach-return",
+        ),
+        argument("--angles A1 A2", "where to turn to, degrees", type=float, either="where"),
+        argument("--segment SECONDS", "duration of each segment", type=float),
+        argument("--hold SECONDS", "duration of the hold", type=float),
+        argument(
+            "--way-points A1,A2", "move through these, degrees, instead", nargs="+", either="where"
+        ),
+    ),
+    *group(
+        "load",
+        argument("--payload", action=argparse.BooleanOptionalAction, default=False),
+        argument("--loaded N", "carry the load in these segments", nargs="+", type=int),
+    ),
+)
+CONVENTIONS = (
+    argument("--conventions", choices=["plain", "study"], default="plain"),
+    argument("--precision", choices=["float32", "float64"]),
+)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Run ``fuzzyarm simulate``."""
+def experiment_of(
+    arguments: argparse.Namespace, controller: str
+) -> tuple[Trajectory, Conventions, Schedule]:
+    """Return what the arguments name: the way, the conventions for a controller and the loads."""
+    from fuzzyarm.controller.catalogue import study_conventions
+    from fuzzyarm.plant import PLAIN, schedule
+
+    trajectory = _trajectory(arguments)
+    conventions = study_conventions(controller) if arguments.conventions == "study" else PLAIN
+    if arguments.precision:
+        conventions = replace(conventions, precision=arguments.precision)
+    arms = schedule(
+        trajectory, payload=arguments.payload, segments=arguments.loaded, conventions=conventions
+    )
+    return trajectory, conventions, arms
+
+
+def _trajectory(arguments: argparse.Namespace) -> Trajectory:
+    from fuzzyarm.plant import ArmError, pick_and_place, reach, reach_return, through
+
+    given: dict[str, Any] = {}
+    if arguments.segment is not None:
+        given["segment"] = arguments.segment
+    if arguments.hold is not None:
+        given["hold"] = arguments.hold
+    if arguments.way_points:
+        return through([_pair(text) for text in arguments.way_points], **given)
+    if arguments.angles is not None:
+        given["angles"] = tuple(arguments.angles)
+    if arguments.trajectory == "pick-and-place":
+        if "hold" in given:
+            raise ArmError("pick-and-place has no hold", name="hold", value=arguments.hold)
+        return pick_and_place(**given)
+    return (reach if arguments.trajectory == "reach" else reach_return)(**given)
+
+
+def _pair(text: str) -> tuple[float, float]:
+    from fuzzyarm.plant import ArmError
+
+    try:
+        first, second = (float(part) for part in text.split(","))
+    except ValueError:
+        message = f"way point '{text}' is not two angles"
+        raise ArmError(message, name="way_points", value=text, hint="as in 45,-30") from None
+    return first, second
+
+
+def read_control_table(paths: list[str], option: str) -> LookupTable:
+    """Return the table in one file, or the tables of both joints in two.
+
+    A rule base is compiled at the levels of its file.
+    """
+    from fuzzyarm.controller.sources import joined
+
+    if len(paths) > 2:
+        raise WordError(f"{option} takes one file, or one for each of the two joints")
+    tables = [load_table(path) for path in paths]
+    return tables[0] if len(tables) == 1 else joined(tables[0], tables[1])
+
+
+def read_performance(word: str) -> LookupTable:
+    """Return a performance table: of a file, or a shipped one by its author."""
+    from fuzzyarm.controller.sources import shipped_table
+    from fuzzyarm.shipped_files import shipped_names
+
+    name = f"performance-{word}.lut"
+    if not Path(word).exists() and name in shipped_names():
+        return shipped_table(name)
+    return load_table(word)
+
+
+# --- The run ---
+
+
+def _run(arguments: argparse.Namespace) -> int:
     if arguments.list:
-        return _list(arguments.json)
+        _list(arguments.json)
+        return 0
     if not arguments.controller:
         print("fuzzyarm simulate: which CONTROLLER? --list shows all", file=sys.stderr)
         return 2
@@ -84,7 +160,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.controller,
         start=arguments.start,
         variant=arguments.variant,
-        sources=sources_of(arguments),
+        sources=_sources(arguments),
     ).with_gains(overrides(arguments.set))
     if arguments.show_gains:
         _show_gains(controller, arguments.json)
@@ -96,23 +172,31 @@ def run(arguments: argparse.Namespace) -> int:
     result = _simulate(controller, arguments)
     if arguments.plot:
         _plot(result, arguments.plot)
-    print(json.dumps(_as_json(result)) if arguments.json else _as_text(result))
+    if arguments.json:
+        print_json(_as_json(result))
+    else:
+        print(_as_text(result))
     return 0
+
+
+def _sources(arguments: argparse.Namespace) -> Sources:
+    """Return the rule bases and tables that the arguments name."""
+    from fuzzyarm.controller import Sources
+
+    rulebase, alpha, performance = arguments.rulebase, arguments.alpha, arguments.performance
+    return Sources(
+        load_rulebase(rulebase, "--rulebase") if rulebase else None,
+        load_rulebase(alpha, "--alpha") if alpha else None,
+        read_control_table(arguments.table, "--table") if arguments.table else None,
+        read_performance(performance) if performance else None,
+    )
 
 
 def _simulate(controller: Controller, arguments: argparse.Namespace) -> Run:
     from fuzzyarm.loop import simulate
-    from fuzzyarm.plant import schedule
 
-    trajectory = trajectory_of(arguments)
-    conventions = conventions_of(arguments, arguments.controller)
-    arms = schedule(
-        trajectory,
-        payload=arguments.payload,
-        segments=arguments.loaded,
-        conventions=conventions,
-    )
-    with _busy(f"running {controller.name}"):
+    trajectory, conventions, arms = experiment_of(arguments, arguments.controller)
+    with busy(f"running {controller.name}"):
         result = simulate(
             controller,
             trajectory,
@@ -172,20 +256,6 @@ def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> 
     )
 
 
-def _busy(message: str) -> Any:
-    if not sys.stderr.isatty():
-        return nullcontext()
-    from rich.console import Console
-
-    from fuzzyarm.kernels import watch_compiling
-
-    status = Console(stderr=True).status(message)
-    watch_compiling(
-        lambda name: status.update(f"{message}: compiling {name}, once" if name else message)
-    )
-    return status
-
-
 def _as_json(result: Run) -> dict[str, Any]:
     norms = {"rms": result.rms, "max": result.maximum, "final": result.final}
     return {
@@ -241,7 +311,7 @@ def _show_gains(controller: Controller, as_json: bool) -> None:
             }
             for name, gain in gains.items()
         }
-        print(json.dumps({"controller": controller.name, "gains": rows}, ensure_ascii=False))
+        print_json({"controller": controller.name, "gains": rows}, ascii_only=False)
         return
     if not gains:
         print(f"{controller.name} has no gains")
@@ -261,13 +331,51 @@ def _numbers(values: tuple[float, ...]) -> str:
     return ", ".join(f"{value:g}" for value in shown)
 
 
-def _list(as_json: bool) -> int:
+def _list(as_json: bool) -> None:
     from fuzzyarm.controller import CATALOGUE
 
     if as_json:
-        print(json.dumps({entry.name: entry.summary for entry in CATALOGUE.values()}))
-        return 0
+        print_json({entry.name: entry.summary for entry in CATALOGUE.values()})
+        return
     width = max(map(len, CATALOGUE))
     for entry in CATALOGUE.values():
         print(f"{entry.name:<{width}}  {entry.summary}")
-    return 0
+
+
+COMMANDS = (
+    command(
+        "simulate",
+        __doc__,
+        _run,
+        argument("controller CONTROLLER", "name, sum or file", nargs="?"),
+        flag("--list", "list all controllers"),
+        *TRAJECTORY,
+        *group(
+            "files of fuzzy controllers, in place of the shipped ones",
+            argument("--rulebase FILE", "rules of the control"),
+            argument("--alpha FILE", "rules of the factor on the control"),
+            argument("--table FILE", "table of the control, or one for each joint", nargs="+"),
+            argument("--performance FILE", "table by which SOC judges"),
+        ),
+        *group(
+            "run",
+            *CONVENTIONS,
+            argument("--start", "adaptive ones", choices=["warm", "cold"], default="warm"),
+            argument(
+                "--variant",
+                "by the study's figures or by its text, where they disagree",
+                choices=["as-printed", "as-described"],
+                default="as-printed",
+            ),
+            SET,
+            argument("--limits T1 T2", "torque, N m", type=float),
+            argument("--runge-kutta N", "N fine steps in a control period", type=int, default=0),
+        ),
+        *group(
+            "output",
+            flag("--show-gains", "print the gains and stop"),
+            argument("--plot FIG", "draw the error profiles"),
+            JSON,
+        ),
+    ),
+)

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
 
+if TYPE_CHECKING:
     from fuzzyarm.study import Ensemble, PublishedRow, Reproduced
     from fuzzyarm.study.identify import Identified
 
 
-DESCRIPTION_REPRODUCE = """Run the study's published experiments again and compare.
+_REPRODUCE = """Run the study's published experiments again and compare.
 
 ROW is a table (7.1.1), a controller (cdid+ie) or both (7.1.1/cdid+ie); every row by
 default. Where the study's text and figures disagree a row runs in both variants,
@@ -34,32 +32,14 @@ With --plot DIR: fewer than five rows are drawn each, more by chapters and all b
 each other (overview.png).
 """
 
-SUMMARY_TABLE = "7.1.1"
+_SUMMARY_TABLE = "7.1.1"
 """The table with which the controller beyond the study is compared."""
 
-FEW = 5
+_FEW = 5
 """Rows from which on figures are by chapters."""
 
 
-def configure_reproduce(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm reproduce``."""
-    parser.add_argument("rows", nargs="*", metavar="ROW", help="which rows; all by default")
-    parser.add_argument("--list", action="store_true", help="list the rows")
-    parser.add_argument(
-        "--runs",
-        type=int,
-        default=200,
-        metavar="N",
-        help="disturbed runs of each chaotic row; 200 by default, 0 for none",
-    )
-    parser.add_argument("--plot", metavar="DIR", help="draw the error profiles into a folder")
-    parser.add_argument("--overview", metavar="FIG", help="draw all rows beside each other")
-    parser.add_argument("--markdown", action="store_true", help="print tables for a page")
-    parser.add_argument("--json", action="store_true")
-
-
-def run_reproduce(arguments: argparse.Namespace) -> int:
-    """Run ``fuzzyarm reproduce``."""
+def _reproduce(arguments: argparse.Namespace) -> int:
     from fuzzyarm.study import find_rows
 
     rows = find_rows(arguments.rows)
@@ -81,7 +61,7 @@ def run_reproduce(arguments: argparse.Namespace) -> int:
     if arguments.overview:
         _overview(results, Path(arguments.overview))
     if arguments.json:
-        print(json.dumps([_as_json(result) for result in results], indent=1))
+        print_json([_as_json(result) for result in results], 1)
     elif arguments.markdown:
         print("\n".join(_markdown(results)))
     else:
@@ -93,7 +73,7 @@ def _print(results: list[Reproduced]) -> None:
     for result in results:
         print(_reproduced_as_text(result), end="\n\n")
     _summary(results)
-    if any(result.published.table == SUMMARY_TABLE for result in results):
+    if any(result.published.table == _SUMMARY_TABLE for result in results):
         _beyond()
 
 
@@ -103,23 +83,10 @@ def _watched(rows: list[PublishedRow], runs: int) -> Iterator[Reproduced]:
 
     jobs = [(row, variant) for row in rows for variant in variants(row)]
     total = sum(2 + 2 * runs * chaotic(row) for row, _ in jobs)
-    with _bar(total) as watch:
+    with progress_bar("runs", total) as watch:
         for row, variant in jobs:
             yield reproduce_row(row, variant, runs=runs, watch=watch)
             watch(2)
-
-
-@contextmanager
-def _bar(total: int) -> Iterator[Callable[[int], None]]:
-    if not sys.stderr.isatty():
-        yield lambda _count: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("runs", total=total)
-        yield lambda count: progress.advance(task, count)
 
 
 def _as_json(result: Reproduced) -> dict[str, Any]:
@@ -286,7 +253,7 @@ def _plot(results: Sequence[Reproduced], folder: Path) -> None:
     )
 
     folder.mkdir(parents=True, exist_ok=True)
-    if len({result.published.identifier for result in results}) < FEW:
+    if len({result.published.identifier for result in results}) < _FEW:
         for result in results:
             row = result.published
             variant = "" if result.variant == "as-printed" else f"-{result.variant}"
@@ -312,7 +279,7 @@ def _overview(results: Sequence[Reproduced], path: Path) -> None:
     save_figure(draw_overview(summary or results, beyond), path)
 
 
-DESCRIPTION_IDENTIFY = """Fit the gains that the study does not print to the figures that it does.
+_IDENTIFY = """Fit the gains that the study does not print to the figures that it does.
 
 NAME is a controller whose gains were identified (acdid+ie, mrac, mrac+ie, dac, dac+ie);
 all of them by default. Prints what a least-squares search from round numbers finds
@@ -320,14 +287,7 @@ beside what fuzzyarm ships, and how well either explains the published RMS error
 """
 
 
-def configure_identify(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of ``fuzzyarm identify``."""
-    parser.add_argument("names", nargs="*", metavar="NAME", help="which controllers")
-    parser.add_argument("--json", action="store_true")
-
-
-def run_identify(arguments: argparse.Namespace) -> int:
-    """Run ``fuzzyarm identify``."""
+def _identify(arguments: argparse.Namespace) -> int:
     from fuzzyarm.study.identify import PROBLEMS, UnknownProblemError, identify
 
     for name in arguments.names:
@@ -335,26 +295,19 @@ def run_identify(arguments: argparse.Namespace) -> int:
             raise UnknownProblemError(name)
     results = []
     for name in arguments.names or PROBLEMS:
-        with _busy(name) as status:
-            watch = None
-            if status is not None:
-                watch = lambda count, name=name, status=status: status.update(  # noqa: E731
-                    f"fitting {name}: {count} evaluations"
-                )
-            results.append(identify(name, watch=watch))
+        with busy(f"fitting {name}") as update:
+            results.append(identify(name, watch=_count_shown(name, update)))
         if not arguments.json:
             print(_identified_as_text(results[-1]), end="\n\n")
     if arguments.json:
-        print(json.dumps([asdict(result) for result in results], indent=1))
+        print_json([asdict(result) for result in results], 1)
     return 0
 
 
-def _busy(name: str) -> Any:
-    if not sys.stderr.isatty():
-        return nullcontext()
-    from rich.console import Console
-
-    return Console(stderr=True).status(f"fitting {name}")
+def _count_shown(name: str, update: Callable[[str], None] | None) -> Callable[[int], None] | None:
+    if update is None:
+        return None
+    return lambda count: update(f"fitting {name}: {count} evaluations")
 
 
 def _identified_as_text(result: Identified) -> str:
@@ -373,3 +326,31 @@ def _identified_as_text(result: Identified) -> str:
             f"  RMS errors with {name} gains: {mean:.2%} off in the mean, {worst:.2%} at worst"
         )
     return "\n".join(lines)
+
+
+COMMANDS = (
+    command(
+        "reproduce",
+        _REPRODUCE,
+        _reproduce,
+        argument("rows ROW", "which rows; all by default", nargs="*"),
+        flag("--list", "list the rows"),
+        argument(
+            "--runs N",
+            "disturbed runs of each chaotic row; 200 by default, 0 for none",
+            type=int,
+            default=200,
+        ),
+        argument("--plot DIR", "draw the error profiles into a folder"),
+        argument("--overview FIG", "draw all rows beside each other"),
+        flag("--markdown", "print tables for a page"),
+        JSON,
+    ),
+    command(
+        "identify",
+        _IDENTIFY,
+        _identify,
+        argument("names NAME", "which controllers", nargs="*"),
+        JSON,
+    ),
+)

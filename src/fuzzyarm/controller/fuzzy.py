@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from fuzzyarm.controller.fuzzy_kernel import INPUTS, inference_address, rule_numbers
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
 from fuzzyarm.controller.law import Arithmetic, Gain, Gains, Law
 from fuzzyarm.controller.sources import (
     COLUMN,
@@ -15,20 +20,20 @@ from fuzzyarm.controller.sources import (
     WIRED,
     WIRES,
     SourceError,
-    cell_of,
-    grid_length,
-    interpolated,
     joint_tables,
     motor_torques,
-    pack_grid,
     pack_values,
     pack_wires,
     scaled_errors,
 )
-from fuzzyarm.kernels import call, kernel
+from fuzzyarm.inference.kernel.layout import NotCoveredError, lay_out, make_block
+from fuzzyarm.inference.kernel.sweep import COLUMNS, RESULTS, evaluate
+from fuzzyarm.inference.plan import plan
+from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import Moment, Pair
 from fuzzyarm.table import LookupTable
+from fuzzyarm.table.lookup import cell_of, grid_length, interpolated
 
 # --- Fuzzy control by rules evaluated at every step: direct, self-tuning, coarse and fine ---
 #
@@ -38,7 +43,7 @@ from fuzzyarm.table import LookupTable
 
 OUTPUT = Gain("G_u", (1.0,), "1", "control of the rules")
 ZOOM = Gain("zoom", (2.0,), "1", "magnifies both inputs inside the window", positive=True)
-WINDOW = Gain("window", (3.0,), "1", "both inputs have to be inside ± this to be magnified")
+WINDOW = Gain("window", (3.0,), "1", "both inputs have to be within ± this to be magnified")
 SMOOTH = Gain(
     "smooth", (0.0,), "1", "0: the magnification ends abruptly; 1: inputs wait at the edge", "own"
 )
@@ -49,8 +54,10 @@ FINE = ERROR.with_value([1080.0], "printed")
 SIGNALS = {ROW: 0, COLUMN: 1, JOINT: 2}
 """What an input of a rule base may be called, and its number in the kernel."""
 
-FRONT = WIRED + 6
-"""Numbers in front of the rule bases."""
+BEGIN, END, INPUT, RESULT, INPUTS = range(5)
+BASE_HEAD = 5
+"""Links of each rule base: where its block begins and ends in the memory, where in the block
+its inputs and its result are, how many inputs; behind these the signal of each input."""
 
 
 @kernel
@@ -59,9 +66,9 @@ def fuzzy_rules_torque(
 ) -> Pair:
     """Return the motors' torque at the voltage that the rules conclude from e and ė.
 
-    Constants: wires, output gain, zoom, window, smooth, where the first rule base begins and
-    where the second does (0 for none), and each with the signals of its inputs in front of
-    it. Memory: room to work. Link: the inference.
+    Constants: wires, output gain, zoom, window, smooth. Memory: a block of the inference for
+    each rule base. Links: the inference, the number of rule bases, `BASE_HEAD` and more for
+    each.
     """
     _, state, _, clock = now
     control = (
@@ -82,31 +89,75 @@ def concluded_control(
         max(abs(e), abs(ce)), numbers[WIRED + 1], numbers[WIRED + 2], numbers[WIRED + 3]
     )
     control = numbers[WIRED]
-    for part in range(2):
-        base = int(numbers[WIRED + 4 + part])
-        if base > 0:
-            inputs = int(numbers[base + INPUTS])
-            for i in range(inputs):
-                signal = int(numbers[base - inputs + i])
-                if signal == 0:
-                    memory[i] = zoom * e
-                elif signal == 1:
-                    memory[i] = zoom * ce
-                else:
-                    memory[i] = joint + 1.0
-            call(links[0], numbers[base:], memory)
-            control *= memory[0]
+    base = 2
+    for _ in range(links[1]):
+        block = memory[links[base + BEGIN] : links[base + END]]
+        for i in range(links[base + INPUTS]):
+            signal = links[base + BASE_HEAD + i]
+            if signal == 0:
+                block[links[base + INPUT] + i] = zoom * e
+            elif signal == 1:
+                block[links[base + INPUT] + i] = zoom * ce
+            else:
+                block[links[base + INPUT] + i] = joint + 1.0
+        call(links[0], block)
+        control *= block[links[base + RESULT]]
+        base += BASE_HEAD + links[base + INPUTS]
     return control
+
+
+def evaluate_view(block: Any) -> None:
+    """Evaluate a rule base as plain Python, its block a view as the interpreted loop has it."""
+    evaluate(np.asarray(block))
+
+
+def inference_address(*, compiled: bool) -> int:
+    """Return where laws find the inference kernel."""
+    return address_of(evaluate if compiled else evaluate_view, 1, compiled=compiled)
+
+
+class PointBlock(NamedTuple):
+    """A rule base for the inference kernel at one point: numbers, where inputs and result are."""
+
+    numbers: NDArray[np.float64]
+    first_input: int
+    result: int
+
+
+def point_block(rulebase: RuleBase, *, compiled: bool) -> PointBlock:
+    """Write down a rule base for :func:`inference_address`.
+
+    Raises
+    ------
+    SourceError
+        If the kernel cannot evaluate it; it says why.
+    """
+    if len(rulebase.outputs) != 1:
+        raise _refuse(rulebase, f"it has {len(rulebase.outputs)} outputs, one is needed")
+    try:
+        numbers = make_block(lay_out(plan(rulebase), compiled=compiled), 1).numbers
+    except NotCoveredError as error:
+        raise _refuse(rulebase, str(error)) from None
+    whole = numbers.view(np.int64)
+    return PointBlock(numbers, int(whole[COLUMNS]), int(whole[RESULTS]))
+
+
+def _refuse(rulebase: RuleBase, what: str) -> SourceError:
+    return SourceError(
+        f"a controller cannot evaluate '{rulebase.name}' at every step: {what}",
+        hint="compile it to a table and run fuzzy-lut with that",
+    )
 
 
 @kernel
 def magnification(size: float, zoom: float, window: float, smooth: float) -> float:
     """Return by how much inputs are magnified, of which the larger has this size.
 
-    Abruptly: `zoom` inside the window, else 1. Smoothly: inputs grow by `zoom` until the
-    larger one comes to the edge of the window and wait there, so that nothing jumps.
+    Abruptly: `zoom` up to the edge of the window (section 6.6: "within [-3 3]"), else 1.
+    Smoothly: inputs grow by `zoom` until the larger one comes to the edge of the window and
+    wait there, so that nothing jumps.
     """
-    if size >= window:
+    if size > window:
         return 1.0
     if smooth != 0.0 and size * zoom > window:
         return window / size
@@ -138,45 +189,43 @@ def _tripled() -> Gain:
 def _law(
     name: str, summary: str, gains: tuple[Gain, ...], rulebase: RuleBase, alpha: RuleBase | None
 ) -> Law:
-    bases = [rule_numbers(rulebase), rule_numbers(alpha) if alpha is not None else None]
-    signals = [_signals(rulebase), _signals(alpha) if alpha is not None else []]
-    room = max(base.room for base in bases if base is not None)
+    bases = [rulebase] if alpha is None else [rulebase, alpha]
+    signals = [_signals(base) for base in bases]
+
+    @cache
+    def blocks(compiled: bool) -> list[PointBlock]:
+        return [point_block(base, compiled=compiled) for base in bases]
 
     def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
         front = pack_wires(gains, arithmetic)
         for gain, absent in ((OUTPUT, 1.0), (ZOOM, 1.0), (WINDOW, 0.0), (SMOOTH, 0.0)):
             front.append(gains[gain.name].value[0] if gain.name in gains else absent)
-        places: list[float] = []
-        bodies: list[float] = []
-        for base, inputs in zip(bases, signals, strict=True):
-            bodies += inputs
-            places.append(FRONT + len(bodies) if base is not None else 0.0)
-            bodies += base.numbers if base is not None else ()
-        return [*front, *places, *bodies]
+        return front
 
-    def remember(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
-        return [0.0] * room
+    def remember(_gains: Gains, arithmetic: Arithmetic) -> NDArray[np.float64]:
+        return np.concatenate([block.numbers for block in blocks(arithmetic.compiled)])
+
+    def links(arithmetic: Arithmetic) -> list[int]:
+        words = [inference_address(compiled=arithmetic.compiled), len(bases)]
+        begin = 0
+        for block, inputs in zip(blocks(arithmetic.compiled), signals, strict=True):
+            end = begin + len(block.numbers)
+            words += [begin, end, block.first_input, block.result, len(inputs), *inputs]
+            begin = end
+        return words
 
     wires = (FINE, RATE, SUPPLY, FULL_SCALE)
-    return Law(
-        name,
-        fuzzy_rules_torque,
-        summary,
-        (*wires, *gains),
-        pack=pack,
-        remember=remember,
-        links=lambda compiled: [inference_address(compiled)],
-    )
+    return Law(name, fuzzy_rules_torque, summary, (*wires, *gains), pack, remember, links, False)
 
 
-def _signals(rulebase: RuleBase) -> list[float]:
+def _signals(rulebase: RuleBase) -> list[int]:
     for variable in rulebase.inputs:
         if variable.name not in SIGNALS:
             raise SourceError(
                 f"'{rulebase.name}' asks for '{variable.name}', which a controller does not have",
                 hint=f"its inputs may be called {', '.join(SIGNALS)}",
             )
-    return [float(SIGNALS[variable.name]) for variable in rulebase.inputs]
+    return [SIGNALS[variable.name] for variable in rulebase.inputs]
 
 
 # --- Fuzzy control by a lookup table (section 6.1) ---
@@ -215,7 +264,7 @@ def fuzzy_table_law(table: LookupTable) -> Law:
 
     def pack(gains: Gains, arithmetic: Arithmetic) -> list[float]:
         wires = pack_wires(gains, arithmetic)
-        return [*wires, *pack_grid(tables), *pack_values(tables, arithmetic)]
+        return [*wires, *tables.grid(), *pack_values(tables, arithmetic)]
 
     summary = "fuzzy control by a lookup table, through motors with back-EMF"
     return Law("fuzzy-lut", fuzzy_table_torque, summary, WIRES, pack=pack)

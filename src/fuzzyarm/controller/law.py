@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import address_of, call, kernel
@@ -117,26 +118,36 @@ class Arithmetic(NamedTuple):
         Whether stored values are rounded to single precision.
     pi : float
         The constant for π, of which some gains are fractions.
+    compiled : bool
+        Whether they run as machine code; addresses of what they call are different then.
     """
 
     single: bool = False
     pi: float = math.pi
+    compiled: bool = False
 
     def hold(self, value: float) -> float:
         """Round as a stored gain is rounded."""
         return float(np.float32(value)) if self.single else float(value)
 
 
-Pack = Callable[[Gains, Arithmetic], list[float]]
+Vector = NDArray[np.float64]
+Pack = Callable[[Gains, Arithmetic], "list[float] | Vector"]
 """From gains to numbers, in the arithmetic of a run."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """The numbers of one law as the loop takes them: constants and initial memory."""
+    """One law as the loop takes it: constants, initial memory, links."""
 
-    numbers: list[float]
-    memory: list[float]
+    numbers: Vector
+    memory: Vector
+    links: list[int]
+
+
+def view(array: NDArray[Any]) -> Any:
+    """Return an array as plain numbers, for kernels that run interpreted; slices share memory."""
+    return memoryview(array)  # type: ignore[arg-type]
 
 
 def zeros(count: int) -> Pack:
@@ -179,8 +190,10 @@ class Law:
     remember : callable, optional
         Gains to the initial memory; none by default.
     links : callable, optional
-        Addresses of what the kernel calls by address, as machine code or not, and other
+        From the arithmetic to addresses of what the kernel calls by address, and to other
         integers; none by default.
+    remembers : bool, optional
+        Whether the memory at the end of a run says something, or is room to work in.
     """
 
     name: str
@@ -189,7 +202,8 @@ class Law:
     gains: tuple[Gain, ...]
     pack: Pack = field(default=pack_all)
     remember: Pack = field(default=zeros(0))
-    links: Callable[[bool], list[int]] = field(default=lambda _compiled: [])
+    links: Callable[[Arithmetic], list[int]] = field(default=lambda _arithmetic: [])
+    remembers: bool = True
 
 
 def model_gains(model: ArmParameters, origin: Origin = "printed") -> tuple[Gain, ...]:
@@ -274,22 +288,19 @@ def summed_torque(
     return first, second
 
 
-def law_integers(
-    laws: Sequence[Law], blocks: Sequence[Block], *, single: bool, compiled: bool
-) -> list[int]:
+def law_integers(laws: Sequence[Law], blocks: Sequence[Block], arithmetic: Arithmetic) -> list[int]:
     """Write down what :func:`summed_torque` knows of the laws."""
     heads: list[int] = []
     links: list[int] = []
     first_link = 1 + LAW_HEAD * len(laws)
     number = cell = 0
     for law, block in zip(laws, blocks, strict=True):
-        own = law.links(compiled)
-        heads += [law_address(law.kernel, single=single, compiled=compiled)]
+        heads += [law_address(law.kernel, arithmetic)]
         heads += [number, number + len(block.numbers), cell, cell + len(block.memory)]
-        heads += [first_link + len(links), first_link + len(links) + len(own)]
+        heads += [first_link + len(links), first_link + len(links) + len(block.links)]
         number += len(block.numbers)
         cell += len(block.memory)
-        links += own
+        links += block.links
     return [len(laws), *heads, *links]
 
 
@@ -314,11 +325,12 @@ def law_at_address(
     signals[17], signals[18] = torque
 
 
-def law_address(law: Kernel, *, single: bool, compiled: bool) -> int:
+def law_address(law: Kernel, arithmetic: Arithmetic) -> int:
     """Return where the loop finds a law; each precision has its own.
 
     What is stored then need not be asked whether to be rounded.
     """
-    storing = stored_single if single else stored_double
+    storing = stored_single if arithmetic.single else stored_double
     bindings: dict[str, Callable[..., object]] = {"law_kernel": law, "stored": storing}
+    compiled = arithmetic.compiled
     return address_of(law_at_address, "fffi", bindings, compiled=compiled, inline=True)

@@ -13,11 +13,8 @@ from fuzzyarm.controller.sources import (
     WIRES,
     JointTables,
     SourceError,
-    cell_of,
-    grid_length,
     joint_tables,
     motor_torques,
-    pack_grid,
     pack_values,
     pack_wires,
     scaled_errors,
@@ -25,6 +22,7 @@ from fuzzyarm.controller.sources import (
 from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.setting import Moment, Pair, stored
 from fuzzyarm.table import LookupTable
+from fuzzyarm.table.lookup import cell_of, grid_length
 
 LEARNING = Gain(
     "learning_rate", (1.0,), "1", "share of the performance value that corrects; 0: no learning"
@@ -112,7 +110,7 @@ def self_organizing_law(start: LookupTable | None, performance: LookupTable) -> 
         alike = begin.edges() == judge.edges()
         front = [*pack_wires(gains, arithmetic), *own, float(alike)]
         values = pack_values(judge, arithmetic)[: judge.cells]
-        return [*front, *pack_grid(begin), *pack_grid(judge), *values]
+        return [*front, *begin.grid(), *judge.grid(), *values]
 
     def remember(gains: Gains, arithmetic: Arithmetic) -> list[float]:
         delay = int(gains["delay"].value[0])

@@ -17,6 +17,7 @@ from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.setting import Pair, Reference, State, stored
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.table.lookup import pack_grid
 
 if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
@@ -148,7 +149,7 @@ def _table(path: Path, _changed: int) -> LookupTable:
     return read_table(path)
 
 
-# --- Lookup tables over e and ce as the flat numbers that kernels read ---
+# --- Lookup tables over e and ce, one for each joint ---
 
 JOINT = "joint"
 """Name of the input that tells the tables of the joints apart, with levels 1 and 2."""
@@ -184,6 +185,10 @@ class JointTables:
         """Return the thresholds between rows and between columns."""
         mode = "nearest" if self.mode == "linear" else self.mode
         return self.rows.thresholds(mode), self.columns.thresholds(mode)
+
+    def grid(self) -> list[float]:
+        """Return size, thresholds and levels as the kernels of a closed loop read them."""
+        return pack_grid(self.rows, self.columns, self.mode)
 
 
 def joint_tables(table: LookupTable) -> JointTables:
@@ -245,83 +250,6 @@ def joined(first: LookupTable, second: LookupTable) -> LookupTable:
     return over_joints(JointTables(one.rows, one.columns, values, one.mode), first)
 
 
-SHAPE = 3
-"""Numbers in front of the edges: rows, columns, whether to interpolate."""
-
-
-def pack_grid(tables: JointTables) -> list[float]:
-    """Write down size, edges and levels; the values follow, or are remembered."""
-    rows, columns = tables.edges()
-    return [
-        len(rows) + 1,
-        len(columns) + 1,
-        float(tables.mode == "linear"),
-        *rows,
-        *columns,
-        *tables.rows.levels,
-        *tables.columns.levels,
-    ]
-
-
 def pack_values(tables: JointTables, arithmetic: Arithmetic) -> list[float]:
     """Write down the values, joint 1 first, as they are stored."""
     return [arithmetic.hold(value) for value in tables.values.ravel().tolist()]
-
-
-@kernel
-def grid_length(numbers: list[float], at: int) -> int:
-    """Return how many numbers :func:`pack_grid` wrote."""
-    return SHAPE + 2 * int(numbers[at]) + 2 * int(numbers[at + 1]) - 2
-
-
-@kernel
-def cell_of(numbers: list[float], at: int, e: float, ce: float) -> int:
-    """Return the cell of two scaled errors; one equal to an edge belongs to the lower cell."""
-    rows = int(numbers[at])
-    columns = int(numbers[at + 1])
-    row = below(numbers, at + SHAPE, rows - 1, e)
-    column = below(numbers, at + SHAPE + rows - 1, columns - 1, ce)
-    return row * columns + column
-
-
-@kernel
-def below(numbers: list[float], first: int, count: int, value: float) -> int:
-    """Count the sorted numbers that are smaller than `value`, by halving."""
-    low = 0
-    high = count
-    while low < high:
-        middle = (low + high) >> 1
-        if numbers[first + middle] < value:
-            low = middle + 1
-        else:
-            high = middle
-    return low
-
-
-@kernel
-def interpolated(numbers: list[float], at: int, values: int, e: float, ce: float) -> float:
-    """Return the value between the four cells around two scaled errors."""
-    rows = int(numbers[at])
-    columns = int(numbers[at + 1])
-    row_levels = at + SHAPE + rows + columns - 2
-    column_levels = row_levels + rows
-    row, up = placed(numbers, row_levels, rows, e)
-    column, right = placed(numbers, column_levels, columns, ce)
-    here = values + row * columns + column
-    next_row = columns if rows > 1 else 0
-    next_column = 1 if columns > 1 else 0
-    low = (1.0 - right) * numbers[here] + right * numbers[here + next_column]
-    high = (1.0 - right) * numbers[here + next_row] + right * numbers[here + next_row + next_column]
-    return (1.0 - up) * low + up * high
-
-
-@kernel
-def placed(numbers: list[float], levels: int, count: int, value: float) -> tuple[int, float]:
-    """Return the level below a value, and the share of the way to the next."""
-    if count == 1:
-        return 0, 0.0
-    inside = min(max(value, numbers[levels]), numbers[levels + count - 1])
-    low = max(below(numbers, levels, count, inside) - 1, 0)
-    low = min(low, count - 2)
-    start = numbers[levels + low]
-    return low, (inside - start) / (numbers[levels + low + 1] - start)

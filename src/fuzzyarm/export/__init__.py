@@ -7,31 +7,11 @@ same arithmetic: :class:`~fuzzyarm.export.table_numbers.FloatTable`,
 C against, and what the figures in the head of an exported file are measured with.
 """
 
-from __future__ import annotations
-
-import importlib
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from fuzzyarm.export.numbers import ExportError
-    from fuzzyarm.export.rulebase import DirectRoutine
-    from fuzzyarm.export.structured_text import structured_text
-    from fuzzyarm.export.table_numbers import FixedTable, FloatTable
-    from fuzzyarm.export.write import EXPORTS, Exported, export_files, routines_of, write_export
-
-
-_HOMES = {
-    "EXPORTS": "write",
-    "DirectRoutine": "rulebase",
-    "ExportError": "numbers",
-    "Exported": "write",
-    "FixedTable": "table_numbers",
-    "FloatTable": "table_numbers",
-    "export_files": "write",
-    "routines_of": "write",
-    "structured_text": "structured_text",
-    "write_export": "write",
-}
+from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.rulebase import DirectRoutine
+from fuzzyarm.export.structured_text import structured_text
+from fuzzyarm.export.table_numbers import FixedTable, FloatTable
+from fuzzyarm.export.write import EXPORTS, Exported, export_files, routines_of, write_export
 
 __all__ = [
     "EXPORTS",
@@ -45,9 +25,3 @@ __all__ = [
     "structured_text",
     "write_export",
 ]
-
-
-def __getattr__(name: str) -> object:
-    if name in _HOMES:
-        return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

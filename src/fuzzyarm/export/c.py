@@ -6,7 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.routine import CWriter, Routine, head_lines, number_lines
+from fuzzyarm.export.routine import (
+    CWriter,
+    Routine,
+    calls_functions,
+    head_lines,
+    number_lines,
+)
 
 SWITCH = "FUZZYARM_SELF_TEST"
 """The macro that adds a ``main`` to an exported file."""
@@ -31,7 +37,7 @@ def c_header(routines: Sequence[Routine], prefix: str, file: str) -> tuple[str, 
     prototypes = [_prototype(writer, routine) for routine in routines]
     code = _definitions(writer, routines, prototypes)
     guard = writer.names.new(f"{prefix.upper()}_H")
-    test = f"gcc -std=c99 -D{SWITCH} -x c {file} -o self_test && ./self_test"
+    test = f"gcc -std=c99 -D{SWITCH} -x c {file} -o self_test{_library(routines)} && ./self_test"
     text = "\n".join(
         [
             *head_lines(routines, prototypes, writer, f'#include "{file}"', test),
@@ -54,7 +60,7 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
     prototypes = [_prototype(writer, routine) for routine in routines]
     code = _definitions(writer, routines, prototypes)
     guard = writer.names.new(f"{prefix.upper()}_H")
-    test = f"gcc -std=c99 -D{SWITCH} {stem}.c -o self_test && ./self_test"
+    test = f"gcc -std=c99 -D{SWITCH} {stem}.c -o self_test{_library(routines)} && ./self_test"
     head = head_lines(routines, prototypes, writer, f'#include "{stem}.h", link {stem}.c', test)
     header = [
         *head,
@@ -85,6 +91,11 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
     return "\n".join(header), "\n".join(source), prototypes
 
 
+def _library(routines: Sequence[Routine]) -> str:
+    """Return the option that links the mathematical library, where a routine needs it."""
+    return " -lm" if any(map(calls_functions, routines)) else ""
+
+
 def _prototype(writer: CWriter, routine: Routine) -> Prototype:
     name = writer.names.new(f"{writer.prefix}_{identifier(routine.output.name)}")
     names = Names()
@@ -98,7 +109,7 @@ def _includes(routines: Sequence[Routine]) -> list[str]:
 
 
 def routine_headers(routine: Routine) -> list[str]:
-    """Return the standard headers that a routine needs; neither asks for a library."""
+    """Return the standard headers that a routine needs."""
     return ["stdint.h"] if routine.kind.endswith("_t") else list(getattr(routine, "headers", ()))
 
 

@@ -1,70 +1,138 @@
-"""One output of a rule base as straight-line arithmetic."""
+"""One output of a rule base as one expression, with the names that its parts have in C.
+
+The expression is the whole truth: what it computes over arrays is the model of the exported
+function, and :mod:`fuzzyarm.export.listing` writes it in C. The names beside it say which
+parts stand in variables there: the degrees, the firing strengths, the growing heights.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
-from fuzzyarm.export.expression import (
-    ZERO,
-    Assign,
-    Expression,
-    Local,
-    Number,
-    Select,
-    add,
-    divide,
-    subtract,
-    times,
-    without_unused,
-)
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.routine import plain
+from fuzzyarm.export.samples import SampleSums, sample_sums
 from fuzzyarm.export.sets import (
-    CONJUNCTIONS,
-    DISJUNCTIONS,
+    ZERO,
+    Part,
+    clipped,
     clipped_union,
     degree_of,
     hedged,
-    layered,
+    minus,
+    plus,
+    refuse,
     scaled,
     scaled_union,
+    times,
+    where,
 )
+from fuzzyarm.expression import op
+from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule
+from fuzzyarm.expression.formulas import CONSTANTS
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Symbol,
+    constant,
+    postorder,
+    replace,
+    symbol,
+)
+from fuzzyarm.expression.printing import Assign
 from fuzzyarm.inference.plan import WEIGHTED, OutputPlan, Plan, PlannedRule, plan
+from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import And, Hedge, Hedged, Input, Is, Output, RuleBase, propositions
 from fuzzyarm.model.rulebase import Expression as Antecedent
 
-FOLDS = ("max", "sum", "probor")
-"""Aggregations that are exported."""
+MOST_SAMPLES = 100_000
+"""Constants of a centroid over samples."""
 
 _LONGEST = 16
 """Operands of one expression before it goes into a variable: nesting stays shallow."""
 
-_TABLE_HINT = "leave out --direct to export a table"
+
+@dataclass(frozen=True, eq=False)
+class Call:
+    """A part of a program that C computes by a function of its own.
+
+    Attributes
+    ----------
+    wanted : str
+        The name of the function, if it is free.
+    body : Node
+        What it computes, of the symbol ``h``.
+    argument : Node
+        What stands for ``h``.
+    """
+
+    wanted: str
+    body: Node
+    argument: Node
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """The straight-line arithmetic of one output.
+    """The arithmetic of one output.
 
     Attributes
     ----------
     given : tuple of str
-        The variables that hold the arguments at the start.
-    statements : tuple of Assign
-        In order.
-    result : Expression
-        The output.
+        The symbols that stand for the arguments.
+    result : Node
+        The output, of these symbols and of the sums over samples.
+    variables : tuple of Assign or SampleSums
+        The parts of `result` that stand in variables, in order. A name that comes again
+        belongs to a part that grows out of the one before: a sum, a greatest value. It is
+        read as a variable after its last mention, which need not add anything.
+    calls : mapping of Node to Call
+        The parts that are calls of functions.
     holds : bool
         Whether the last argument is the value to hold where no rule fires.
     """
 
     given: tuple[str, ...]
-    statements: tuple[Assign, ...]
-    result: Expression
+    result: Node
+    variables: tuple[Assign | SampleSums, ...]
+    calls: Mapping[Node, Call]
     holds: bool
+
+    @property
+    def sums(self) -> tuple[SampleSums, ...]:
+        """The sums over samples, in order."""
+        return tuple(each for each in self.variables if isinstance(each, SampleSums))
+
+    @cached_property
+    def nodes(self) -> tuple[Node, ...]:
+        """All that is computed, each once; what is done at a sample is among it."""
+        roots = [root for sums in self.sums for root in sums.parts.values()]
+        steps = [step.value for sums in self.sums for step in sums.body]
+        return tuple(postorder(*roots, *steps, self.result))
+
+    def over_arrays(self, values: Mapping[str, Any], real: type) -> Any:
+        """Return the output, every operation rounded to `real`.
+
+        Parameters
+        ----------
+        values : mapping of str to ndarray
+            The arguments by :attr:`given`, of type `real`; they broadcast.
+        real : type
+            ``numpy.float32`` or ``numpy.float64``.
+        """
+        known = dict(values)
+        for sums in self.sums:
+            known |= sums.over_arrays(known, real)
+        return evaluate_arrays(self.result, known, real, self._order)
+
+    @cached_property
+    def _order(self) -> Schedule:
+        return schedule(self.result)
 
 
 def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:
@@ -85,11 +153,6 @@ def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> 
         If something of it cannot be exported; the message names it.
     """
     return _Builder(rulebase, output, parameters).build()
-
-
-def refuse(what: str, hint: str = _TABLE_HINT) -> ExportError:
-    """Return the error that names what cannot be exported."""
-    return ExportError(f"the direct inference cannot be exported: {what}", hint=hint)
 
 
 def rule_words(index: int, antecedent: Antecedent) -> str:
@@ -118,12 +181,17 @@ class _Builder:
         self.plan: Plan = plan(rulebase)
         self.target = target
         self.names = Names(taken=set(parameters))
-        self.statements: list[Assign] = []
-        self.values: dict[str, Expression] = {}
-        self.degrees: dict[tuple[str, str, tuple[Hedge, ...]], Expression] = {}
-        self.heights: dict[str, dict[int, str]] = {}
-        self.sums: dict[str, tuple[str, str]] = {}
-        self.guards: list[Expression] = []
+        self.variables: list[Assign | SampleSums] = []
+        self.named: set[Node] = set()
+        self.calls: dict[Node, Call] = {}
+        self.values: dict[str, Node] = {}
+        self.degrees: dict[tuple[str, str, tuple[Hedge, ...]], Node] = {}
+        # Of each output: the strength of each member so far, and the name of its variable.
+        self.heights: dict[str, dict[int, tuple[str, Node]]] = {}
+        # Of each output whose aggregate is not the greatest: what its rules add up to.
+        self.sums: dict[str, _Sums] = {}
+        self.fired: dict[str, list[tuple[int, Node, str]]] = {}
+        self.guards: list[Node] = []
         self.parameters = parameters
         self.holds = rulebase.output(target).no_rule == "hold"
 
@@ -132,31 +200,36 @@ class _Builder:
         given = tuple(self.names.new(f"given_{name}") for name in self.parameters)
         for variable, name in zip(rulebase.inputs, given, strict=False):
             self.values[variable.name] = self.fresh(
-                _into_range(variable, Local(name), guard_nan=True), variable.name
+                _into_range(variable, symbol(name), guard_nan=True), variable.name
             )
-        held = Local(given[-1]) if self.holds else None
         outputs, rules = self._needed()
         for name in outputs:
             self.heights[name] = {}
+            self.fired[name] = []
             self._check_output(self.plan.outputs[name])
-        result: Expression = ZERO
+        result: Node = ZERO
         for step in self.plan.steps:
             if isinstance(step, int) and step in rules:
                 self._fire(step, self.plan.rules[step], outputs)
             elif isinstance(step, str) and step in outputs:
-                result = self._conclude(self.plan.outputs[step], held)
+                result = self._conclude(self.plan.outputs[step], symbol(given[-1]))
         for guard in self.guards:
-            result = Select(">", guard, ZERO, result, Number(math.nan))
-        statements = without_unused(self.statements, result)
-        return Program(given, statements, result, self.holds)
+            result = where(guard > 0.0, result, math.nan)
+        return Program(given, result, tuple(self.variables), self.calls, self.holds)
 
-    def fresh(self, value: Expression, wanted: str, remark: str = "") -> Expression:
-        """Put a value into a new variable, unless it is one already."""
-        if isinstance(value, Local | Number):
-            return value
-        name = self.names.new(wanted)
-        self.statements.append(Assign(name, value, remark))
-        return Local(name)
+    def fresh(self, value: Node, wanted: str, remark: str = "") -> Node:
+        """Give a part a variable of its own, unless it has one or needs none."""
+        if not isinstance(value, Constant | Symbol) and value not in self.named:
+            self.named.add(value)
+            self.variables.append(Assign(self.names.new(wanted), value, remark))
+        return value
+
+    def call(self, wanted: str, body: Node, argument: Node) -> Node:
+        """Apply a function of ``h`` to an argument."""
+        value = replace(body, {"h": argument})
+        if isinstance(body, Apply):
+            self.calls[value] = Call(wanted, body, argument)
+        return value
 
     def _needed(self) -> tuple[set[str], set[int]]:
         """Return the outputs and rules that the target depends on."""
@@ -180,19 +253,27 @@ class _Builder:
 
     def _check_output(self, output: OutputPlan) -> None:
         name, way = output.output.name, output.output.defuzzifier
-        if output.output.aggregation not in FOLDS:
-            raise refuse(f"aggregation {output.output.aggregation} of '{name}'")
         if way.method not in {"centroid", "weighted-average", "weighted-sum"}:
             raise refuse(f"defuzzifier {way.method} of '{name}'")
         if output.discrete:
             return
         if way.resolution is not None:
-            raise refuse(
-                f"the centroid of '{name}' over {way.resolution} samples",
-                "take the exact centroid, or leave out --direct to export a table",
-            )
+            size = way.resolution * (1 + len(output.members))
+            if size > MOST_SAMPLES:
+                raise refuse(
+                    f"the centroid of '{name}' over {way.resolution:,} samples takes {size:,}"
+                    f" constants, and {MOST_SAMPLES:,} are the most"
+                )
+        else:
+            self._check_exact(output)
+
+    def _check_exact(self, output: OutputPlan) -> None:
+        """Refuse an exact centroid without a closed form."""
+        name = output.output.name
         if output.output.aggregation == "probor":
             raise refuse(f"the exact centroid under aggregation probor of '{name}'")
+        if output.output.aggregation not in {"max", "sum"}:
+            raise refuse(f"aggregation {output.output.aggregation} of '{name}'")
         kinds = {member.implication for member in output.members}
         if len(kinds) > 1 or not kinds <= {"min", "product"}:
             raise refuse(f"implication {' and '.join(sorted(kinds))} of '{name}'")
@@ -208,68 +289,66 @@ class _Builder:
         if planned.degrees:
             listed = ", ".join(sorted(planned.degrees))
             raise refuse(f"a rule reads '{listed}' as a set of its own block")
-        strength = self._truth(planned.rule.antecedent, planned)
-        strength = times(strength, Number(planned.rule.weight))
+        strength = times(self._truth(planned.rule.antecedent, planned), planned.rule.weight)
         if planned.threshold > 0.0:
             strength = self.fresh(strength, "s")
-            strength = Select(">", strength, Number(planned.threshold), strength, ZERO)
+            strength = where(strength > planned.threshold, strength, 0.0)
         remark = rule_words(index, planned.rule.antecedent)
         for name in sorted(outputs):
             for member, rule in self.plan.outputs[name].contributions:
                 if rule == index:
-                    self._add(self.plan.outputs[name], member, strength, remark)
+                    self._assert(self.plan.outputs[name], member, strength, remark)
 
-    def _add(self, output: OutputPlan, member: int, strength: Expression, remark: str) -> None:
+    def _assert(self, output: OutputPlan, member: int, strength: Node, remark: str) -> None:
+        """Let a rule raise its member of an output."""
         name, aggregation = output.output.name, output.output.aggregation
-        if aggregation == "sum" and not output.discrete:
+        if aggregation != "max" and not output.discrete:
             strength = self.fresh(strength, "s", remark)
-            part = (
-                layered(output.closed.own[member], strength)
-                if output.closed is not None
-                else scaled(output, member, strength)
-            )
+            if output.output.defuzzifier.resolution is not None:
+                self.fired[name].append((member, strength, remark))
+                return
+            if output.closed is not None:
+                part = clipped(output.closed.own[member], strength, self.call)
+            else:
+                part = scaled(output, member, strength)
             if name not in self.sums:
-                self.sums[name] = (self.names.new("area"), self.names.new("moment"))
-                for total in self.sums[name]:
-                    self.statements.append(Assign(total, ZERO))
-            for total, value in zip(self.sums[name], part, strict=True):
-                self.statements.append(Assign(total, add(Local(total), value)))
+                self.sums[name] = _Sums(self)
+            self.sums[name].add(part)
             return
         heights = self.heights[name]
         if member not in heights:
-            term = output.members[member].term.name
-            heights[member] = self.names.new(f"{name}_{term}")
-            value = strength
+            variable = self.names.new(f"{name}_{output.members[member].term.name}")
         else:
-            if aggregation == "probor":
-                strength = self.fresh(strength, "s")
-            value = DISJUNCTIONS[aggregation](Local(heights[member]), strength)
-        self.statements.append(Assign(heights[member], value, remark))
+            variable, height = heights[member]
+            strength = replace(SNORMS[aggregation].expression, {"a": height, "b": strength})
+        heights[member] = (variable, strength)
+        self.variables.append(Assign(variable, strength, remark))
 
-    def _truth(self, expression: Antecedent, planned: PlannedRule) -> Expression:
+    def _truth(self, expression: Antecedent, planned: PlannedRule) -> Node:
         if isinstance(expression, Is):
             return self._degree(expression)
         if isinstance(expression, Hedged):
             inner = self.fresh(self._truth(expression.operand, planned), "d")
             return hedged(expression.hedges, inner)
-        conjunction = isinstance(expression, And)
         norm = (
-            CONJUNCTIONS[planned.conjunction] if conjunction else DISJUNCTIONS[planned.disjunction]
-        )
-        simple = conjunction and planned.conjunction in {"min", "product"}
-        simple = simple or (not conjunction and planned.disjunction == "max")
-        truth: Expression | None = None
+            TNORMS[planned.conjunction]
+            if isinstance(expression, And)
+            else SNORMS[planned.disjunction]
+        ).expression
+        # One operation of two operands nests well; else each is named before it is used twice.
+        simple = isinstance(norm, Apply) and norm.arguments == (symbol("a"), symbol("b"))
+        truth: Node | None = None
         for number, operand in enumerate(expression.operands, start=1):
             degree = self._truth(operand, planned)
-            if not simple:  # the norm names its operands more than once
+            if not simple:
                 degree = self.fresh(degree, "d")
-            truth = degree if truth is None else norm(truth, degree)
+            truth = degree if truth is None else replace(norm, {"a": truth, "b": degree})
             if not simple or number % _LONGEST == 0:
                 truth = self.fresh(truth, "d")
         assert truth is not None
         return truth
 
-    def _degree(self, part: Is) -> Expression:
+    def _degree(self, part: Is) -> Node:
         key = (part.variable, part.term, part.hedges)
         if key not in self.degrees:
             plain = (part.variable, part.term, ())
@@ -285,102 +364,137 @@ class _Builder:
 
     # ── conclusions ──────────────────────────────────────────────────────────────────
 
-    def _conclude(self, output: OutputPlan, held: Expression | None) -> Expression:
+    def _conclude(self, output: OutputPlan, held: Node) -> Node:
+        """Return the value of the target; the value of another output is put by for rules."""
         model = output.output
+        self.variables += [Assign(*height) for height in self.heights[model.name].values()]
         total, value = self._total_and_value(output)
         value = _into_range(model, self.fresh(value, "value"), guard_nan=False)
-        if isinstance(model.no_rule, float | int):
-            silent: Expression = Number(float(model.no_rule))
-        elif model.no_rule == "hold" and model.name == self.target and held is not None:
-            silent = held
-        elif model.no_rule == "hold":
-            raise refuse(f"'{model.name}' holds its value, and other rules read it")
-        else:
-            silent = Number(math.nan)
-        if model.name != self.target and isinstance(silent, Number) and math.isnan(silent.value):
+        silent = self._silent(model, held)
+        is_nan = isinstance(silent, Constant) and math.isnan(silent.value)
+        if model.name != self.target and is_nan:
             self.guards.append(total)
-            silent = Number(model.low if math.isfinite(model.low) else 0.0)
-        result = Select(">", total, ZERO, value, silent)
-        if model.name == self.target:
-            return result
-        self.values[model.name] = self.fresh(result, model.name)
-        return ZERO
+            silent = constant(model.low if math.isfinite(model.low) else 0.0)
+        result = where(total > 0.0, value, silent)
+        if model.name != self.target:
+            self.values[model.name] = self.fresh(result, model.name)
+        return result
 
-    def _total_and_value(self, output: OutputPlan) -> tuple[Expression, Expression]:
+    def _silent(self, model: Output, held: Node) -> Node:
+        """Return the value of an output for which no rule fires."""
+        if isinstance(model.no_rule, float | int):
+            return constant(model.no_rule)
+        if model.no_rule != "hold":
+            return constant(math.nan)
+        if model.name != self.target:
+            raise refuse(f"'{model.name}' holds its value, and other rules read it")
+        return held
+
+    def _total_and_value(self, output: OutputPlan) -> tuple[Node, Node]:
+        """Return what is above 0 where a rule fires, and the value that holds there."""
         name, method = output.output.name, output.output.defuzzifier.method
         if output.discrete:
             total, weighted = self._weighted(output)
             total, weighted = self.fresh(total, "total"), self.fresh(weighted, "weighted")
             if method == "weighted-sum":
                 return total, weighted
-            return total, self._quotient(weighted, total)
-        if name in self.sums:
-            area, moment = self._locals(name)
-        else:
-            area, moment = self._union(output)
-        centre = Number(0.5 * (output.output.low + output.output.high))
-        return area, add(centre, self._quotient(moment, area))
+            return total, _quotient(weighted, total)
+        if output.output.defuzzifier.resolution is not None:
+            area, moment = self._sampled(output)
+            return area, _quotient(moment, area)
+        area, moment = self.sums[name].part if name in self.sums else self._union(output)
+        centre = constant(0.5 * (output.output.low + output.output.high))
+        return area, plus(centre, _quotient(moment, area))
 
-    def _locals(self, name: str) -> tuple[Expression, Expression]:
-        return Local(self.sums[name][0]), Local(self.sums[name][1])
-
-    @staticmethod
-    def _quotient(top: Expression, bottom: Expression) -> Expression:
-        """Divide where there is something to divide by; the result is not used elsewhere."""
-        return Select(">", bottom, ZERO, divide(top, bottom), ZERO)
-
-    def _union(self, output: OutputPlan) -> tuple[Expression, Expression]:
-        heights: dict[int, Expression] = {
-            member: Local(name) for member, name in self.heights[output.output.name].items()
-        }
-        if output.closed is not None:
-            parts = clipped_union(output, heights)
-        else:
-            parts = scaled_union(output, heights, self.fresh)
-        names = self.names.new("area"), self.names.new("moment")
-        collected = list(parts)
-        if not collected:
+    def _sampled(self, output: OutputPlan) -> Part:
+        heights = self.heights[output.output.name]
+        # The greatest of several cuts of a set is the cut at the greatest strength.
+        greatest = [(member, height, "") for member, (_, height) in heights.items()]
+        fired = self.fired[output.output.name] or greatest
+        if not fired:
             return ZERO, ZERO
-        for name in names:
-            self.statements.append(Assign(name, ZERO))
-        for sign, part in collected:
-            for name, value in zip(names, part, strict=True):
-                combine = add if sign > 0 else subtract
-                self.statements.append(Assign(name, combine(Local(name), value)))
-        return Local(names[0]), Local(names[1])
+        sums = sample_sums(output, fired, self.names)
+        self.variables.append(sums)
+        return symbol(sums.area), symbol(sums.moment)
 
-    def _weighted(self, output: OutputPlan) -> tuple[Expression, Expression]:
-        total: Expression = ZERO
-        weighted: Expression = ZERO
-        for number, (member, name) in enumerate(self.heights[output.output.name].items(), start=1):
-            height = Local(name)
-            total = add(total, height)
-            weighted = add(weighted, times(height, self._value(output, member)))
+    def _union(self, output: OutputPlan) -> Part:
+        heights = {member: each for member, (_, each) in self.heights[output.output.name].items()}
+        if output.closed is not None:
+            parts = list(clipped_union(output, heights, self.call))
+        else:
+            parts = list(scaled_union(output, heights, self.fresh))
+        sums = _Sums(self)
+        for sign, part in parts:
+            sums.add(part, sign)
+        return sums.part
+
+    def _weighted(self, output: OutputPlan) -> Part:
+        """Return the sum of the strengths and that of the values that they weigh."""
+        total: Node = ZERO
+        weighted: Node = ZERO
+        heights = self.heights[output.output.name]
+        for number, (member, (_, height)) in enumerate(heights.items(), start=1):
+            total = plus(total, height)
+            weighted = plus(weighted, self._weighed(output, member, height))
             if number % _LONGEST == 0:
                 total, weighted = self.fresh(total, "total"), self.fresh(weighted, "weighted")
         return total, weighted
 
-    def _value(self, output: OutputPlan, member: int) -> Expression:
+    def _weighed(self, output: OutputPlan, member: int, height: Node) -> Node:
+        """Return the value of a consequent times its strength."""
         found = output.members[member]
+        shape = found.term.shape
         if found.value is not None:
-            return Number(found.value)
-        if found.term.shape.kind != "linear" or output.output.defuzzifier.method not in WEIGHTED:
+            return times(height, found.value)
+        if output.output.defuzzifier.method not in WEIGHTED:
             raise refuse(f"consequent '{found.term.name}' of '{output.output.name}' is a formula")
-        *coefficients, constant = found.term.shape.parameters
-        value: Expression = Number(constant)
+        if shape.kind == "formula":
+            value: Node = self.fresh(self._formula(output, member), found.term.name)
+            # Where its rule does not fire a formula may have no value, such as 1/0.
+            return where(height > 0.0, height * value, 0.0)
+        *coefficients, offset = shape.parameters
+        value = constant(offset)
         for coefficient, variable in zip(coefficients, self.plan.rulebase.inputs, strict=True):
-            value = add(value, times(Number(coefficient), self.values[variable.name]))
-        return self.fresh(value, found.term.name)
+            value = plus(value, times(constant(coefficient), self.values[variable.name]))
+        return times(height, self.fresh(value, found.term.name))
+
+    def _formula(self, output: OutputPlan, member: int) -> Node:
+        term = output.members[member].term
+        formula = formula_of(term.shape)
+        known = {variable.name for variable in self.plan.rulebase.inputs}
+        if not {name for name in formula.names if name not in CONSTANTS} <= known:
+            raise refuse(f"consequent '{term.name}' of '{output.output.name}' reads an output")
+        return replace(formula.with_constants(tuple(known)), self.values)
 
 
-def _into_range(variable: Input | Output, x: Expression, *, guard_nan: bool) -> Expression:
+class _Sums:
+    """The area and the moment of an output, growing part by part."""
+
+    def __init__(self, builder: _Builder) -> None:
+        self.part: Part = (ZERO, ZERO)
+        self._names = builder.names.new("area"), builder.names.new("moment")
+        self._variables = builder.variables
+
+    def add(self, part: Part, sign: int = 1) -> None:
+        combine = plus if sign > 0 else minus
+        area, moment = (combine(a, b) for a, b in zip(self.part, part, strict=True))
+        self.part = (area, moment)
+        for name, total in zip(self._names, self.part, strict=True):
+            self._variables.append(Assign(name, total))
+
+
+def _quotient(top: Node, bottom: Node) -> Node:
+    """Divide where there is something to divide by; the result is not used elsewhere."""
+    return where(bottom > 0.0, top / bottom, 0.0)
+
+
+def _into_range(variable: Input | Output, x: Node, *, guard_nan: bool) -> Node:
     """Return `x` as the variable says; an input that is NaN counts as the lower end."""
     low, high = variable.low, variable.high
     stand_in = low if math.isfinite(low) else high if math.isfinite(high) else 0.0
     if variable.outside == "extend" or not (math.isfinite(low) and math.isfinite(high)):
         if variable.outside != "extend":
-            x = Select("<", x, Number(low), Number(low), x) if math.isfinite(low) else x
-            x = Select(">", x, Number(high), Number(high), x) if math.isfinite(high) else x
-        return Select("==", x, x, x, Number(stand_in)) if guard_nan else x
-    below = Select("<", x, Number(high), x, Number(high))
-    return Select(">", x, Number(low), below, Number(low))
+            x = where(x < low, low, x) if math.isfinite(low) else x
+            x = where(x > high, high, x) if math.isfinite(high) else x
+        return where(op.equal(x, x), x, stand_in) if guard_nan else x
+    return where(x > low, where(x < high, x, high), low)

@@ -43,7 +43,6 @@ class CWriter:
     names: Names = field(default_factory=Names)
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
-    functions: list[str] = field(default_factory=list)
     flash: int = 0
     _known: dict[object, str] = field(default_factory=dict)
 
@@ -91,56 +90,6 @@ def number_lines(literals: Sequence[str], columns: int = 0, indent: str = "    "
     lines = [indent + ", ".join(x.rjust(width) for x in part) + "," for part in parts_of_rows]
     lines[-1] = lines[-1].removesuffix(",")
     return lines
-
-
-COUNT_BELOW = """INDEX NAME(const TYPE *edges, INDEX count, TYPE x)
-{
-    INDEX low = 0u, high = count;
-    while (low < high) {
-        const INDEX middle = low + (high - low) / 2u;
-        if (edges[middle] < x) {
-            low = middle + 1u;
-        } else {
-            high = middle;
-        }
-    }
-    return low; /* the number of edges smaller than x; none for NaN */
-}
-"""
-
-COUNT_UP_TO = """INDEX NAME(const TYPE *levels, INDEX count, TYPE x)
-{
-    INDEX low = 0u, high = count;
-    while (low < high) {
-        const INDEX middle = low + (high - low) / 2u;
-        if (levels[middle] <= x) {
-            low = middle + 1u;
-        } else {
-            high = middle;
-        }
-    }
-    return low; /* the number of levels that x has reached */
-}
-"""
-
-CLAMP = """TYPE NAME(TYPE x, TYPE low, TYPE high)
-{
-    return x > low ? (x < high ? x : high) : low; /* low for NaN */
-}
-"""
-
-BLEND_FLOAT = """TYPE NAME(TYPE near, TYPE far, TYPE share)
-{
-    return (ONE - share) * near + share * far;
-}
-"""
-
-BLEND_FIXED = """int32_t NAME(int32_t near, int32_t far, int32_t share)
-{
-    const int32_t product = (far - near) * share;
-    return near + (product >= 0 ? (product + 16384) / 32768 : -((16384 - product) / 32768));
-}
-"""
 
 
 # --- What the writer of a file needs to know of a routine, whatever it is made of ---
@@ -216,52 +165,41 @@ class Routine(Protocol):
     @property
     def output(self) -> Argument:
         """The result."""
-        ...
 
     @property
     def arguments(self) -> Sequence[Argument]:
         """The arguments, in order."""
-        ...
 
     @property
     def kind(self) -> str:
         """The C type of arguments and result."""
-        ...
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
         """Return what the function returns, bit for bit."""
-        ...
 
     def literal(self, value: Any) -> str:
         """Return an argument or a result as a C literal."""
-        ...
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function, without indentation."""
-        ...
 
     def cost(self) -> Cost:
         """Return what one call takes."""
-        ...
 
     def remarks(self) -> list[str]:
         """Return what the head of the file says of index order, borders and arithmetic."""
-        ...
 
     def provenance(self) -> Sequence[tuple[str, str]]:
         """Return where it comes from, as pairs of key and text."""
-        ...
 
     def accuracy(self) -> Accuracy:
         """Compare with the model in double precision over a dense grid."""
-        ...
 
     def vectors(self) -> Vectors:
         """Return points for the self-test."""
-        ...
 
 
-# --- The comment at the head of an exported file: what it is, whence, how good and how dear ---
+# --- Header comment of an exported file: provenance, accuracy, cost ---
 
 _WIDTH = 96
 
@@ -275,12 +213,23 @@ def head_lines(
         lines += [str(prototype), *_indented(routine_words(routine)), ""]
     lines += [
         f"constants (flash): {writer.flash} bytes, besides the code",
-        "static RAM: 0 bytes; nothing is allocated, no function of a library is called",
+        f"static RAM: 0 bytes; nothing is allocated, {_library_words(routines)}",
         "",
         f"use: {use}",
         f"self-test (returns 0 if all is well): {test}",
     ]
     return [*comment(lines, "/*", " *", " */"), ""]
+
+
+def calls_functions(routine: Routine) -> bool:
+    """Return whether a routine calls functions of the mathematical library."""
+    return bool(getattr(routine, "calls_functions", False))
+
+
+def _library_words(routines: Sequence[Routine]) -> str:
+    if any(map(calls_functions, routines)):
+        return "functions of math.h are called, whose last bits may differ between machines"
+    return "no function of a library is called"
 
 
 def routine_words(routine: Routine, *, names: Sequence[str] = ()) -> list[str]:

@@ -14,40 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm import __version__
-from fuzzyarm.export.expression import (
-    CPrinter,
-    Function,
-    Number,
-    Select,
-    functions_of,
-    locals_of,
-    operations,
-    run,
-)
+from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import C_TYPES, Precision, c_number, precision_named
+from fuzzyarm.export.numbers import Precision, c_number, precision_named, rounded
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import Input, RuleBase
-from fuzzyarm.model.shapes import polyline
+from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output, defuzzifier_words
 
 _DENSE_POINTS = 60_000
 _VECTORS = 48
 
-LEAST = """TYPE NAME(TYPE a, TYPE b)
-{
-    return a < b ? a : b;
-}
-"""
-
-GREATEST = """TYPE NAME(TYPE a, TYPE b)
-{
-    return a > b ? a : b;
-}
-"""
+_AT_ONCE = 16_384
+"""Points at which a program runs at a time: its arrays stay in the cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,11 +57,20 @@ class DirectRoutine:
     program: Program
     source: str = ""
 
+    @cached_property
+    def listing(self) -> Listing:
+        """The arithmetic as statements."""
+        return Listing(self.program)
+
     @property
     def headers(self) -> Sequence[str]:
-        """Standard headers: one for the constant NAN, where an output may be without a value."""
-        expressions = [*(each.value for each in self.program.statements), self.program.result]
-        return ("math.h",) if any(_has_nan(each) for each in expressions) else ()
+        """Standard headers: ``math.h`` for its functions, for NAN and for INFINITY."""
+        return ("math.h",) if needs_math_header(self.program.nodes) else ()
+
+    @property
+    def calls_functions(self) -> bool:
+        """Whether functions of the mathematical library are called."""
+        return uses_functions(self.program.nodes)
 
     @property
     def output(self) -> Argument:
@@ -111,13 +103,25 @@ class DirectRoutine:
         """
         outside, inside = self.precision.outside, self.precision.inside
         with np.errstate(over="ignore"):
-            arrays = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
-        values = {
-            name: array.astype(inside)
-            for name, array in zip(self.program.given, arrays, strict=True)
-        }
-        result = run(self.program.statements, self.program.result, values, inside)
-        return np.broadcast_to(result, arrays[0].shape).astype(outside)
+            arrays = [np.atleast_1d(np.asarray(x, dtype=outside)) for x in inputs]
+        shape = np.broadcast_shapes(*(array.shape for array in arrays))
+        # Arrays stay as they are: what depends on one input is computed once for its values.
+        columns = [
+            array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in arrays
+        ]
+        result = np.empty(shape, outside)
+        samples = max((sums.count for sums in self.program.sums), default=1)
+        most = min(_AT_ONCE, 64 * _AT_ONCE // samples)
+        step = max(1, most // max(1, math.prod(shape[1:])))
+        for start in range(0, shape[0], step):
+            stretch = slice(start, start + step)
+            values = {
+                name: (column[stretch] if len(column) > 1 else column).astype(inside)
+                for name, column in zip(self.program.given, columns, strict=True)
+            }
+            with np.errstate(over="ignore"):
+                result[stretch] = self.program.over_arrays(values, inside)
+        return result.reshape(np.broadcast_shapes(*(np.shape(x) for x in inputs)))
 
     def literal(self, value: Any) -> str:
         """Return an argument or a result as a C literal."""
@@ -126,44 +130,25 @@ class DirectRoutine:
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
         inner, outer = self.precision.c_inside, self.precision.c_outside
-        program = self.program
-        helpers = {
-            "min": lambda: writer.helper("least", LEAST, TYPE=inner),
-            "max": lambda: writer.helper("greatest", GREATEST, TYPE=inner),
-        }
-        functions: dict[Function, str] = {}
-        printer = CPrinter(self.precision.inside, helpers, functions)
-        for function in functions_of(program.statements, program.result):
-            functions[function] = writer.helper(function.wanted, self._function(printer, function))
-        used = locals_of(program.result).union(
-            *(locals_of(statement.value) for statement in program.statements)
-        )
+        cast, back = (f"({inner})", f"({outer})") if inner != outer else ("", "")
         lines = []
-        for given, parameter in zip(program.given, parameters, strict=True):
-            cast = f"({inner})" if inner != outer else ""
-            if given in used:
+        for given, parameter in zip(self.program.given, parameters, strict=True):
+            if given in self.listing.reads:
                 lines.append(f"const {inner} {given} = {cast}{parameter};")
             else:
                 lines.append(f"(void){parameter}; /* no rule that counts asks for it */")
-        lines += printer.statements(program.statements)
-        result = printer.expression(program.result, inner=inner != outer)
-        cast = f"({outer})" if inner != outer else ""
-        return [*lines, f"return {cast}{result};"]
-
-    def _function(self, printer: CPrinter, function: Function) -> str:
-        kind = C_TYPES[self.precision.inside]
-        lines = [f"    {line}" for line in printer.statements(function.statements)]
-        result = printer.expression(function.result)
-        head = f"{kind} NAME({kind} {function.parameter})"
-        return "\n".join([head, "{", *lines, f"    return {result};", "}", ""])
+        body, result = self.listing.lines(writer, self.precision.inside)
+        return [*lines, *body, f"return {back}({result});" if back else f"return {result};"]
 
     def cost(self) -> Cost:
         """Return what one call takes."""
-        program = self.program
-        counted = operations(program.statements, program.result)
-        names = {statement.name for statement in program.statements}
+        counted = {
+            f"{sort} of math.h" if sort == "functions" else sort: count
+            for sort, count in self.listing.operations().items()
+        }
+        names = {*self.listing.variables, *self.program.given}
         size = np.dtype(self.precision.inside).itemsize
-        return Cost(tuple(sorted(counted.items())), size * (len(names) + len(program.given)))
+        return Cost(tuple(sorted(counted.items())), size * len(names))
 
     def remarks(self) -> list[str]:
         """Return what the head of the file says of inference, borders and arithmetic."""
@@ -212,7 +197,8 @@ class DirectRoutine:
         mesh = np.ix_(*self._grid())
         result = self.evaluate(*mesh, *self._held(mesh[0])).astype(np.float64)
         truth = self.model(*mesh)
-        difference = np.abs(result - truth)[~np.isnan(truth)]
+        difference = np.abs(result - truth)
+        difference = difference[~np.isnan(difference)]
         worst = float(difference.max()) if difference.size else 0.0
         words = f"the inference of {self.name} in double precision"
         return Accuracy(worst, int(difference.size), words)
@@ -257,11 +243,12 @@ class DirectRoutine:
 
     def vectors(self) -> Vectors:
         """Return corners with their neighbours and points between, mixed over the inputs."""
-        inputs = []
+        inputs, number = [], np.arange(_VECTORS)
         for k, variable in enumerate(self.rulebase.inputs):
             points = self._axis_points(variable, 25)
             stride = (1, 7, 11, 13, 17, 19, 23, 29)[k % 8]
-            inputs.append(points[(np.arange(_VECTORS) * stride + k) * 5 % points.size])
+            turns = number // points.size  # a shift, so that the same rows do not come again
+            inputs.append(points[(number * stride + turns + k) % points.size])
         columns = [*inputs, *self._held(inputs[0])]
         expected = self.evaluate(*columns)
         known = ~np.isnan(expected)
@@ -274,6 +261,8 @@ class DirectRoutine:
         ends = [abs(x) for x in (output.low, output.high) if math.isfinite(x)]
         scale = max([*ends, *np.abs(expected).tolist(), 1e-30])
         loose = 256.0 if self.precision.inside is np.float32 else 4.0
+        if self.calls_functions:  # another machine has another library
+            loose *= 16.0
         return Vectors(tuple(columns), expected, loose * step * scale)
 
 
@@ -288,7 +277,7 @@ def direct_routine(
     Parameters
     ----------
     rulebase : RuleBase
-        Straight terms; exact centroid or weighted average or sum.
+        Exact centroid of straight sets, or weighted average or sum.
     output : str, optional
         Which output; may be left out if there is only one.
     precision : str
@@ -309,19 +298,21 @@ def direct_routine(
     parameters = [names.new(argument) for argument in arguments]
     program = make_program(rulebase, target.name, parameters)
     types = precision_named(precision, arithmetic=True)
+    constants = [n.value for n in program.nodes if isinstance(n, Constant)]
+    finite = [value for value in constants if math.isfinite(value)]
+    rounded(finite, types.inside, f"the direct inference of '{target.name}'")
     where = Path(source).name if source is not None else ""
     return DirectRoutine(rulebase, target.name, types, program, where)
 
 
 def corners_of(variable: Input) -> list[float]:
-    """Return the corners of the straight terms of a variable, in order; its ends too."""
-    places = {x for x in (variable.low, variable.high) if math.isfinite(x)}
+    """Return the ends of a variable and where its terms start, end or bend, in order."""
+    found = {x for x in (variable.low, variable.high) if math.isfinite(x)}
     for term in variable.terms:
-        if SHAPES[term.shape.kind].straight and term.shape.kind != "singleton":
-            places |= {x for x, _ in polyline(term.shape) if math.isfinite(x)}
-        elif term.shape.kind == "singleton":
-            places.add(term.shape.parameters[0])
-    return sorted(places) or [0.0]
+        straight = SHAPES[term.shape.kind].straight
+        edges = [x for x, _ in polyline(term.shape)] if straight else corner_points(term.shape)
+        found |= {x for x in edges if math.isfinite(x)}
+    return sorted(found) or [0.0]
 
 
 def _forgiving(rulebase: RuleBase) -> RuleBase:
@@ -346,9 +337,3 @@ def _border_words(variable: Input) -> str:
     if variable.outside == "error":
         return f"{variable.name} beyond its range, an error in the model, takes the border here"
     return f"{variable.name} beyond its range takes the border (saturation)"
-
-
-def _has_nan(expression: object) -> bool:
-    if isinstance(expression, Number):
-        return math.isnan(expression.value)
-    return isinstance(expression, Select) and (_has_nan(expression.yes) or _has_nan(expression.no))

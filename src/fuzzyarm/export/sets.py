@@ -1,251 +1,223 @@
-"""Membership, norms and the exact centroid of straight sets as straight-line arithmetic."""
+"""The terms and sets of a rule base as expressions: degrees, and exact areas of straight sets.
+
+Straight terms run through the corners of their records, curved ones and formulas are the
+expressions of their records with the numbers of the term in place. Products with zero and
+one are folded here, where most of them come from coefficients that are zero or one.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations, groupby, pairwise
 
-from fuzzyarm.export.expression import (
-    ONE,
-    ZERO,
-    Assign,
-    Call,
-    Expression,
-    Function,
-    Local,
-    Number,
-    Select,
-    add,
-    divide,
-    greatest,
-    least,
-    subtract,
-    times,
-)
 from fuzzyarm.export.numbers import ExportError
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression import op
+from fuzzyarm.expression.evaluation import specialise
+from fuzzyarm.expression.formulas import FormulaError
+from fuzzyarm.expression.kinds import HEDGES, SHAPES
+from fuzzyarm.expression.nodes import Constant, Node, Number, apply, constant, replace, symbol
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.sets import Piece
-from fuzzyarm.model.rulebase import Hedge, Term
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.sets import POSITION, formula_of
+from fuzzyarm.model.rulebase import Hedge, Shape, Term
 from fuzzyarm.model.shapes import polyline
 
-# --- Membership in straight terms, hedges and norms as straight-line arithmetic ---
+ZERO, ONE = constant(0.0), constant(1.0)
 
-Corner = tuple[float, float]
+TABLE_HINT = "leave out --direct to export a table"
+
+
+def refuse(what: str, hint: str = TABLE_HINT) -> ExportError:
+    """Return the error that names what cannot be exported."""
+    return ExportError(f"the direct inference cannot be exported: {what}", hint=hint)
+
+
+# ── arithmetic that folds zero and one ───────────────────────────────────────────────
+
+
+def is_number(node: Node, value: float) -> bool:
+    """Return whether an expression is this very number."""
+    return isinstance(node, Constant) and node.value == value
+
+
+def plus(a: Node, b: Node) -> Node:
+    """Return a + b."""
+    return b if is_number(a, 0.0) else a if is_number(b, 0.0) else a + b
+
+
+def minus(a: Node, b: Node) -> Node:
+    """Return a − b."""
+    return a if is_number(b, 0.0) else a - b
+
+
+def times(a: Node, b: Number) -> Node:
+    """Return a b."""
+    b = b if isinstance(b, Node) else constant(b)
+    if is_number(a, 0.0) or is_number(b, 0.0):
+        return ZERO
+    return b if is_number(a, 1.0) else a if is_number(b, 1.0) else a * b
+
+
+def where(condition: Node, then: Number, otherwise: Number) -> Node:
+    """Return the choice between two values."""
+    return apply("where", condition, then, otherwise)
+
+
+# ── degrees ──────────────────────────────────────────────────────────────────────────
 
 MOST_CORNERS = 100
 """Corners of a term: each is a comparison inside the one before (C compilers take 127)."""
 
+Corner = tuple[float, float]
 
-def degree_of(term: Term, variable: str, x: Expression) -> Expression:
-    """Return the membership of `x` in a straight term.
+
+def degree_of(term: Term, variable: str, x: Node) -> Node:
+    """Return the degree of `x` in a term of an input, or of an output that rules read.
 
     Raises
     ------
     ExportError
-        If the shape is not straight or not finite.
+        If a shape has too many corners, or a formula is not one of `x` alone.
     """
     shape = term.shape
-    if shape.kind == "singleton":
-        return Select("==", x, Number(shape.parameters[0]), Number(shape.height), ZERO)
-    if not SHAPES[shape.kind].straight:
-        raise ExportError(
-            f"the direct inference cannot be exported: term '{term.name}' of '{variable}' is"
-            f" {shape.kind}, and only straight shapes do without a mathematical library",
-            hint="leave out --direct to export a table",
-        )
-    corners = polyline(shape)
-    if not all(math.isfinite(number) for corner in corners for number in corner):
-        raise ExportError(
-            f"the direct inference cannot be exported: term '{term.name}' of '{variable}' has a"
-            " corner at infinity"
-        )
-    if len(corners) > MOST_CORNERS:
-        raise ExportError(
-            f"the direct inference cannot be exported: term '{term.name}' of '{variable}' has"
-            f" {len(corners)} corners, and {MOST_CORNERS} are the most",
-            hint="leave out --direct to export a table",
-        )
-    return _through(corners, x)
-
-
-def _through(corners: Sequence[Corner], x: Expression) -> Expression:
-    """Return lines through corners; on a vertical edge the greatest value holds."""
-    places = [(place, [y for _, y in group]) for place, group in groupby(corners, lambda c: c[0])]
-    expression: Expression = Number(places[-1][1][-1])
-    for k in range(len(places) - 1, -1, -1):
-        place, heights = places[k]
-        left_end = heights[0]
-        if k == 0:
-            before: Expression = Number(left_end)
-        else:
-            x0, y0 = places[k - 1][0], places[k - 1][1][-1]
-            before = _line(x, x0, y0, place, left_end)
-        at = max(heights)
-        # The corner itself belongs to the side that is as high as its highest point.
-        if at in {left_end, heights[-1]}:
-            closed = left_end == at and heights[-1] != at
-            expression = Select("<=" if closed else "<", x, Number(place), before, expression)
-        else:
-            after = Select("==", x, Number(place), Number(at), expression)
-            expression = Select("<", x, Number(place), before, after)
-    return expression
-
-
-def _line(x: Expression, x0: float, y0: float, x1: float, y1: float) -> Expression:
-    if y0 == y1:
-        return Number(y0)
-    rise = abs(y1 - y0)
-    # From the foot upwards, so that nothing is left of it at the foot and all at the top.
-    foot = subtract(x, Number(x0)) if y1 > y0 else subtract(Number(x1), x)
-    share = divide(foot, Number(x1 - x0))
-    return add(Number(min(y0, y1)), times(share, Number(rise)))
-
-
-# ── hedges ───────────────────────────────────────────────────────────────────────────
-
-HALF, TWO = Number(0.5), Number(2.0)
-
-
-def _intensified(d: Expression) -> Expression:
-    rest = subtract(ONE, d)
-    high = subtract(ONE, times(TWO, times(rest, rest)))
-    return Select("<=", d, HALF, times(TWO, times(d, d)), high)
-
-
-_HEDGES: dict[str, Callable[[Expression], Expression]] = {
-    "not": lambda d: subtract(ONE, d),
-    "very": lambda d: times(d, d),
-    "extremely": lambda d: times(times(d, d), d),
-    "any": lambda _: ONE,
-    "intensify": _intensified,
-}
-
-
-def hedged(hedges: Sequence[Hedge], degree: Expression) -> Expression:
-    """Return a degree under hedges, the last one acting first; it is best a variable.
-
-    Raises
-    ------
-    ExportError
-        For a hedge that takes a root or a power.
-    """
-    for hedge in reversed(hedges):
-        if hedge.name not in _HEDGES:
-            raise ExportError(
-                f"the direct inference cannot be exported: hedge '{hedge.name}' needs a"
-                " mathematical library",
-                hint="leave out --direct to export a table",
+    if shape.kind == "formula":
+        return times(_formula_of_x(term, variable, x), shape.height)
+    kind = SHAPES[shape.kind]
+    corners = _finite_corners(shape)
+    if corners is not None:
+        if len(corners) > MOST_CORNERS:
+            raise refuse(
+                f"term '{term.name}' of '{variable}' has {len(corners)} corners, and"
+                f" {MOST_CORNERS} are the most"
             )
-        degree = _HEDGES[hedge.name](degree)
+        return _through(corners, x)
+    if kind.function is None:
+        raise refuse(f"term '{term.name}' of '{variable}' has no degrees that C could compute")
+    numbers = dict(zip(kind.symbols[1:], shape.parameters, strict=True))
+    degree = replace(specialise(kind.expression, numbers), {kind.symbols[0]: x})
+    return times(degree, shape.height)
+
+
+def _formula_of_x(term: Term, variable: str, x: Node) -> Node:
+    try:
+        return replace(formula_of(term.shape).with_constants((POSITION,)), {POSITION: x})
+    except FormulaError:
+        raise refuse(f"term '{term.name}' of '{variable}' is a formula of several") from None
+
+
+def _finite_corners(shape: Shape) -> list[Corner] | None:
+    """Return the corners of a straight shape; None of a curved, endless or pointlike one."""
+    if not SHAPES[shape.kind].straight or shape.kind == "singleton":
+        return None
+    corners = polyline(shape)
+    return corners if all(math.isfinite(x) and math.isfinite(y) for x, y in corners) else None
+
+
+def _through(corners: Sequence[Corner], x: Node) -> Node:
+    """Return lines through corners; on a vertical edge the greatest value holds."""
+    edges = [(edge, [y for _, y in group]) for edge, group in groupby(corners, lambda c: c[0])]
+    degree: Node = constant(edges[-1][1][-1])
+    for k in range(len(edges) - 1, -1, -1):
+        edge, heights = edges[k]
+        left = heights[0]
+        before: Node = constant(left)
+        if k > 0:
+            before = _line(x, edges[k - 1][0], edges[k - 1][1][-1], edge, left)
+        highest = max(heights)
+        # The edge itself belongs to the side that is as high as its highest point.
+        if highest in {left, heights[-1]}:
+            closed = left == highest and heights[-1] != highest
+            degree = where(x <= edge if closed else x < edge, before, degree)
+        else:
+            degree = where(x < edge, before, where(op.equal(x, edge), highest, degree))
     return degree
 
 
-# ── norms ────────────────────────────────────────────────────────────────────────────
+def _line(x: Node, x0: float, y0: float, x1: float, y1: float) -> Node:
+    if y0 == y1:
+        return constant(y0)
+    # From the foot upwards, so that nothing is left of it at the foot and all at the top.
+    foot = minus(x, constant(x0)) if y1 > y0 else x1 - x
+    width = x1 - x0
+    # A product takes a fraction of the time of a division; by a power of two it is the same.
+    exact = abs(math.frexp(width)[0]) == 0.5
+    share = times(foot, 1.0 / width) if exact else foot / width
+    return plus(constant(min(y0, y1)), times(share, abs(y1 - y0)))
 
 
-def _hamacher_t(a: Expression, b: Expression) -> Expression:
-    product = times(a, b)
-    value = divide(product, subtract(add(a, b), product))
-    return Select(">", least(a, b), ZERO, value, ZERO)
+def hedged(hedges: Sequence[Hedge], degree: Node) -> Node:
+    """Return a degree under hedges, the last one acting first."""
+    for hedge in reversed(hedges):
+        kind = HEDGES[hedge.name]
+        numbers = () if hedge.exponent is None else (hedge.exponent,)
+        values: dict[str, Number] = dict(zip(kind.symbols, (degree, *numbers), strict=True))
+        degree = replace(kind.expression, values)
+    return degree
 
 
-def _hamacher_s(a: Expression, b: Expression) -> Expression:
-    product = times(a, b)
-    top = subtract(add(a, b), times(TWO, product))
-    return Select(">=", product, ONE, ONE, divide(top, subtract(ONE, product)))
-
-
-CONJUNCTIONS: dict[str, Callable[[Expression, Expression], Expression]] = {
-    "min": least,
-    "product": times,
-    "bounded": lambda a, b: greatest(ZERO, subtract(add(a, b), ONE)),
-    "drastic": lambda a, b: Select(">=", greatest(a, b), ONE, least(a, b), ZERO),
-    "hamacher": _hamacher_t,
-    "einstein": lambda a, b: divide(times(a, b), subtract(TWO, subtract(add(a, b), times(a, b)))),
-    "nilpotent": lambda a, b: Select(">", add(a, b), ONE, least(a, b), ZERO),
-}
-"""T-norms by name."""
-
-DISJUNCTIONS: dict[str, Callable[[Expression, Expression], Expression]] = {
-    "max": greatest,
-    "probor": lambda a, b: subtract(add(a, b), times(a, b)),
-    "bounded": lambda a, b: least(ONE, add(a, b)),
-    "drastic": lambda a, b: Select("<=", least(a, b), ZERO, greatest(a, b), ONE),
-    "hamacher": _hamacher_s,
-    "einstein": lambda a, b: divide(add(a, b), add(ONE, times(a, b))),
-    "nilpotent": lambda a, b: Select("<", add(a, b), ONE, greatest(a, b), ONE),
-    "sum": add,
-    "normalized": lambda a, b: divide(add(a, b), greatest(ONE, add(a, b))),
-}
-"""S-norms and aggregations by name."""
-
-
-# --- The exact centroid of clipped or scaled straight sets as straight-line arithmetic ---
+# ── the exact area and moment of clipped or scaled straight sets ─────────────────────
 #
-# Clipped sets (implication min) have the closed form of `inference.overlap`:
-# polynomials of the heights. Scaled sets (product) keep their shape: the area is the height
-# times a constant, and where two of them overlap under `max` the integral of the smaller
-# one is taken off, in two straight pieces that meet where the lines cross.
+# Clipped sets (implication min) have the closed form of `inference.overlap`: polynomials of
+# the heights. Scaled sets (product) keep their shape: the area is the height times a
+# constant, and where two of them overlap under `max` the integral of the smaller one is
+# taken off, in two straight pieces that meet where the lines cross.
 
-Fresh = Callable[[Expression, str], Expression]
-"""Puts an expression into a new variable of that name and returns the variable."""
+Fresh = Callable[[Node, str], Node]
+"""Names an expression, so that it is computed once and stands in a variable."""
 
-Part = tuple[Expression, Expression]
-"""An area and a moment about the middle of the range."""
+Call = Callable[[str, Node, Node], Node]
+"""Applies a function of ``h``, given as an expression, to a height; the name is for C."""
 
-_HEIGHT = Local("h")
+Part = tuple[Node, Node]
+"""An area, and a moment about the middle of the range."""
+
+Heights = Mapping[int, Node]
+"""The firing strength of each member."""
 
 
-def layered(layers: Layers, height: Expression) -> Part:
-    """Return area and moment of the polynomials at a height, as calls of shared functions."""
+def clipped(layers: Layers, height: Node, call: Call) -> Part:
+    """Return area and moment of the closed form at a height."""
     area = [(each.start, each.depth, (each.a1, each.a2)) for each in layers]
     moment = [(each.start, each.depth, (each.b1, each.b2, each.b3)) for each in layers]
-    return _polynomial("area", area, height), _polynomial("moment", moment, height)
+    return (
+        call("area", _polynomial(area), height),
+        call("moment", _polynomial(moment), height),
+    )
 
 
-def _polynomial(
-    wanted: str,
-    stretches: Sequence[tuple[float, float, tuple[float, ...]]],
-    height: Expression,
-) -> Expression:
-    statements = []
-    total: Expression = ZERO
-    for k, (start, depth, coefficients) in enumerate(stretches):
+def _polynomial(stretches: Sequence[tuple[float, float, tuple[float, ...]]]) -> Node:
+    """Return the sum over the stretches of c1 x + c2 x² + …, x being the part of h in one."""
+    total: Node = ZERO
+    for start, depth, coefficients in stretches:
         if not any(coefficients):
             continue
-        name = f"x{k}"
-        above = subtract(_HEIGHT, Number(start))
-        # A height is never negative, so the first stretch needs no lower bound.
-        inside = least(above, Number(depth))
-        statements.append(Assign(name, inside if start == 0.0 else greatest(inside, ZERO)))
-        value: Expression = Number(coefficients[-1])
+        x = op.minimum(minus(symbol("h"), constant(start)), depth)
+        if start != 0.0:  # a height is never negative: the first stretch needs no lower bound
+            x = op.maximum(x, 0.0)
+        value: Node = constant(coefficients[-1])
         for coefficient in reversed(coefficients[:-1]):
-            value = add(Number(coefficient), times(Local(name), value))
-        total = add(total, times(Local(name), value))
-    if total == ZERO:
-        return ZERO
-    return Call(Function(wanted, "h", tuple(statements), total), height)
+            value = plus(constant(coefficient), times(x, value))
+        total = plus(total, times(x, value))
+    return total
 
 
-def clipped_union(plan: OutputPlan, heights: dict[int, Expression]) -> Iterator[tuple[int, Part]]:
+def clipped_union(plan: OutputPlan, heights: Heights, call: Call) -> Iterator[tuple[int, Part]]:
     """Yield (sign, part) of the union of sets clipped at `heights`."""
     form = plan.closed
     assert form is not None
     for member, height in heights.items():
-        yield 1, layered(form.own[member], height)
+        yield 1, clipped(form.own[member], height, call)
     for member, others, layers in form.overlaps:
         above = [heights[other] for other in others if other in heights]
         if member in heights and above:
             highest = above[0]
             for other in above[1:]:
-                highest = greatest(highest, other)
-            yield -1, layered(layers, least(heights[member], highest))
+                highest = op.maximum(highest, other)
+            yield -1, clipped(layers, op.minimum(heights[member], highest), call)
 
 
-def scaled(plan: OutputPlan, member: int, height: Expression) -> Part:
+def scaled(plan: OutputPlan, member: int, height: Node) -> Part:
     """Return area and moment of one set scaled by `height`."""
     centre = _centre(plan)
     area = moment = 0.0
@@ -255,12 +227,10 @@ def scaled(plan: OutputPlan, member: int, height: Expression) -> Part:
         moment += width * (
             0.5 * start * (piece.y0 + piece.y1) + width * (piece.y0 / 6.0 + piece.y1 / 3.0)
         )
-    return times(height, Number(area)), times(height, Number(moment))
+    return times(height, area), times(height, moment)
 
 
-def scaled_union(
-    plan: OutputPlan, heights: dict[int, Expression], fresh: Fresh
-) -> Iterator[tuple[int, Part]]:
+def scaled_union(plan: OutputPlan, heights: Heights, fresh: Fresh) -> Iterator[tuple[int, Part]]:
     """Yield (sign, part) of the union of sets scaled by `heights`.
 
     Raises
@@ -274,14 +244,13 @@ def scaled_union(
     for x0, x1 in pairwise(edges):
         present = {}
         for member in heights:
-            ends = _ends(plan.members[member].pieces, x0, x1)
+            ends = _ends(plan.members[member], x0, x1)
             if max(ends) > 0.0:
                 present[member] = ends
         if len(present) > 2:
-            raise ExportError(
-                f"the direct inference cannot be exported: three sets of '{plan.output.name}'"
-                f" overlap at {0.5 * (x0 + x1):g} under implication product and aggregation max",
-                hint="leave out --direct to export a table",
+            raise refuse(
+                f"three sets of '{plan.output.name}' overlap at {0.5 * (x0 + x1):g} under"
+                " implication product and aggregation max"
             )
         for first, second in combinations(present, 2):
             lines = (heights[first], present[first], heights[second], present[second])
@@ -292,8 +261,9 @@ def _centre(plan: OutputPlan) -> float:
     return 0.5 * (plan.output.low + plan.output.high)
 
 
-def _ends(pieces: Sequence[Piece], x0: float, x1: float) -> tuple[float, float]:
-    for piece in pieces:
+def _ends(member: Member, x0: float, x1: float) -> tuple[float, float]:
+    """Return the degrees of a set at the ends of a stretch within one of its pieces."""
+    for piece in member.pieces:
         if piece.x0 <= x0 and x1 <= piece.x1:
             slope = (piece.y1 - piece.y0) / (piece.x1 - piece.x0)
             left = piece.y0 if x0 == piece.x0 else piece.y0 + slope * (x0 - piece.x0)
@@ -303,36 +273,35 @@ def _ends(pieces: Sequence[Piece], x0: float, x1: float) -> tuple[float, float]:
 
 
 def _smaller_of_two(
-    first: Expression,
+    first: Node,
     first_ends: tuple[float, float],
-    second: Expression,
+    second: Node,
     second_ends: tuple[float, float],
     start: float,
     width: float,
     fresh: Fresh,
 ) -> Part:
-    p0, p1 = (fresh(times(first, Number(y)), "p") for y in first_ends)
-    q0, q1 = (fresh(times(second, Number(y)), "q") for y in second_ends)
-    d0, d1 = fresh(subtract(p0, q0), "d"), fresh(subtract(p1, q1), "d")
-    crossing = divide(d0, subtract(d0, d1))
-    s = fresh(Select("<", times(d0, d1), ZERO, crossing, ONE), "s")
-    at_p = add(p0, times(s, subtract(p1, p0)))
-    at_q = add(q0, times(s, subtract(q1, q0)))
-    middle = fresh(least(at_p, at_q), "y")
-    left, right = fresh(least(p0, q0), "y"), fresh(least(p1, q1), "y")
-    near = fresh(times(Number(width), s), "w")
-    far = fresh(subtract(Number(width), near), "w")
-    place = add(Number(start), near)
-    one = _trapezoid(Number(start), near, left, middle, fresh)
-    two = _trapezoid(fresh(place, "x"), far, middle, right, fresh)
-    return add(one[0], two[0]), add(one[1], two[1])
+    """Return the integral of the smaller of two scaled lines over a stretch."""
+    p0, p1 = (fresh(times(first, y), "p") for y in first_ends)
+    q0, q1 = (fresh(times(second, y), "q") for y in second_ends)
+    d0, d1 = fresh(minus(p0, q0), "d"), fresh(minus(p1, q1), "d")
+    # The share of the width at which they cross; all of it where they do not.
+    s = fresh(where(times(d0, d1) < 0.0, d0 / minus(d0, d1), 1.0), "s")
+    at_p = plus(p0, times(s, minus(p1, p0)))
+    at_q = plus(q0, times(s, minus(q1, q0)))
+    middle = fresh(op.minimum(at_p, at_q), "y")
+    left, right = fresh(op.minimum(p0, q0), "y"), fresh(op.minimum(p1, q1), "y")
+    near = fresh(times(constant(width), s), "w")
+    far = fresh(constant(width) - near, "w")
+    crossing = fresh(plus(constant(start), near), "x")
+    one = _trapezoid(constant(start), near, left, middle, fresh)
+    two = _trapezoid(crossing, far, middle, right, fresh)
+    return plus(one[0], two[0]), plus(one[1], two[1])
 
 
-def _trapezoid(
-    start: Expression, width: Expression, left: Expression, right: Expression, fresh: Fresh
-) -> Part:
-    mean = fresh(times(Number(0.5), add(left, right)), "m")
-    lean = add(times(Number(1.0 / 6.0), left), times(Number(1.0 / 3.0), right))
+def _trapezoid(start: Node, width: Node, left: Node, right: Node, fresh: Fresh) -> Part:
+    mean = fresh(times(constant(0.5), plus(left, right)), "m")
+    lean = plus(times(constant(1.0 / 6.0), left), times(constant(1.0 / 3.0), right))
     area = times(width, mean)
-    moment = times(width, add(times(start, mean), times(width, lean)))
+    moment = times(width, plus(times(start, mean), times(width, lean)))
     return fresh(area, "a"), fresh(moment, "b")

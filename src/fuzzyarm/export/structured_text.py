@@ -14,8 +14,9 @@ from fuzzyarm import __version__
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ExportError, st_number
 from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
-from fuzzyarm.export.table import Core, TableRoutine
+from fuzzyarm.export.table import Side, TableCode, TableRoutine
 from fuzzyarm.export.table_numbers import FixedTable
+from fuzzyarm.expression.printing import STRUCTURED_TEXT
 
 _FLOATS: dict[type[np.floating], str] = {np.float32: "REAL", np.float64: "LREAL"}
 _WHOLES = {15: "INT", 7: "SINT"}
@@ -34,7 +35,7 @@ def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list
     Raises
     ------
     ExportError
-        If a routine is no table.
+        If a routine is not a table.
     """
     names = Names("st")
     blocks, called = [], []
@@ -50,23 +51,28 @@ def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list
     return "\n".join(blocks), called
 
 
-class _Block:
+class _Block(TableCode):
+    """A function block: its variables are declared apart from the statements."""
+
+    language = STRUCTURED_TEXT
+
     def __init__(self, routine: TableRoutine, name: str) -> None:
         self.routine = routine
-        self.core: Core = routine.core
         self.name = name
         self.names = Names("st", {name})
-        self.inputs = [self.names.new(axis.name) for axis in self.core.table.axes]
-        self.output = self.names.new(self.core.table.output)
-        if isinstance(self.core, FixedTable):
-            self.outer = self.inner = _WHOLES[self.core.bits]
+        core, table = routine.core, routine.core.table
+        self.inputs = [self.names.new(axis.name) for axis in table.axes]
+        self.output = self.names.new(table.output)
+        super().__init__(core, self.inputs)
+        if isinstance(core, FixedTable):
+            self.outer = self.inner = _WHOLES[core.bits]
             self.wide = "DINT"
         else:
-            self.outer = _FLOATS[self.core.precision.outside]
-            self.inner = self.wide = _FLOATS[self.core.precision.inside]
+            self.outer = _FLOATS[core.precision.outside]
+            self.inner = self.wide = _FLOATS[core.precision.inside]
         self.constants: list[str] = []
         self.variables: list[tuple[str, str]] = []
-        self.index = "INT" if self.core.values.size <= 0x7FFF else "DINT"
+        self.index = "INT" if core.values.size <= 0x7FFF else "DINT"
 
     def text(self) -> str:
         statements = self._interpolate() if self.core.linear else self._pick()
@@ -105,25 +111,25 @@ class _Block:
         self.variables.append((name, kind))
         return name
 
-    def _literal(self, value: float | int) -> str:
+    def literal(self, value: float | int) -> str:
         if isinstance(self.core, FixedTable):
             return str(int(value))
         return st_number(value, self.core.precision.inside)
 
-    def _array(self, wanted: str, values: Sequence[float], columns: int = 0) -> str:
+    def _array(self, wanted: str, literals: Sequence[str], columns: int = 0) -> str:
         name = self.names.new(wanted)
-        literals = [self._literal(x) for x in values]
         lines = number_lines(literals, columns, indent="        ")
         head = f"    {name} : ARRAY [0..{len(literals) - 1}] OF {self.inner} := ["
         self.constants.append("\n".join([head, *lines, "    ];"]))
         return name
 
     def _values(self) -> str:
-        shape = self.core.table.shape
-        return self._array(f"{self.output}_values", self.core.values.tolist(), shape[-1])
+        literals = [self.literal(x) for x in self.core.values.tolist()]
+        return self._array(f"{self.output}_values", literals, self.core.table.shape[-1])
 
-    def _widened(self, expression: str, kind: str) -> str:
-        return expression if kind == self.wide else f"{kind}_TO_{self.wide}({expression})"
+    def _widened(self, expression: str) -> str:
+        same = self.inner == self.wide
+        return expression if same else f"{self.inner}_TO_{self.wide}({expression})"
 
     def _narrowed(self, expression: str) -> str:
         if self.wide == self.outer:
@@ -137,13 +143,13 @@ class _Block:
         if not hasattr(self, "bounds"):
             self.bounds = [self._variable(each, self.index) for each in ("low", "high", "middle")]
         low, high, middle = self.bounds
-        place = f"{middle} + {first}" if first else middle
+        index = f"{middle} + {first}" if first else middle
         return [
             f"{low} := 0;",
             f"{high} := {count};",
             f"WHILE {low} < {high} DO",
             f"    {middle} := ({low} + {high}) / 2;",
-            f"    IF {points}[{place}] {comparison} {x} THEN",
+            f"    IF {points}[{index}] {comparison} {x} THEN",
             f"        {low} := {middle} + 1;",
             "    ELSE",
             f"        {high} := {middle};",
@@ -152,86 +158,68 @@ class _Block:
         ], low
 
     def _pick(self) -> list[str]:
-        lines: list[str] = []
         cell = self._variable("cell", self.index)
         what = "bins" if self.core.mode == "bins" else "middles"
-        lines.append(f"{cell} := 0;")
-        for k, size in enumerate(self.core.table.shape):
-            if size == 1:
-                continue
-            edges = self._array(f"{self.inputs[k]}_{what}", self.core.points[k].tolist())
-            search, low = self._search(edges, 0, size - 1, self.inputs[k], "<")
-            lines += [*search, f"{cell} := {cell} * {size} + {low};"]
+        lines = [f"{cell} := 0;"]
+        for side in self.sides:
+            edges = self._array(f"{side.name}_{what}", self.points(side))
+            search, low = self._search(edges, 0, side.size - 1, side.name, "<")
+            lines += [*search, f"{cell} := {cell} * {side.size} + {low};"]
         return [*lines, f"{self.output} := {self._values()}[{cell}];"]
 
     def _interpolate(self) -> list[str]:
-        lines: list[str] = []
         cell = self._variable("cell", self.index)
-        lines.append(f"{cell} := 0;")
-        shares, strides = [], []
-        stride = self.core.values.size
-        for k, size in enumerate(self.core.table.shape):
-            stride //= size
-            if size == 1:
-                continue
-            part, share = self._place(k, size, cell, stride)
+        lines = [f"{cell} := 0;"]
+        shares = []
+        for side in self.sides:
+            part, share = self._neighbour(side, cell)
             lines += part
             shares.append(share)
-            strides.append(stride)
-        return lines + self._corners(self._values(), cell, shares, strides)
+        values = self._values()
+        corners = [
+            self._widened(f"{values}[{cell} + {offset}]" if offset else f"{values}[{cell}]")
+            for offset in self.offsets
+        ]
+        targets = [self._variable(f"v{k}", self.wide) for k in range(len(corners) // 2)]
+        product = self._variable("product", "DINT") if self.fixed else ""
 
-    def _place(self, k: int, size: int, cell: str, stride: int) -> tuple[list[str], str]:
-        """Clamp one input, find the level below it and the share of the way to the next."""
-        name, points = self.inputs[k], self.core.points[k].tolist()
+        def assign(side: int, pair: int, near: str, far: str) -> str:
+            nonlocal lines
+            lines += self._blend(targets[pair], near, far, shares[side], product)
+            return targets[pair]
+
+        value = self.blended(corners, shares, assign)
+        return [*lines, f"{self.output} := {self._narrowed(value)};"]
+
+    def _neighbour(self, side: Side, cell: str) -> tuple[list[str], str]:
+        """Clamp one input, find its lower neighbour and the share of the way to the upper."""
+        name, points = side.name, self.points(side)
         levels = self._array(f"{name}_levels", points)
         x, share = self._variable(f"x_{name}", self.inner), self._variable(f"t_{name}", self.wide)
         given = name if self.inner == self.outer else f"{self.outer}_TO_{self.inner}({name})"
-        first, last = self._literal(points[0]), self._literal(points[-1])
-        search, low = self._search(levels, 1, size - 2, x, "<=")
-        above = (
-            f"({self._widened(x, self.inner)} - {self._widened(f'{levels}[{low}]', self.inner)})"
-        )
-        width = (
-            f"({self._widened(f'{levels}[{low} + 1]', self.inner)}"
-            f" - {self._widened(f'{levels}[{low}]', self.inner)})"
-        )
-        scale = " * 32768" if isinstance(self.core, FixedTable) else ""
-        step = low if stride == 1 else f"{low} * {stride}"
+        search, low = self._search(levels, 1, side.size - 2, x, "<=")
+        way = [self._widened(text) for text in (x, f"{levels}[{low}]", f"{levels}[{low} + 1]")]
+        value = self.share(*way)
+        if self.fixed:
+            value = f"({way[0]} - {way[1]}) * 32768 / ({way[2]} - {way[1]})"
+        step = low if side.stride == 1 else f"{low} * {side.stride}"
         return [
-            f"{x} := {first};",
+            f"{x} := {points[0]};",
             f"IF {given} > {x} THEN",
             f"    {x} := {given};",
             "END_IF;",
-            f"IF {x} > {last} THEN",
-            f"    {x} := {last};",
+            f"IF {x} > {points[-1]} THEN",
+            f"    {x} := {points[-1]};",
             "END_IF;",
             *search,
-            f"{share} := {above}{scale} / {width};",
+            f"{share} := {value};",
             f"{cell} := {cell} + {step};",
         ], share
 
-    def _corners(self, values: str, cell: str, shares: list[str], strides: list[int]) -> list[str]:
-        offsets = [0]
-        for stride in strides:
-            offsets = [base + more for base in offsets for more in (0, stride)]
-        corners = [
-            self._widened(f"{values}[{cell} + {o}]" if o else f"{values}[{cell}]", self.inner)
-            for o in offsets
-        ]
-        lines: list[str] = []
-        targets = [self._variable(f"v{i}", self.wide) for i in range(len(corners) // 2)]
-        product = self._variable("product", "DINT") if isinstance(self.core, FixedTable) else ""
-        for share in reversed(shares):
-            blended = []
-            for i, (near, far) in enumerate(zip(corners[0::2], corners[1::2], strict=True)):
-                lines += self._blend(targets[i], near, far, share, product)
-                blended.append(targets[i])
-            corners = blended
-        return [*lines, f"{self.output} := {self._narrowed(corners[0])};"]
-
     def _blend(self, target: str, near: str, far: str, share: str, product: str) -> list[str]:
-        if not product:
-            return [f"{target} := (1.0 - {share}) * {near} + {share} * {far};"]
+        if not self.fixed:
+            return [f"{target} := {self.blend(near, far, share)};"]
+        # Rounded to the nearest, ties away from zero; DINT / DINT drops the remainder.
         return [
             f"{product} := ({far} - {near}) * {share};",
             f"IF {product} >= 0 THEN",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -13,164 +13,264 @@ from numpy.typing import NDArray
 
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import c_number
-from fuzzyarm.export.routine import (
-    BLEND_FIXED,
-    BLEND_FLOAT,
-    CLAMP,
-    COUNT_BELOW,
-    COUNT_UP_TO,
-    Accuracy,
-    Argument,
-    Cost,
-    CWriter,
-    Vectors,
-)
+from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable, Scale
+from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.expression.printing import Language, c_language
 from fuzzyarm.table.fidelity import dense_points
+from fuzzyarm.table.header import index_words
+from fuzzyarm.table.lookup import blend, corner_offsets, share_of_way, strides_of
 from fuzzyarm.text.numbers import number_text
 
-# --- The statements of a table's function in C, for floating and fixed point ---
+# --- What the statements of a table have in common in every language ---
 
 Core = FloatTable | FixedTable
 
 
-def outer_type(core: Core) -> str:
+@dataclass(frozen=True, slots=True)
+class Side:
+    """An input that matters: one with more than one level.
+
+    Attributes
+    ----------
+    axis : int
+        Its number among the inputs.
+    name : str
+        Of the parameter.
+    size : int
+        Levels.
+    stride : int
+        Cells from one of its indices to the next.
+    """
+
+    axis: int
+    name: str
+    size: int
+    stride: int
+
+
+class TableCode:
+    """The parts of a look-up as text; one subclass for each language.
+
+    Attributes
+    ----------
+    outer, inner, wide : str
+        Types of arguments and result, of constants, and of what is computed.
+    """
+
+    language: Language
+    outer: str
+    inner: str
+    wide: str
+
+    def __init__(self, core: Core, parameters: Sequence[str]) -> None:
+        self.core = core
+        self.fixed = isinstance(core, FixedTable)
+        shape = core.table.shape
+        self.sides = [
+            Side(axis, name, size, stride)
+            for axis, (name, size, stride) in enumerate(
+                zip(parameters, shape, strides_of(shape), strict=True)
+            )
+            if size > 1
+        ]
+        self.offsets = corner_offsets(shape)
+
+    def literal(self, value: float | int) -> str:
+        """Return a constant."""
+        raise NotImplementedError
+
+    def points(self, side: Side) -> list[str]:
+        """Return the thresholds of an input, or its levels where it is interpolated."""
+        return [self.literal(x) for x in self.core.points[side.axis].tolist()]
+
+    def share(self, x: str, lower: str, upper: str) -> str:
+        """Return the share of the way in floating point."""
+        return self.language.expression(share_of_way(symbol(x), symbol(lower), symbol(upper)))
+
+    def blend(self, near: str, far: str, share: str) -> str:
+        """Return the value at a share of the way in floating point."""
+        return self.language.expression(blend(symbol(near), symbol(far), symbol(share)))
+
+    def blended(
+        self,
+        corners: list[str],
+        shares: Sequence[str],
+        assign: Callable[[int, int, str, str], str],
+    ) -> str:
+        """Blend corners pairwise, the last input first, and return the last value.
+
+        `assign` is given the side, the number of the pair and the pair; it returns what the
+        blended value is called.
+        """
+        for side in range(len(shares) - 1, -1, -1):
+            pairs = zip(corners[0::2], corners[1::2], strict=True)
+            corners = [assign(side, k, near, far) for k, (near, far) in enumerate(pairs)]
+        return corners[0]
+
+
+# --- The statements in C ---
+
+_COUNT = """INDEX NAME(const TYPE *POINTS, INDEX count, TYPE x)
+{
+    INDEX low = 0u, high = count;
+    while (low < high) {
+        const INDEX middle = low + (high - low) / 2u;
+        if (POINTS[middle] COMPARISON x) {
+            low = middle + 1u;
+        } else {
+            high = middle;
+        }
+    }
+    return low; /* REMARK */
+}
+"""
+
+_SMALLER = {
+    "POINTS": "edges",
+    "COMPARISON": "<",
+    "REMARK": "the number of edges smaller than x; none for NaN",
+}
+_REACHED = {
+    "POINTS": "levels",
+    "COMPARISON": "<=",
+    "REMARK": "the number of levels that x has reached",
+}
+
+_CLAMP = """TYPE NAME(TYPE x, TYPE low, TYPE high)
+{
+    return x > low ? (x < high ? x : high) : low; /* low for NaN */
+}
+"""
+
+_BLEND = """TYPE NAME(TYPE near, TYPE far, TYPE share)
+{
+    return VALUE;
+}
+"""
+
+# Rounded to the nearest, ties away from zero: as `fuzzyarm.export.table_numbers.part`.
+_BLEND_FIXED = """int32_t NAME(int32_t near, int32_t far, int32_t share)
+{
+    const int32_t product = (far - near) * share;
+    return near + (product >= 0 ? (product + 16384) / 32768 : -((16384 - product) / 32768));
+}
+"""
+
+
+def c_type(core: Core) -> str:
     """Return the C type of arguments and result."""
     if isinstance(core, FixedTable):
         return f"int{core.bits + 1}_t"
     return core.precision.c_outside
 
 
-def inner_type(core: Core) -> str:
-    """Return the C type of the constants."""
-    return outer_type(core) if isinstance(core, FixedTable) else core.precision.c_inside
+class _CTable(TableCode):
+    def __init__(self, core: Core, writer: CWriter, parameters: Sequence[str]) -> None:
+        super().__init__(core, parameters)
+        self.writer = writer
+        self.parameters = parameters
+        self.outer = self.inner = c_type(core)
+        self.wide = "int32_t"
+        if isinstance(core, FloatTable):
+            self.inner = self.wide = core.precision.c_inside
+        self.language = c_language(self.inner)
+        # The type that holds every index, and the suffix of its literals.
+        small = core.values.size <= 0xFFFF
+        self.index, self.u = ("unsigned", "u") if small else ("unsigned long", "ul")
 
+    def literal(self, value: float | int) -> str:
+        if isinstance(self.core, FixedTable):
+            return str(int(value))
+        return c_number(value, self.core.precision.inside)
 
-def literal(core: Core, value: float | int, *, inside: bool = False) -> str:
-    """Return a number of the table's arithmetic as a C literal."""
-    if isinstance(core, FixedTable):
-        return str(int(value))
-    return c_number(value, core.precision.inside if inside else core.precision.outside)
+    def body(self) -> list[str]:
+        """Return the statements of the function."""
+        sized = zip(self.parameters, self.core.table.shape, strict=True)
+        lines = [f"(void){name}; /* one level only */" for name, size in sized if size == 1]
+        return lines + (self._interpolate() if self.core.linear else self._pick())
 
+    def _constant(self, side: Side, what: str) -> str:
+        name = f"{identifier(self.core.table.axes[side.axis].name)}_{what}"
+        return self.writer.constant(self.inner, self.points(side), name)
 
-def index_type(core: Core) -> tuple[str, str]:
-    """Return the C type that holds every index, and the suffix of its literals."""
-    return ("unsigned", "u") if core.values.size <= 0xFFFF else ("unsigned long", "ul")
+    def _values(self) -> str:
+        table = self.core.table
+        literals = [self.literal(x) for x in self.core.values.tolist()]
+        name = f"{identifier(table.output)}_values"
+        return self.writer.constant(self.inner, literals, name, columns=table.shape[-1])
 
+    def _pick(self) -> list[str]:
+        index = ""
+        for side in self.sides:
+            words = {"INDEX": self.index, "TYPE": self.outer, **_SMALLER}
+            count = self.writer.helper("cell", _COUNT, **words)
+            edges = self._constant(side, "bins" if self.core.mode == "bins" else "middles")
+            call = f"{count}({edges}, {side.size - 1}{self.u}, {side.name})"
+            front = f"({index})" if "+" in index else index
+            index = f"{front} * {side.size}{self.u}\n        + {call}" if index else call
+        return [f"return {self._values()}[{index or '0u'}];"]
 
-def table_body(core: Core, writer: CWriter, parameters: Sequence[str]) -> list[str]:
-    """Return the statements of the function."""
-    return (_interpolate if core.linear else _pick)(core, writer, parameters)
+    def _interpolate(self) -> list[str]:
+        names = Names(taken=set(self.parameters))
+        lines: list[str] = []
+        shares: list[str] = []
+        terms: list[str] = []
+        for side in self.sides:
+            part, share, lower = self._neighbour(side, names)
+            lines += part
+            shares.append(share)
+            terms.append(lower if side.stride == 1 else f"{lower} * {side.stride}{self.u}")
+        values = self._values()
+        if not shares:
+            return [f"return {self._narrow(f'{values}[0]')};"]
+        cell = names.new("cell")
+        lines.append(f"const {self.inner} *const {cell} = {values} + ({' + '.join(terms)});")
+        helper = self._blend_helper()
 
+        def assign(side: int, pair: int, near: str, far: str) -> str:
+            call = f"{helper}({near}, {far}, {shares[side]})"
+            if side == 0:  # the one value that remains
+                return call
+            name = names.new(f"v_{pair}_{side}")
+            lines.append(f"const {self.wide} {name} = {call};")
+            return name
 
-def _points(core: Core, writer: CWriter, axis: int, what: str) -> str:
-    literals = [literal(core, x, inside=True) for x in core.points[axis].tolist()]
-    name = f"{identifier(core.table.axes[axis].name)}_{what}"
-    return writer.constant(inner_type(core), literals, name)
+        corners = [f"{cell}[{offset}{self.u}]" for offset in self.offsets]
+        value = self.blended(corners, shares, assign)
+        return [*lines, f"return {self._narrow(value)};"]
 
+    def _neighbour(self, side: Side, names: Names) -> tuple[list[str], str, str]:
+        """Return the statements for one input, its share of the way and its lower neighbour."""
+        index, u = self.index, self.u
+        clamp = self.writer.helper("clamp", _CLAMP, TYPE=self.inner)
+        levels = self._constant(side, "levels")
+        x, i = names.new(f"x_{side.name}"), names.new(f"i_{side.name}")
+        points = self.points(side)
+        given = f"({self.inner}){side.name}" if self.inner != self.outer else side.name
+        found = f"0{u}"
+        if side.size > 2:
+            count = self.writer.helper("level", _COUNT, INDEX=index, TYPE=self.inner, **_REACHED)
+            found = f"{count}({levels} + 1, {side.size - 2}{u}, {x})"
+        t = names.new(f"t_{side.name}")
+        lower, upper = f"{levels}[{i}]", f"{levels}[{i} + 1u]"
+        share = self.share(x, lower, upper)
+        if self.fixed:
+            share = f"((int32_t){x} - {lower}) * 32768\n        / ((int32_t){upper} - {lower})"
+        return [
+            f"const {self.inner} {x} = {clamp}({given}, {points[0]}, {points[-1]});",
+            f"const {index} {i} = {found};",
+            f"const {self.wide} {t} = {share};",
+        ], t, i  # fmt: skip
 
-def _values(core: Core, writer: CWriter) -> str:
-    literals = [literal(core, x, inside=True) for x in core.values.tolist()]
-    name = f"{identifier(core.table.output)}_values"
-    return writer.constant(inner_type(core), literals, name, columns=core.table.shape[-1])
+    def _blend_helper(self) -> str:
+        if self.fixed:
+            return self.writer.helper("blend", _BLEND_FIXED)
+        value = self.blend("near", "far", "share")
+        return self.writer.helper("blend", _BLEND, TYPE=self.inner, VALUE=value)
 
-
-def _pick(core: Core, writer: CWriter, parameters: Sequence[str]) -> list[str]:
-    index, suffix = index_type(core)
-    lines = []
-    terms = ""
-    for axis, (parameter, size) in enumerate(zip(parameters, core.table.shape, strict=True)):
-        if size == 1:
-            lines.append(f"(void){parameter}; /* one level only */")
-            continue
-        search = writer.helper("cell", COUNT_BELOW, INDEX=index, TYPE=outer_type(core))
-        edges = _points(core, writer, axis, "bins" if core.mode == "bins" else "middles")
-        call = f"{search}({edges}, {size - 1}{suffix}, {parameter})"
-        scaled = f"({terms}) * {size}{suffix}" if "+" in terms else f"{terms} * {size}{suffix}"
-        terms = f"{scaled}\n        + {call}" if terms else call
-    return [*lines, f"return {_values(core, writer)}[{terms or '0u'}];"]
-
-
-def _interpolate(core: Core, writer: CWriter, parameters: Sequence[str]) -> list[str]:
-    index, suffix = index_type(core)
-    fixed = isinstance(core, FixedTable)
-    inner, outer = inner_type(core), outer_type(core)
-    wide = "int32_t" if fixed else inner
-    names = Names(taken=set(parameters))
-    lines: list[str] = []
-    shares: list[str] = []
-    strides: list[int] = []
-    terms: list[str] = []
-    stride = core.values.size
-    for axis, (parameter, size) in enumerate(zip(parameters, core.table.shape, strict=True)):
-        stride //= size
-        if size == 1:
-            lines.append(f"(void){parameter}; /* one level only */")
-            continue
-        clamp = writer.helper("clamp", CLAMP, TYPE=inner)
-        levels = _points(core, writer, axis, "levels")
-        x, i = names.new(f"x_{parameter}"), names.new(f"i_{parameter}")
-        first, last = (literal(core, core.points[axis][k], inside=True) for k in (0, -1))
-        given = f"({inner}){parameter}" if inner != outer else parameter
-        lines.append(f"const {inner} {x} = {clamp}({given}, {first}, {last});")
-        found = f"0{suffix}"
-        if size > 2:
-            search = writer.helper("level", COUNT_UP_TO, INDEX=index, TYPE=inner)
-            found = f"{search}({levels} + 1, {size - 2}{suffix}, {x})"
-        lines.append(f"const {index} {i} = {found};")
-        t = names.new(f"t_{parameter}")
-        if fixed:
-            way = f"((int32_t){x} - {levels}[{i}]) * 32768"
-            share = f"{way}\n        / ((int32_t){levels}[{i} + 1u] - {levels}[{i}])"
-        else:
-            share = f"({x} - {levels}[{i}]) / ({levels}[{i} + 1u] - {levels}[{i}])"
-        lines.append(f"const {wide} {t} = {share};")
-        shares.append(t)
-        strides.append(stride)
-        terms.append(i if stride == 1 else f"{i} * {stride}{suffix}")
-    values = _values(core, writer)
-    if not shares:
-        lines.append(f"return {_narrow(core, f'{values}[0]')};")
-        return lines
-    cell = names.new("cell")
-    lines.append(f"const {inner} *const {cell} = {values} + ({' + '.join(terms)});")
-    blend = (
-        writer.helper("blend", BLEND_FIXED)
-        if fixed
-        else writer.helper("blend", BLEND_FLOAT, TYPE=inner, ONE=literal(core, 1.0, inside=True))
-    )
-    lines += _corners(core, names, blend, cell, shares, strides)
-    return lines
-
-
-def _corners(
-    core: Core, names: Names, blend: str, cell: str, shares: list[str], strides: list[int]
-) -> list[str]:
-    """Blend the corners of a cell pairwise, the last axis first."""
-    _, suffix = index_type(core)
-    wide = "int32_t" if isinstance(core, FixedTable) else inner_type(core)
-    offsets = [0]
-    for stride in strides:
-        offsets = [base + more for base in offsets for more in (0, stride)]
-    values = [f"{cell}[{offset}{suffix}]" for offset in offsets]
-    lines: list[str] = []
-    for axis in range(len(shares) - 1, -1, -1):
-        blended: list[str] = []
-        for near, far in zip(values[0::2], values[1::2], strict=True):
-            call = f"{blend}({near}, {far}, {shares[axis]})"
-            if axis == 0:
-                return [*lines, f"return {_narrow(core, call)};"]
-            name = names.new(f"v_{len(blended)}_{axis}")
-            lines.append(f"const {wide} {name} = {call};")
-            blended.append(name)
-        values = blended
-    raise AssertionError("an axis remains")
-
-
-def _narrow(core: Core, expression: str) -> str:
-    inner = "int32_t" if isinstance(core, FixedTable) else inner_type(core)
-    outer = outer_type(core)
-    return expression if inner == outer else f"({outer}){expression}"
+    def _narrow(self, expression: str) -> str:
+        return expression if self.wide == self.outer else f"({self.outer}){expression}"
 
 
 def bytes_of_locals(core: Core) -> int:
@@ -226,7 +326,7 @@ class TableRoutine:
     @property
     def kind(self) -> str:
         """The C type of arguments and result."""
-        return outer_type(self.core)
+        return c_type(self.core)
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
         """Return what the function returns, bit for bit."""
@@ -234,11 +334,13 @@ class TableRoutine:
 
     def literal(self, value: Any) -> str:
         """Return an argument or a result as a C literal."""
-        return literal(self.core, value)
+        if isinstance(self.core, FixedTable):
+            return str(int(value))
+        return c_number(value, self.core.precision.outside)
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
-        return table_body(self.core, writer, parameters)
+        return _CTable(self.core, writer, parameters).body()
 
     def cost(self) -> Cost:
         """Return what one call takes."""
@@ -263,10 +365,9 @@ class TableRoutine:
     def remarks(self) -> list[str]:
         """Return what the head of the file says of index order, borders and arithmetic."""
         table, core = self.core.table, self.core
-        places = ["column", "row", *["page"] * len(table.axes)][: len(table.axes)][::-1]
         order = ", ".join(
-            f"{place} {axis.name} ({len(axis.levels)} levels)"
-            for place, axis in zip(places, table.axes, strict=True)
+            f"{word} {axis.name} ({len(axis.levels)} levels)"
+            for word, axis in zip(index_words(len(table.axes)), table.axes, strict=True)
         )
         lines = [f"index order: {order}; the last one varies fastest"]
         lines.append(f"looked up by {core.mode}: {_MODE_WORDS[core.mode]}")

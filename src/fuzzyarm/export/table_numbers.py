@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,98 +15,75 @@ from numpy.typing import NDArray
 from fuzzyarm.export.numbers import ExportError, Precision, precision_named, rounded, rounded_down
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.axis import mode_named
-
-# --- A lookup table in floating point ---
-#
-# Its numbers as a machine holds them, and its arithmetic.
+from fuzzyarm.table.lookup import OVER_ARRAYS, Arithmetic, Grid
 
 MOST_AXES = 8
 """Interpolation over more inputs would take more than 256 corners."""
 
 Reals = NDArray[np.floating]
+Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class FloatTable:
-    """A table whose inputs, cells and result are floating-point numbers.
+class NumberTable:
+    """A table in the numbers of a machine, looked up by their arithmetic.
 
     Attributes
     ----------
     table : LookupTable
-        What it stands for.
+        What it was made from.
     mode : str
         ``bins``, ``nearest`` or ``linear``.
-    precision : Precision
-        Types outside and inside.
     points : tuple of ndarray
-        For each axis the thresholds between the cells, rounded down to the type (so that
-        single precision decides as double precision does); with ``linear`` the levels.
+        For each axis the thresholds between the cells, rounded down so that a comparison
+        decides as one in double precision does; with ``linear`` the levels.
     values : ndarray
         Flat, the last axis fastest.
     """
 
+    arithmetic: ClassVar[Arithmetic] = OVER_ARRAYS
     table: LookupTable
     mode: str
-    precision: Precision
-    points: tuple[Reals, ...]
-    values: Reals
+    points: tuple[NDArray[Any], ...]
+    values: NDArray[Any]
 
     @property
     def linear(self) -> bool:
         """Whether it interpolates."""
         return self.mode == "linear"
 
+    def _look_up(self, columns: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        grid = Grid.of(self.table.shape, self.points, self.values, self.arithmetic)
+        found = grid.interpolate(columns) if self.linear else grid.pick(columns)
+        return np.broadcast_to(found, columns[0].shape)
+
+
+# --- A lookup table in floating point ---
+
+
+@dataclass(frozen=True, eq=False)
+class FloatTable(NumberTable):
+    """A table whose inputs, cells and result are floating-point numbers.
+
+    Attributes
+    ----------
+    precision : Precision
+        Types outside and inside.
+    """
+
+    precision: Precision
+
     def evaluate(self, *inputs: Any) -> Reals:
-        """Return what the exported function returns, bit for bit.
+        """Return what the exported function returns, bit for bit, in the outer type.
 
-        Parameters
-        ----------
-        *inputs : array_like
-            In the order of the axes; rounded to the outer type first.
-
-        Returns
-        -------
-        ndarray
-            Of the outer type. NaN counts as the lower border of its axis.
+        The inputs, in the order of the axes, are rounded to that type first. NaN counts as the
+        lower border of its axis.
         """
         outside, inside = self.precision.outside, self.precision.inside
         with np.errstate(over="ignore"):
             given = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
-        columns = [x.astype(inside) for x in given]
-        result = self._interpolate(columns) if self.linear else self._pick(columns)
-        return result.astype(outside)
-
-    def _pick(self, columns: Sequence[Reals]) -> Reals:
-        index = np.zeros(columns[0].shape, dtype=np.intp)
-        for size, edges, x in zip(self.table.shape, self.points, columns, strict=True):
-            # NaN is greater than no threshold.
-            count = np.searchsorted(edges, np.where(np.isnan(x), -np.inf, x), side="left")
-            index = index * size + count
-        return np.asarray(self.values[index])
-
-    def _interpolate(self, columns: Sequence[Reals]) -> Reals:
-        base = np.zeros(columns[0].shape, dtype=np.intp)
-        shares: list[Reals] = []
-        steps: list[int] = []
-        stride = self.values.size
-        for levels, x in zip(self.points, columns, strict=True):
-            stride //= levels.size
-            if levels.size == 1:
-                continue
-            inside = np.where(x > levels[0], np.where(x < levels[-1], x, levels[-1]), levels[0])
-            i = np.searchsorted(levels[1:-1], inside, side="right")
-            shares.append((inside - levels[i]) / (levels[i + 1] - levels[i]))
-            steps.append(stride)
-            base = base + i * stride
-        return self._blend(base, shares, steps)
-
-    def _blend(self, index: NDArray[np.intp], shares: list[Reals], steps: list[int]) -> Reals:
-        if not shares:
-            return np.asarray(self.values[index])
-        near = self._blend(index, shares[1:], steps[1:])
-        far = self._blend(index + steps[0], shares[1:], steps[1:])
-        one = self.precision.inside(1.0)
-        return np.asarray((one - shares[0]) * near + shares[0] * far)
+        columns = [np.where(np.isnan(x), outside(-math.inf), x).astype(inside) for x in given]
+        return self._look_up(columns).astype(outside)
 
 
 def float_table(
@@ -129,14 +106,8 @@ def float_table(
     ExportError
         If a number is too large for the type, or levels coincide in it.
     """
-    chosen = table.default_mode if mode is None else mode_named(mode)
+    chosen = _chosen_mode(table, mode)
     linear = chosen == "linear"
-    if linear and len(table.axes) > MOST_AXES:
-        raise ExportError(
-            f"the table has {len(table.axes)} inputs; interpolation is exported for at most"
-            f" {MOST_AXES}",
-            hint="export it with --mode nearest",
-        )
     types = precision_named(precision, arithmetic=linear)
     points = []
     for axis in table.axes:
@@ -151,7 +122,18 @@ def float_table(
     what = f"the table of '{table.output}'"
     rounded(table.values, types.outside, what)
     values = rounded(table.values.ravel(), types.inside, what)
-    return FloatTable(table, chosen, types, tuple(points), values)
+    return FloatTable(table, chosen, tuple(points), values, types)
+
+
+def _chosen_mode(table: LookupTable, mode: str | None) -> str:
+    chosen = table.default_mode if mode is None else mode_named(mode)
+    if chosen == "linear" and len(table.axes) > MOST_AXES:
+        raise ExportError(
+            f"the table has {len(table.axes)} inputs; interpolation is exported for at most"
+            f" {MOST_AXES}",
+            hint="export it with --mode nearest",
+        )
+    return chosen
 
 
 def _require_distinct(levels: Reals, name: str) -> None:
@@ -178,8 +160,6 @@ SHARE_BITS = 15
 """Fraction bits of the share between two levels, whatever the format."""
 
 ONE = 1 << SHARE_BITS
-
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +196,7 @@ class Scale:
         return self.span / (1 << self.bits)
 
     def exact(self, value: float) -> Fraction:
-        """Return the place of `value` between the whole numbers, without rounding."""
+        """Return `value` in steps of the whole numbers, without rounding."""
         return (Fraction(value) - Fraction(self.offset)) * (1 << self.bits) / Fraction(self.span)
 
     def nearest(self, value: float) -> int:
@@ -242,77 +222,14 @@ def scale_over(numbers: Sequence[float], bits: int) -> Scale:
     return Scale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
 
 
-@dataclass(frozen=True, eq=False)
-class FixedTable:
-    """A table whose inputs, cells and result are whole numbers.
+def whole_share(x: Integers, lower: Integers, upper: Integers) -> Integers:
+    """Return the share of the way in steps of 2^-15, rounded down."""
+    return (x - lower) * ONE // (upper - lower)
 
-    Attributes
-    ----------
-    table : LookupTable
-        What it stands for.
-    mode : str
-        ``bins``, ``nearest`` or ``linear``.
-    bits : int
-        15 or 7.
-    inputs : tuple of Scale
-        One for each axis.
-    output : Scale
-        Of the result.
-    points : tuple of ndarray of int64
-        For each axis the thresholds, rounded down; with ``linear`` the levels.
-    values : ndarray of int64
-        Flat, the last axis fastest.
-    """
 
-    table: LookupTable
-    mode: str
-    bits: int
-    inputs: tuple[Scale, ...]
-    output: Scale
-    points: tuple[Integers, ...]
-    values: Integers
-
-    @property
-    def linear(self) -> bool:
-        """Whether it interpolates."""
-        return self.mode == "linear"
-
-    def evaluate(self, *inputs: Any) -> Integers:
-        """Return what the exported function returns, bit for bit.
-
-        Parameters
-        ----------
-        *inputs : array_like of int
-            Whole numbers within the format, in the order of the axes.
-
-        Returns
-        -------
-        ndarray of int64
-            Whole numbers within the format.
-        """
-        columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
-        index = np.zeros(columns[0].shape, dtype=np.int64)
-        shares: list[Integers] = []
-        steps: list[int] = []
-        stride = self.values.size
-        for points, x, size in zip(self.points, columns, self.table.shape, strict=True):
-            stride //= size
-            if not self.linear:
-                index = index + stride * np.searchsorted(points, x, side="left")
-            elif size > 1:
-                inside = np.minimum(np.maximum(x, points[0]), points[-1])
-                i = np.searchsorted(points[1:-1], inside, side="right")
-                shares.append((inside - points[i]) * ONE // (points[i + 1] - points[i]))
-                steps.append(stride)
-                index = index + stride * i
-        return self._blend(index, shares, steps)
-
-    def _blend(self, index: Integers, shares: list[Integers], steps: list[int]) -> Integers:
-        if not shares:
-            return np.asarray(self.values[index])
-        near = self._blend(index, shares[1:], steps[1:])
-        far = self._blend(index + steps[0], shares[1:], steps[1:])
-        return near + part((far - near), shares[0])
+def whole_blend(near: Integers, far: Integers, share: Integers) -> Integers:
+    """Return the value at a share of the way, rounded to the nearest as :func:`part` is."""
+    return near + part(far - near, share)
 
 
 def part(difference: Integers, share: Integers) -> Integers:
@@ -323,6 +240,38 @@ def part(difference: Integers, share: Integers) -> Integers:
     product = difference * share
     magnitude = (np.abs(product) + ONE // 2) // ONE
     return np.asarray(np.where(product < 0, -magnitude, magnitude))
+
+
+IN_WHOLE_NUMBERS = OVER_ARRAYS._replace(share=whole_share, blend=whole_blend)
+"""The arithmetic of fixed point, over arrays."""
+
+
+@dataclass(frozen=True, eq=False)
+class FixedTable(NumberTable):
+    """A table whose inputs, cells and result are whole numbers.
+
+    Attributes
+    ----------
+    bits : int
+        15 or 7.
+    inputs : tuple of Scale
+        One for each axis.
+    output : Scale
+        Of the result.
+    """
+
+    arithmetic = IN_WHOLE_NUMBERS
+    bits: int
+    inputs: tuple[Scale, ...]
+    output: Scale
+
+    def evaluate(self, *inputs: Any) -> Integers:
+        """Return what the exported function returns, bit for bit.
+
+        Inputs, in the order of the axes, and result are whole numbers within the format.
+        """
+        columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
+        return np.array(self._look_up(columns))
 
 
 def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> FixedTable:
@@ -344,30 +293,18 @@ def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> Fixed
     """
     if bits not in FORMATS:
         raise ExportError(f"no fixed-point format q{bits}", hint="there are q15 and q7")
-    chosen = table.default_mode if mode is None else mode_named(mode)
-    if chosen == "linear" and len(table.axes) > MOST_AXES:
-        raise ExportError(
-            f"the table has {len(table.axes)} inputs; interpolation is exported for at most"
-            f" {MOST_AXES}",
-            hint="export it with --mode nearest",
-        )
-    scales, points = [], []
-    for axis in table.axes:
-        scale = _input_scale(axis, chosen, bits)
-        scales.append(scale)
-        points.append(_points(axis, scale, chosen))
-    output = _output_scale(table, bits)
-    values = np.array([output.nearest(x) for x in table.values.ravel().tolist()], dtype=np.int64)
-    return FixedTable(table, chosen, bits, tuple(scales), output, tuple(points), values)
-
-
-def _input_scale(axis: Axis, mode: str, bits: int) -> Scale:
-    return scale_over((axis.low, axis.high, *axis.levels, *axis.thresholds(mode)), bits)
-
-
-def _output_scale(table: LookupTable, bits: int) -> Scale:
+    chosen = _chosen_mode(table, mode)
+    scales = tuple(
+        scale_over((axis.low, axis.high, *axis.levels, *axis.thresholds(chosen)), bits)
+        for axis in table.axes
+    )
+    points = tuple(
+        _points(axis, scale, chosen) for axis, scale in zip(table.axes, scales, strict=True)
+    )
     ends = () if table.low is None or table.high is None else (table.low, table.high)
-    return scale_over((*ends, float(table.values.min()), float(table.values.max())), bits)
+    output = scale_over((*ends, float(table.values.min()), float(table.values.max())), bits)
+    values = np.array([output.nearest(x) for x in table.values.ravel().tolist()], dtype=np.int64)
+    return FixedTable(table, chosen, points, values, bits, scales, output)
 
 
 def _points(axis: Axis, scale: Scale, mode: str) -> Integers:

@@ -8,7 +8,7 @@ as source text and compiled, see :mod:`fuzzyarm.expression.printing`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -19,6 +19,7 @@ from fuzzyarm.expression.nodes import (
     Number,
     apply,
     as_node,
+    children,
     constant,
     postorder,
     replace,
@@ -28,7 +29,7 @@ from fuzzyarm.expression.operations import EVERYTHING, OPERATIONS, Interval
 
 __all__ = [
     "array_function", "bounds", "derivative", "evaluate", "evaluate_arrays", "gradient",
-    "specialise",
+    "schedule", "specialise",
 ]  # fmt: skip
 
 
@@ -113,7 +114,28 @@ def _where(condition: Any, then: Any, otherwise: Any) -> Any:
     return np.where(condition, then, otherwise)
 
 
-def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -> Any:
+Schedule = Sequence[tuple[Node, tuple[Node, ...]]]
+
+
+def schedule(root: Node) -> Schedule:
+    """Return the nodes of an expression, arguments first, with those that it then is done with.
+
+    Arrays that are given back at once are still in the cache when they are used again.
+    """
+    order = list(postorder(root))
+    last = {argument: node for node in order for argument in children(node)}
+    done: dict[Node, list[Node]] = {node: [] for node in order}
+    for argument, node in last.items():
+        done[node].append(argument)
+    return [(node, tuple(arguments)) for node, arguments in done.items()]
+
+
+def evaluate_arrays(
+    root: Node,
+    values: Mapping[str, Any],
+    real: type = float,
+    order: Schedule | None = None,
+) -> Any:
     """Return the value of an expression over arrays that broadcast.
 
     Parameters
@@ -124,6 +146,8 @@ def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -
         A value for every symbol.
     real : type
         Of the constants: ``float``, or ``numpy.float32`` for arithmetic in single precision.
+    order : sequence, optional
+        What :func:`schedule` returns, where many calls share it and arrays are large.
 
     Returns
     -------
@@ -136,7 +160,7 @@ def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -
 
     found: dict[Node, Any] = {}
     with np.errstate(all="ignore"):
-        for node in postorder(root):
+        for node, done in ((node, ()) for node in postorder(root)) if order is None else order:
             if isinstance(node, Apply):
                 arguments = (found[argument] for argument in node.arguments)
                 found[node] = array_function(node.operation)(*arguments)
@@ -144,6 +168,8 @@ def evaluate_arrays(root: Node, values: Mapping[str, Any], real: type = float) -
                 found[node] = np.dtype(real).type(node.value)
             else:
                 found[node] = values[node.name]  # type: ignore[attr-defined]
+            for argument in done:
+                del found[argument]
     return found[root]
 
 

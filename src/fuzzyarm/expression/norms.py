@@ -168,7 +168,7 @@ def _register_snorms() -> None:
         _probor,
         dual="product",
         doc="a + b − ab",
-        names={"fll": "AlgebraicSum", "fis": "probor", "fcl": "ASUM PROBOR", "jfl": "ASUM PROBOR"}
+        names={"fll": "AlgebraicSum", "fis": "probor", "fcl": "ASUM", "jfl": "PROBOR, ASUM"}
         | {"matlab": "probor", "octave": "probor"},
     )
     kind(
@@ -234,36 +234,43 @@ def _register_hedges() -> None:
         lambda d: 1.0 - d,
         doc="1 − d",
         straight=True,
-        names={"fll": "not", "fis": "not", "fcl": "not", "jfl": "not"},
+        names={"fll": "not", "fcl": "not", "jfl": "not", "skfuzzy": "not"},
     )
-    kind("very", lambda d: d * d, doc="d²", names={"fll": "very", "fcl": "very"})
+    kind(
+        "very",
+        lambda d: d * d,
+        doc="d²",
+        names={"fll": "very", "fcl": "very", "fis": "0.2", "octave": "0.2"},
+    )
     kind(
         "somewhat",
         op.sqrt,
         doc="√d",
         aliases=("more-or-less",),
-        names={"fll": "somewhat", "fcl": "somewhat"},
+        names={"fll": "somewhat", "fcl": "somewhat", "fis": "0.05", "octave": "0.05"},
     )
-    kind("extremely", lambda d: d * d * d, doc="d³", names={"fll": "extremely", "fcl": "extremely"})
+    kind("extremely", lambda d: d * d * d, doc="d³", names={"octave": "0.3"})
     kind(
         "intensify",
         _intensify,
         bends=(0.5,),
         doc="2d² up to one half, then 1 − 2(1 − d)²",
+        # Another hedge than the `extremely` above: fuzzylite calls this one so.
+        names={"fll": "extremely", "fcl": "extremely", "fis": "0.3"},
     )
     kind(
         "seldom",
         _seldom,
         bends=(0.5,),
         doc="√(d/2) up to one half, then 1 − √((1 − d)/2)",
-        names={"fll": "seldom", "fcl": "seldom"},
+        names={"fll": "seldom", "fcl": "seldom", "fis": "0.01"},
     )
     kind(
         "any",
         lambda d: 1.0,
         doc="1, whatever the degree",
         straight=True,
-        names={"fll": "any", "fcl": "any"},
+        names={"fll": "any", "fcl": "any", "fis": "0.99"},
     )
     kind(
         "power", op.power, parameters=("exponent",),

@@ -37,6 +37,7 @@ __all__ = [
     "Statement",
     "c_language",
     "printed",
+    "setting",
     "statements",
 ]
 
@@ -191,9 +192,31 @@ class _Lowering:
         for branch in node.arguments[1:]:
             inner: list[Statement] = []
             value = self.write(branch, dict(known), inner)
-            branches.append((*inner, Assign(name, value)))
+            branches.append(setting(name, inner, value))
         body.append(Choose(name, condition, branches[0], branches[1]))
         known[node] = symbol(name)
+
+
+def setting(
+    name: str, body: Sequence[Statement], value: Node, remark: str = ""
+) -> tuple[Statement, ...]:
+    """Return statements that set a variable to a value that `body` has computed.
+
+    Where the last one sets a variable only for this, it sets `name` instead.
+    """
+    if body and value is symbol(body[-1].name):
+        return (*body[:-1], _renamed(body[-1], name, remark))
+    return (*body, Assign(name, value, remark))
+
+
+def _renamed(statement: Statement, name: str, remark: str) -> Statement:
+    if isinstance(statement, Assign):
+        return Assign(name, statement.value, remark)
+    then, otherwise = (
+        (*branch[:-1], _renamed(branch[-1], name, remark))
+        for branch in (statement.then, statement.otherwise)
+    )
+    return Choose(name, statement.condition, then, otherwise)
 
 
 # ── statements to text ───────────────────────────────────────────────────────────────
@@ -262,9 +285,11 @@ class Language:
         text = template.format(*parts)
         return f"({text})" if own < binds else text
 
-    def lines(self, body: Sequence[Statement], *, indent: str = "    ") -> list[str]:
-        """Return the lines of some statements."""
-        return self._lines(body, set(), indent)
+    def lines(
+        self, body: Sequence[Statement], *, indent: str = "    ", made: Iterable[str] = ()
+    ) -> list[str]:
+        """Return the lines of some statements; the variables in `made` exist already."""
+        return self._lines(body, set(made), indent)
 
     def _lines(self, body: Sequence[Statement], made: set[str], indent: str) -> list[str]:
         lines: list[str] = []

@@ -70,10 +70,12 @@ class Kind:
     doc : str
         One line for help, completion and the reference.
     names : mapping of str to str
-        What other programs call it, by the name of the format: ``fll``, ``fis``, ``fcl``,
-        ``jfl`` (jFuzzyLogic's FCL), ``skfuzzy``. A shape may name the order of its numbers
-        behind the word, where it is another one: ``"gaussmf deviation mean"``. A format
-        that is not named does not know the kind.
+        What other programs call it: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
+        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``. Several
+        words stand with commas between, the one that is written first. A shape may name the
+        order of its numbers behind the word, where it is another one: ``"gaussmf deviation
+        mean"``; a hedge of a FIS is the fraction of a term's index. A program that is not
+        named does not know the kind.
     own : bool
         Whether a user registered it.
     """
@@ -139,6 +141,9 @@ class Shape(Kind):
         parameters.
     centre : callable or None
         From the parameters to the middle of its core. None: found by search.
+    inverse : callable or None
+        Of a shape that rises or falls throughout: from a degree, 0 to 1, and the parameters
+        to the position where it has that degree (Tsukamoto's consequents). None: by search.
     fuzzy : bool
         False for the consequents of Takagi and Sugeno, which are values rather than sets.
     """
@@ -151,6 +156,7 @@ class Shape(Kind):
     bends: Callable[..., Sequence[float]] | None = None
     turns: Callable[..., Sequence[float]] | None = None
     centre: Callable[..., float] | None = None
+    inverse: Callable[..., float] | None = None
     fuzzy: bool = True
 
     @property
@@ -307,7 +313,8 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
         if not self._kinds[name].own:
             raise KeyError(name)
         del self._kinds[name]
-        self.words = {word: kind for word, kind in self.words.items() if kind != name}
+        for word in [word for word, kind in self.words.items() if kind == name]:
+            del self.words[word]
 
 
 SHAPES: Registry[Shape] = Registry("shape")

@@ -12,6 +12,7 @@ Logic Control*, 2018).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -202,6 +203,27 @@ def _middle(*p: float) -> float:
     return 0.5 * (p[0] + p[-1])
 
 
+# ── where they have a degree ─────────────────────────────────────────────────────────
+
+
+def _sigmoid_inverse(degree: float, inflection: float, slope: float) -> float:
+    if degree <= 0.0 or degree >= 1.0:
+        return math.copysign(math.inf, slope if degree >= 1.0 else -slope)
+    return inflection + math.log(degree / (1.0 - degree)) / slope
+
+
+def _parabolas_inverse(degree: float, zero: float, one: float) -> float:
+    if degree <= 0.5:
+        return zero + (one - zero) * math.sqrt(0.5 * degree)
+    return one - (one - zero) * math.sqrt(0.5 * (1.0 - degree))
+
+
+def _concave_inverse(degree: float, inflection: float, end: float) -> float:
+    if degree <= 0.0:
+        return -math.inf if inflection <= end else math.inf
+    return 2.0 * end - inflection - (end - inflection) / degree
+
+
 # ── the records ──────────────────────────────────────────────────────────────────────
 
 _FOUR = ("left", "top-left", "top-right", "right")
@@ -212,7 +234,7 @@ _TWO_SIGMOIDS_FIS = "slope1 inflection1 slope2 inflection2"
 
 def _names(fll: str, mf: str = "", fcl: str = "", *, matlab: bool = False) -> dict[str, str]:
     """Return what the programs call a shape; `mf` is its word in a FIS."""
-    found = {"fll": fll, "fcl": fll.upper()}
+    found = {"fll": fll, "fcl": fll}
     if mf:
         found["fis"] = mf
     if matlab:
@@ -266,7 +288,9 @@ def register() -> None:
         ramp,
         doc="0 at the first number, 1 at the second and beyond, either way round",
         corners=lambda zero, one: sorted([(zero, 0.0), (one, 1.0)]),
-        names=_names("Ramp", "rampmf"),
+        inverse=lambda degree, zero, one: zero + degree * (one - zero),
+        names=_names("Ramp", "rampmf")
+        | dict.fromkeys(("matlab", "octave"), "linsmf, linzmf one zero"),
     )
     kind(
         "binary",
@@ -284,7 +308,7 @@ def register() -> None:
         doc="straight lines through (x, y) pairs; two points may share an x",
         corners=lambda *pairs: list(zip(pairs[0::2], pairs[1::2], strict=True)),
         turns=lambda *pairs: pairs[0::2],
-        names={"fll": "Discrete", "fis": "discretemf", "fcl": "DISCRETE"},
+        names={"fll": "Discrete", "fcl": "Discrete", "fis": "discretemf"},
     )
     kind(
         "singleton",
@@ -294,7 +318,7 @@ def register() -> None:
         # Its corners are those of a set without a width: an output takes it as a number.
         corners=lambda value: [(value, 0.0), (value, 1.0), (value, 0.0)],
         centre=lambda value: value,
-        names={"fll": "Constant", "fis": "constant singletonmf", "fcl": "SINGLETON"}
+        names={"fll": "Constant", "fcl": "Constant", "fis": "constant, singletonmf"}
         | {"matlab": "constant", "octave": "constant"},
     )
     kind(
@@ -342,6 +366,7 @@ def register() -> None:
         doc="1 / (1 + exp(−slope (x − inflection)))",
         bends=_inflections,
         turns=lambda *p: p[:1],
+        inverse=_sigmoid_inverse,
         names=_names("Sigmoid", "sigmf slope inflection", "SIGM slope inflection", matlab=True),
     )
     kind(
@@ -375,6 +400,7 @@ def register() -> None:
         z_curve,
         doc="smooth fall from 1 to 0 by two parabolas",
         ordered=True,
+        inverse=lambda degree, one, zero: _parabolas_inverse(degree, zero, one),
         names=_names("ZShape", "zmf", matlab=True),
     )
     kind(
@@ -383,6 +409,7 @@ def register() -> None:
         s_curve,
         doc="smooth rise from 0 to 1 by two parabolas",
         ordered=True,
+        inverse=_parabolas_inverse,
         names=_names("SShape", "smf", matlab=True),
     )
     kind(
@@ -399,6 +426,7 @@ def register() -> None:
         ("inflection", "end"),
         concave,
         doc="hyperbolic rise (or fall) that reaches 1 at end",
+        inverse=_concave_inverse,
         names=_names("Concave", "concavemf"),
     )
     kind(
@@ -428,7 +456,8 @@ def register() -> None:
         ("zero", "one"),
         arc,
         doc="a quarter of an ellipse from 0 to 1",
-        names={"fll": "Arc", "fis": "Arc", "fcl": "ARC"},
+        inverse=lambda degree, zero, one: one + (zero - one) * math.sqrt(1.0 - degree * degree),
+        names={"fll": "Arc", "fcl": "Arc", "fis": "Arc"},
     )
     kind(
         "semi-ellipse",
@@ -436,7 +465,7 @@ def register() -> None:
         semi_ellipse,
         doc="half an ellipse between start and end",
         centre=_middle,
-        names={"fll": "SemiEllipse", "fis": "SemiEllipse", "fcl": "SEMIELLIPSE"},
+        names={"fll": "SemiEllipse", "fcl": "SemiEllipse", "fis": "SemiEllipse"},
     )
     kind(
         "linear",
@@ -444,11 +473,11 @@ def register() -> None:
         None,
         doc="consequent: inputs times numbers, plus a number",
         fuzzy=False,
-        names={"fll": "Linear", "fis": "linear", "fcl": "LINEAR", "matlab": "linear"}
-        | {"octave": "linear"},
+        names={"fll": "Linear", "fcl": "Linear", "fis": "linear", "jfl": "FUNCTION"}
+        | {"matlab": "linear", "octave": "linear"},
     )
     kind(
         "formula", (), None,
         doc="consequent or term: an arithmetic expression", fuzzy=False,
-        names={"fll": "Function", "fis": "function", "fcl": "FUNCTION", "jfl": "FUNCTION"},
+        names={"fll": "Function", "fcl": "Function", "fis": "function", "jfl": "FUNCTION"},
     )  # fmt: skip

@@ -6,9 +6,11 @@ every finding with its place. Writing gives an :class:`Exported` in the same way
 
 from __future__ import annotations
 
-from fuzzyarm.formats.fcl import parse_fcl, write_fcl
+from fuzzyarm.formats.fcl_reader import parse_fcl
+from fuzzyarm.formats.fcl_writer import write_fcl
 from fuzzyarm.formats.findings import Exported, Imported
-from fuzzyarm.formats.fis import parse_fis, write_fis
+from fuzzyarm.formats.fis_reader import parse_fis
+from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.registry import (
     FOREIGN,

@@ -1,20 +1,21 @@
 """What a reader or writer of a foreign format hands back, and what it collects on the way.
 
 :class:`Imported` and :class:`Exported` are the results, :class:`Findings` gathers what is
-found, a draft is a variable while its file is being read; numbers are read and written
-without loss.
+found; numbers are read and written without loss.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from itertools import islice
 
-from fuzzyarm.model.rulebase import Consequent, Defuzzifier, Input, Output, RuleBase, Shape, Term
-from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, NOWHERE, Diagnostic, Related, Severity, Span
+from fuzzyarm.expression.evaluation import evaluate
+from fuzzyarm.expression.formulas import FormulaError, read_formula
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
 from fuzzyarm.text.names import near_hint
 
 # --- What a reader or writer of a foreign format hands back, and how it collects findings ---
@@ -91,6 +92,32 @@ class Word:
     text: str
     span: Span = NOWHERE
 
+    def part(self, start: int, end: int) -> Word:
+        """Return the characters from index `start` to `end` of a word on one line."""
+        line, column = self.span.line, self.span.column
+        return Word(self.text[start:end], Span(line, column + start, line, column + end))
+
+    def parts(self, pattern: re.Pattern[str]) -> list[Word]:
+        """Return the pieces that match a pattern."""
+        return [self.part(*match.span()) for match in pattern.finditer(self.text)]
+
+    def around(self, sign: str) -> tuple[Word, Word] | None:
+        """Return what stands before and behind a sign, without space; None if it is not there."""
+        before, found, after = self.text.partition(sign)
+        if not found:
+            return None
+        start = len(self.text) - len(after.lstrip())
+        return self.part(0, len(before.rstrip())), self.part(start, len(self.text))
+
+
+class FaultError(ValueError):
+    """What keeps a text from being read further, at which word, and the name of the finding."""
+
+    def __init__(self, message: str, word: Word, name: str = "syntax") -> None:
+        super().__init__(message)
+        self.word = word
+        self.name = name
+
 
 class Findings:
     """Collects the diagnostics of one file.
@@ -121,6 +148,10 @@ class Findings:
         """Record a fault that keeps the file from being used."""
         self._add(name, message, at, Severity.ERROR, hint)
 
+    def fault(self, fault: FaultError) -> None:
+        """Record what ended the reading of a part."""
+        self.error(fault.name, str(fault), fault.word)
+
     def loss(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
         """Record what cannot be carried and changes numbers."""
         severity = Severity.WARNING if self.lossy else Severity.ERROR
@@ -142,6 +173,13 @@ class Findings:
             hint, replacement = near_hint(word.text, islice(choices, MAX_CHOICES))
         message = f"{what} '{shortened(word.text)}' is not known"
         self._add(name, message, word, Severity.ERROR, hint, replacement)
+
+    def norm(self, what: str, word: Word, table: Mapping[str, str], key: str = "") -> str | None:
+        """Return the norm that `key` (the word itself) names in a table of words."""
+        name = table.get(key or word.text)
+        if name is None:
+            self.unknown("unknown-norm", what, word, table)
+        return name
 
     def room(self, count: int, most: int, what: str, at: Word | Span) -> bool:
         """Whether one more than `count` is allowed; the first time it is not, say so."""
@@ -186,22 +224,22 @@ class Findings:
         return tuple(found)
 
 
-def too_long(text: str, path: str) -> Imported | None:
-    """Return the refusal of a text of absurd length, or None."""
-    if len(text) <= MAX_CHARACTERS:
-        return None
-    findings = Findings(path)
-    message = f"the file has {len(text)} characters, more than the {MAX_CHARACTERS} that are read"
-    findings.error("too-long", message)
-    return Imported(None, findings.all())
-
-
 def shortened(text: str, length: int = 60) -> str:
     """Return `text`, cut in the middle where it is longer than `length`."""
     if len(text) <= length:
         return text
     half = (length - 1) // 2
     return f"{text[:half]}…{text[-half:]}"
+
+
+def unique_name(name: str, taken: set[str]) -> str:
+    """Return `name`, or `name` with the first number that makes it unique."""
+    if name not in taken:
+        return name
+    number = 2
+    while f"{name}_{number}" in taken:
+        number += 1
+    return f"{name}_{number}"
 
 
 # --- Numbers as the formats write them, in and out without loss ---
@@ -212,11 +250,11 @@ _SPECIAL = {
     "inf": math.inf, "+inf": math.inf, "-inf": -math.inf,
     "infinity": math.inf, "-infinity": -math.inf,
 }  # fmt: skip
-_FACTOR = re.compile(r"(pi|\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)", re.ASCII)
+_PRODUCT = re.compile(r"[+-]*(?:[\d.pi*/]|e[+-]?\d)+", re.ASCII)
 
 
 def number(text: str) -> float | None:
-    """Return the value of `text`, or None where it is no number.
+    """Return the value of `text`, or None where it is not a number.
 
     Besides decimal numbers: ``nan``, ``inf`` and products and quotients with ``pi`` as in
     ``-pi/4`` or ``2*pi``, which people write into ``.fis`` files.
@@ -228,26 +266,13 @@ def number(text: str) -> float | None:
     lowered = text.lower()
     if lowered in _SPECIAL:
         return _SPECIAL[lowered]
-    return _product(lowered) if "pi" in lowered else None
-
-
-def _product(text: str) -> float | None:
-    sign = -1.0 if text.startswith("-") else 1.0
-    rest = text.lstrip("+-")
-    parts = re.split(r"([*/])", rest)
-    value = 1.0
-    operator = "*"
-    for index, part in enumerate(parts):
-        if index % 2:
-            operator = part
-            continue
-        if not _FACTOR.fullmatch(part):
-            return None
-        factor = math.pi if part == "pi" else float(part)
-        if operator == "/" and factor == 0.0:
-            return None
-        value = value * factor if operator == "*" else value / factor
-    return sign * value
+    if "pi" not in lowered or not _PRODUCT.fullmatch(lowered):
+        return None
+    try:
+        value = evaluate(read_formula(lowered).with_constants(()), {})
+    except FormulaError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 def numbers(words: list[Word], findings: Findings) -> list[float] | None:
@@ -292,130 +317,3 @@ def rounded(text: str) -> re.Match[str] | None:
     if _OTHER.search(text):
         return None
     return next((m for m in _THREE.finditer(text) if not m.group().endswith("0")), None)
-
-
-# --- A variable while its file is being read, and how it ends up in the model ---
-
-
-@dataclass(slots=True)
-class Draft:
-    """A variable in the making.
-
-    Attributes
-    ----------
-    word : Word
-        Its name and where that stands.
-    is_output : bool
-        Whether it is an output.
-    low, high : float
-        The range; infinite until the file says more.
-    terms : list of Term
-        In order; changed by :meth:`add` and :meth:`put`.
-    enabled : bool
-        False where the file switches the variable off.
-    """
-
-    word: Word
-    is_output: bool
-    low: float = -math.inf
-    high: float = math.inf
-    terms: list[Term] = field(default_factory=list)
-    description: str = ""
-    outside: str = "extend"
-    enabled: bool = True
-    aggregation: str = "sum"
-    defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
-    no_rule: float | str = math.nan
-    _index: dict[str, Term] = field(default_factory=dict)
-
-    @property
-    def name(self) -> str:
-        """The name."""
-        return self.word.text
-
-    def term(self, name: str) -> Term | None:
-        """Return the term called `name`, or None."""
-        return self._index.get(name)
-
-    def add(self, term: Term) -> None:
-        """Add a term."""
-        self.terms.append(term)
-        self._index.setdefault(term.name, term)
-
-    def put(self, index: int, term: Term) -> None:
-        """Put a term in the place of one with the same name."""
-        self.terms[index] = term
-        self._index[term.name] = term
-
-    def input(self) -> Input:
-        """Return the finished input."""
-        return Input(
-            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
-            span=self.word.span,
-        )  # fmt: skip
-
-    def output(self) -> Output:
-        """Return the finished output."""
-        return Output(
-            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
-            span=self.word.span, aggregation=self.aggregation, defuzzifier=self.defuzzifier,
-            no_rule=self.no_rule,
-        )  # fmt: skip
-
-    def settle_range(self, findings: Findings) -> None:
-        """Widen a range without width, turn one that is the wrong way round."""
-        if math.isnan(self.low) or math.isnan(self.high):
-            findings.error("bad-range", f"the range of '{self.name}' has a nan", self.word)
-            self.low, self.high = -math.inf, math.inf
-        if self.low > self.high:
-            message = f"the range of '{self.name}' runs from {self.low} down to {self.high}"
-            findings.error("bad-range", message, self.word)
-            self.low, self.high = self.high, self.low
-        if self.low == self.high:
-            message = f"the range of '{self.name}' has no width; half a unit is added either side"
-            findings.warn("empty-range", message, self.word)
-            self.low, self.high = self.low - 0.5, self.high + 0.5
-        if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (self.low, self.high)):
-            message = f"the range of '{self.name}' goes beyond {MAX_MAGNITUDE:g}"
-            findings.error("bad-range", message, self.word)
-        if self.low == self.high:  # beyond 2**53 half a unit is nothing
-            self.high = math.nextafter(self.low, math.inf)
-
-
-def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep: str) -> None:
-    """Add a term; of two with one name keep the ``first`` or the ``last``, and say so."""
-    term = Term(word.text, shape, word.span)
-    earlier = draft.term(word.text)
-    if earlier is None:
-        if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
-            draft.add(term)
-        return
-    kept = "first" if keep == "first" else "last"
-    message = f"'{draft.name}' has two terms called '{word.text}'; the {kept} counts"
-    findings.duplicate("duplicate-term-name", message, word, earlier.span)
-    if keep == "last":
-        draft.put(draft.terms.index(earlier), term)
-
-
-def unique_name(name: str, taken: set[str]) -> str:
-    """Return `name`, or `name` with the first number that makes it unique."""
-    if name not in taken:
-        return name
-    number = 2
-    while f"{name}_{number}" in taken:
-        number += 1
-    return f"{name}_{number}"
-
-
-VALUES = frozenset({"singleton", "linear", "formula"})
-"""Kinds of shape that are a number rather than a set."""
-
-
-def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequent:
-    """Name the first term with the same value, for programs that aggregate by value."""
-    draft = variables.get(consequent.variable)
-    term = draft.term(consequent.term) if draft is not None else None
-    if draft is None or term is None or term.shape.kind not in VALUES:
-        return consequent
-    first = next(t for t in draft.terms if t.shape == term.shape)
-    return replace(consequent, term=first.name)

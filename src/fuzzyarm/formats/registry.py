@@ -8,9 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.formats.fcl import parse_fcl, write_fcl
+from fuzzyarm.formats.dialects import FCL, FIS, FLL
+from fuzzyarm.formats.fcl_reader import parse_fcl
+from fuzzyarm.formats.fcl_writer import write_fcl
 from fuzzyarm.formats.findings import MAX_CHARACTERS, Exported, Findings, Imported
-from fuzzyarm.formats.fis import parse_fis, write_fis
+from fuzzyarm.formats.fis_reader import parse_fis
+from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import RuleBase
@@ -23,11 +26,7 @@ SUFFIXES = (".frb", *FOREIGN)
 """Every suffix that :func:`parse` and :func:`write` know."""
 
 
-PRODUCERS = {
-    ".fll": ("fuzzylite",),
-    ".fcl": ("jfuzzylogic", "fuzzylite"),
-    ".fis": ("matlab", "octave", "fuzzylite"),
-}
+PRODUCERS = {".fll": (FLL.producer,), ".fcl": tuple(FCL), ".fis": tuple(FIS)}
 """Programs whose meaning a file of that suffix can have."""
 
 
@@ -197,8 +196,8 @@ def _write_own(rulebase: RuleBase, *, lossy: bool) -> Exported:
         if diagnostic.is_error:
             findings.error(diagnostic.name, diagnostic.message)
     if parsed.rulebase is not None and not same_model(parsed.rulebase, rulebase):
-        kept = tuple(replace(block, threshold=0.0) for block in rulebase.blocks)
-        if same_model(parsed.rulebase, replace(rulebase, blocks=kept)):
+        blocks = tuple(replace(block, threshold=0.0) for block in rulebase.blocks)
+        if same_model(parsed.rulebase, replace(rulebase, blocks=blocks)):
             note_threshold(rulebase, findings, "the language", 0.0)
         else:
             findings.loss("not-in-language", "the text does not say all of the model")

@@ -1,19 +1,74 @@
-"""Shapes and norms of the model under the names of each format."""
+"""Shapes of other programs: made from their numbers, and written in their words."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
+from fuzzyarm.expression import formulas
+from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.formats.findings import Findings, Word
+from fuzzyarm.expression.nodes import replace as put_in
+from fuzzyarm.formats.dialects import Spelling, spellings
+from fuzzyarm.formats.findings import Findings, Word, written
 from fuzzyarm.model.rulebase import Shape
 
-# --- Make a Shape of a foreign term, or say what is wrong with its numbers ---
+# --- From words and numbers to a shape ---
 
 _EITHER_WAY = frozenset({"rectangle"})
 _SQUARED = frozenset({"gaussian", "two-sided-gaussian"})
+
+
+def spelled_shape(
+    spelling: Spelling, values: list[float], inputs: int, at: Word, findings: Findings, ties: str
+) -> Shape | None:
+    """Return the shape of a word and the numbers behind it, in the order of the program.
+
+    One number too many is the height, but for fuzzylite's ``Constant``, which has none. See
+    :func:`make_shape` for the others.
+    """
+    kind, word, order = spelling
+    if kind == "linear":
+        return linear_shape(values, inputs, at, findings)
+    if kind == "points":
+        has_height = len(values) % 2 == 1
+    else:
+        has_height = len(values) == len(order) + 1 and word != "Constant"
+    height = values[-1] if has_height else 1.0
+    parameters = values[:-1] if has_height else list(values)
+    if len(parameters) == len(order):
+        for index, value in zip(order, values, strict=False):
+            parameters[index] = value
+    return make_shape(kind, parameters, at, findings, height=height, ties=ties)
+
+
+def linear_shape(values: list[float], inputs: int, at: Word, findings: Findings) -> Shape | None:
+    """Return a linear consequent; a missing constant is 0."""
+    if len(values) == inputs:
+        values = [*values, 0.0]
+    if len(values) != inputs + 1:
+        message = (
+            f"a linear term needs a factor for each of the {inputs} inputs and a constant, "
+            f"not {len(values)} numbers"
+        )
+        findings.error("parameter-count", message, at)
+        return None
+    return make_shape("linear", values, at, findings)
+
+
+def formula_shape(formula: Word, dialect: formulas.Dialect, findings: Findings) -> Shape | None:
+    """Return a formula, rewritten so that every reader takes it alike."""
+    try:
+        # fuzzylite's pi is no variable, whatever the variables are called.
+        root = put_in(read_formula(formula.text, dialect).root, formulas.CONSTANTS)
+        text = write_formula(root)
+        read_formula(text)  # the parentheses that it got may nest too deep
+    except FormulaError as fault:
+        findings.error("bad-formula", f"in '{formula.text[:60]}': {fault}", formula)
+        return None
+    return Shape("formula", (), 1.0, text)
 
 
 def make_shape(
@@ -25,27 +80,14 @@ def make_shape(
     height: float = 1.0,
     ties: str = "larger",
 ) -> Shape | None:
-    """Return the shape, or None with a finding.
+    """Return the shape of numbers in the order of its record, or None with a finding.
 
-    Parameters
-    ----------
-    kind : str
-        A kind of the registry.
-    parameters : list of float
-        In the order of the registry.
-    at : Word
-        What a finding points at.
-    findings : Findings
-        Where it goes.
-    height : float
-        Factor on the function.
-    ties : str
-        What the other program takes at a doubled x of ``points``: ``first``, ``last`` or
-        ``larger``.
+    `height` is a factor on the function; `ties` says what the other program takes at a
+    doubled x of ``points``: ``first``, ``last`` or ``larger``.
     """
     known = SHAPES[kind]
     if known.parameters and len(parameters) != len(known.parameters):
-        names = ", ".join(known.parameters)
+        names = ", ".join(known.symbols[1:])
         message = f"{kind} takes {len(known.parameters)} numbers ({names}), not {len(parameters)}"
         findings.error("parameter-count", message, at)
         return None
@@ -69,7 +111,7 @@ def _checked(
     if kind in _EITHER_WAY:
         parameters = sorted(parameters)
     elif known.ordered and any(a > b for a, b in pairwise(parameters)):
-        names = " <= ".join(known.parameters)
+        names = " <= ".join(known.symbols[1:])
         message = f"the corners of a {kind} must not decrease ({names})"
         findings.error("unordered-corners", message, at)
         return None
@@ -78,10 +120,12 @@ def _checked(
         if values[name] < 0.0 and kind in _SQUARED:
             values[name] = -values[name]  # it is only ever squared
         if values[name] <= 0.0:
-            findings.error("not-positive", f"the {name} of a {kind} must be positive", at)
+            message = f"the {name.replace('-', '_')} of a {kind} must be positive"
+            findings.error("not-positive", message, at)
             return None
-    if kind == "bell" and values["width"] == 0.0:
-        findings.error("not-positive", "the width of a bell must not be zero", at)
+    zero = next((name for name in known.nonzero if values[name] == 0.0), None)
+    if zero is not None:
+        findings.error("not-positive", f"the {zero} of a {kind} must not be zero", at)
         return None
     if not _finite_enough(kind, parameters):
         findings.error("not-finite", f"a {kind} needs finite numbers", at)
@@ -90,13 +134,13 @@ def _checked(
 
 
 def _finite_enough(kind: str, parameters: list[float]) -> bool:
-    if kind == "trapezoid":  # an infinite corner makes a shoulder that never ends
-        return parameters[1] < math.inf and parameters[2] > -math.inf
-    if kind == "binary":
-        return math.isfinite(parameters[0])
-    if kind in {"rectangle", "linear", "singleton"}:
+    if kind == "singleton":
         return True
-    return all(map(math.isfinite, parameters))
+    if kind == "trapezoid" and not (parameters[1] < math.inf and parameters[2] > -math.inf):
+        return False
+    known = SHAPES[kind]
+    values = zip(known.parameters, parameters, strict=True)
+    return all(math.isfinite(value) or name in known.unbounded for name, value in values)
 
 
 def _points(
@@ -176,7 +220,37 @@ def _over(numerator: float, slope: float) -> float:
     return numerator / abs(slope) if slope else math.inf
 
 
-# --- The same function in fuzzylite, where it treats the edge of a shape in its own way ---
+# --- From a shape to words and numbers ---
+
+
+def word_and_numbers(shape: Shape, key: str) -> tuple[str, tuple[float, ...]] | None:
+    """Return what a program calls a shape, and its numbers in the order of that program.
+
+    `key` is that of the names in the records; None where the program has no such shape.
+    """
+    found = spellings(SHAPES[shape.kind], key) if shape.kind in SHAPES else []
+    if not found:
+        return None
+    p = shape.parameters
+    # Two words for a ramp are one for each direction: MATLAB's linsmf and linzmf.
+    falls = shape.kind == "ramp" and len(found) == 2 and p[0] > p[1]
+    spelling = found[falls]
+    numbers = tuple(p[index] for index in spelling.order) or p
+    return spelling.word, numbers if shape.height == 1.0 else (*numbers, shape.height)
+
+
+def fuzzylite_formula(text: str, rename: Mapping[str, str] | None = None) -> str:
+    """Return a formula with the unary minus that fuzzylite knows."""
+    return write_formula(read_formula(text).root, formulas.FUZZYLITE, rename, minus="~")
+
+
+def class_and_numbers(shape: Shape, key: str, rename: Mapping[str, str]) -> str | None:
+    """Return class and numbers as fuzzylite writes them, or None where it has no such class."""
+    if shape.kind == "formula":
+        return f"Function {fuzzylite_formula(shape.formula, rename)}"
+    found = word_and_numbers(shape, key)
+    return " ".join([found[0], *map(written, found[1])]) if found is not None else None
+
 
 _STEPS = frozenset({"ramp", "s", "arc", "concave"})
 
@@ -197,114 +271,21 @@ def fuzzylite_shape(shape: Shape) -> Shape:
         right = math.nextafter(p[3], math.inf) if p[2] == p[3] else p[3]
         return replace(shape, parameters=(left, p[1], p[2], right))
     if shape.kind == "points":
-        return replace(shape, parameters=_last_wins(p))
+        return replace(shape, parameters=larger_wins(p, "last"))
     return shape
 
 
-def _last_wins(parameters: tuple[float, ...]) -> tuple[float, ...]:
+def larger_wins(parameters: tuple[float, ...], ties: str) -> tuple[float, ...]:
+    """Move points so that a program gives the larger of two at one x, as the model does.
+
+    `ties` says which of the two it takes, the ``first`` or the ``last``.
+    """
     values = list(parameters)
     for i in range(2, len(values), 2):
-        if values[i] == values[i - 2] and values[i - 1] > values[i + 1]:
+        if values[i] != values[i - 2]:
+            continue
+        if ties == "last" and values[i - 1] > values[i + 1]:
             values[i] = math.nextafter(values[i], math.inf)
+        elif ties == "first" and values[i - 1] < values[i + 1]:
+            values[i - 2] = math.nextafter(values[i - 2], -math.inf)
     return tuple(values)
-
-
-# --- What each format calls the norms of the model, and back ---
-
-FLL_CONJUNCTIONS = {
-    "Minimum": "min",
-    "AlgebraicProduct": "product",
-    "BoundedDifference": "bounded",
-    "DrasticProduct": "drastic",
-    "HamacherProduct": "hamacher",
-    "EinsteinProduct": "einstein",
-    "NilpotentMinimum": "nilpotent",
-}
-"""Class names of fuzzylite's T-norms."""
-
-FLL_DISJUNCTIONS = {
-    "Maximum": "max",
-    "AlgebraicSum": "probor",
-    "BoundedSum": "bounded",
-    "DrasticSum": "drastic",
-    "HamacherSum": "hamacher",
-    "EinsteinSum": "einstein",
-    "NilpotentMaximum": "nilpotent",
-    "UnboundedSum": "sum",
-    "NormalizedSum": "normalized",
-}
-"""Class names of fuzzylite's S-norms."""
-
-FIS_CONJUNCTIONS = {
-    "min": "min",
-    "prod": "product",
-    "bounded_difference": "bounded",
-    "drastic_product": "drastic",
-    "hamacher_product": "hamacher",
-    "einstein_product": "einstein",
-    "nilpotent_minimum": "nilpotent",
-}
-"""MATLAB has the first two, Octave all but the last, fuzzylite all."""
-
-FIS_DISJUNCTIONS = {
-    "max": "max",
-    "probor": "probor",
-    "sum": "sum",
-    "bounded_sum": "bounded",
-    "drastic_sum": "drastic",
-    "hamacher_sum": "hamacher",
-    "einstein_sum": "einstein",
-    "nilpotent_maximum": "nilpotent",
-    "normalized_sum": "normalized",
-}
-"""MATLAB has the first three, Octave all but the last two, fuzzylite all."""
-
-FCL_CONJUNCTIONS = {
-    "MIN": "min",
-    "PROD": "product",
-    "BDIF": "bounded",
-    "DPROD": "drastic",
-    "DMIN": "drastic",
-    "HPROD": "hamacher",
-    "HAMACHER": "hamacher",
-    "EPROD": "einstein",
-    "NMIN": "nilpotent",
-    "NIPMIN": "nilpotent",
-}
-"""The words of IEC 61131-7, fuzzylite and jFuzzyLogic together; no word has two meanings."""
-
-FCL_DISJUNCTIONS = {
-    "MAX": "max",
-    "ASUM": "probor",
-    "PROBOR": "probor",
-    "BSUM": "bounded",
-    "DSUM": "drastic",
-    "DMAX": "drastic",
-    "HSUM": "hamacher",
-    "ESUM": "einstein",
-    "EINSTEIN": "einstein",
-    "NMAX": "nilpotent",
-    "NIPMAX": "nilpotent",
-    "NSUM": "normalized",
-    "SUM": "sum",
-}
-"""As above, for OR and ACCU."""
-
-JFUZZYLOGIC_PAIRS = {
-    "min": "max",
-    "product": "probor",
-    "bounded": "bounded",
-    "drastic": "drastic",
-    "nilpotent": "nilpotent",
-    "hamacher": "einstein",
-}
-"""jFuzzyLogic sets OR by AND and AND by OR: T-norm → the S-norm that goes with it."""
-
-
-def reverse(table: dict[str, str], prefer: tuple[str, ...] = ()) -> dict[str, str]:
-    """Return model name → format's word; of several words the first, or one of `prefer`."""
-    back: dict[str, str] = {}
-    for word, name in table.items():
-        if name not in back or word in prefer:
-            back[name] = word
-    return back

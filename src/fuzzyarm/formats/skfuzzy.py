@@ -14,12 +14,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import reduce
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
-from fuzzyarm.formats.findings import VALUES, Findings, Imported
-from fuzzyarm.formats.rules import NOT, hedged
-from fuzzyarm.formats.shapes import reverse
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.formats.drafts import VALUES
+from fuzzyarm.formats.findings import Findings, Imported
+from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold
 from fuzzyarm.model.rulebase import (
     And,
@@ -40,6 +41,8 @@ from fuzzyarm.model.rulebase import (
 from fuzzyarm.model.shapes import membership
 from fuzzyarm.text.diagnostic import Diagnostic
 
+__all__ = ["from_skfuzzy", "to_skfuzzy"]
+
 # --- From a control system of scikit-fuzzy to a rule base ---
 
 METHODS = {
@@ -50,6 +53,9 @@ METHODS = {
     "lom": "largest-of-maximum",
 }
 """Defuzzifiers of scikit-fuzzy."""
+
+_TNORMS, _SNORMS = ("min", "product"), ("max", "probor")
+"""Norms that a rule is given there; it clips by the minimum and joins terms by the maximum."""
 
 
 def from_skfuzzy(system: Any, name: str = "system", *, lossy: bool = False) -> Imported:
@@ -67,7 +73,7 @@ def from_skfuzzy(system: Any, name: str = "system", *, lossy: bool = False) -> I
     Returns
     -------
     Imported
-        The rule base where there is no error, and every finding (without places: there is
+        The rule base where there is no error, and every finding (without positions: there is
         no text).
     """
     findings = Findings(lossy=lossy)
@@ -117,12 +123,12 @@ def _terms(variable: Any) -> tuple[Term, ...]:
 
 def _points(xs: list[float], ys: list[float]) -> Shape:
     """Return straight lines through all points, without those inside a plateau."""
-    kept: list[float] = []
+    pairs: list[float] = []
     for i, (x, y) in enumerate(zip(xs, ys, strict=True)):
         if 0 < i < len(xs) - 1 and ys[i - 1] == y == ys[i + 1]:
             continue
-        kept += (x, y)
-    return Shape("points", tuple(kept))
+        pairs += (x, y)
+    return Shape("points", tuple(pairs))
 
 
 def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
@@ -131,7 +137,7 @@ def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
     for rule in rules:
         norms = (_norm_name(rule.and_func), _norm_name(rule.or_func))
         conjunction, disjunction = norms
-        if conjunction not in ("min", "product") or disjunction not in ("max", "probor"):
+        if conjunction not in _TNORMS or disjunction not in _SNORMS:
             message = f"the rule '{rule.label}' joins conditions by a function of its own"
             findings.error("unknown-norm", message)
             continue
@@ -148,15 +154,9 @@ def _norm_name(function: Callable[..., Any]) -> str:
     """Return the norm that a function computes at three points; empty for any other."""
     points = ((0.25, 0.5), (0.75, 0.25), (0.5, 1.0))
     found = [float(function(a, b)) for a, b in points]
-    norms: dict[str, Callable[[float, float], float]] = {
-        "min": min,
-        "max": max,
-        "product": lambda a, b: a * b,
-        "probor": lambda a, b: a + b - a * b,
-    }
-    for name, norm in norms.items():
-        if found == [norm(a, b) for a, b in points]:
-            return name
+    for kind in (*map(TNORMS.get, _TNORMS), *map(SNORMS.get, _SNORMS)):
+        if kind is not None and found == [kind.scalar(a, b) for a, b in points]:
+            return kind.name
     return ""
 
 
@@ -186,7 +186,7 @@ def _expression(part: Any) -> Expression:
 
 # --- From a rule base to a control system of scikit-fuzzy ---
 
-_BACK = reverse(METHODS)
+_BACK = {method: word for word, method in METHODS.items()}
 
 
 def to_skfuzzy(
@@ -231,13 +231,12 @@ def _check(rulebase: RuleBase, findings: Findings) -> None:
     for output in rulebase.outputs:
         _check_output(output, findings)
     for block in rulebase.blocks:
-        if (block.conjunction, block.disjunction, block.implication) not in (
-            ("min", "max", "min"),
-            ("product", "max", "min"),
-            ("min", "probor", "min"),
-            ("product", "probor", "min"),
-        ):
-            message = "scikit-fuzzy clips by the minimum and is given min or product, max or probor"
+        norms = (block.conjunction, block.disjunction, block.implication)
+        if norms not in product(_TNORMS, _SNORMS, ("min",)):
+            message = (
+                "scikit-fuzzy clips by the minimum and is given min or product, max or probor, "
+                f"not {', '.join(norms)}"
+            )
             findings.loss("unsupported-norm", message)
         for rule in block.rules:
             _check_hedges(rule, findings)
@@ -260,7 +259,8 @@ def _check_output(output: Output, findings: Findings) -> None:
         message = f"'{output.name}' is sampled; scikit-fuzzy integrates between its points"
         findings.loss("sampling", message)
     if output.aggregation != "max":
-        message = f"scikit-fuzzy joins the terms of '{output.name}' by the maximum"
+        what = f"the terms of '{output.name}' by the maximum, not {output.aggregation}"
+        message = f"scikit-fuzzy joins {what}"
         findings.loss("unsupported-norm", message)
     if output.no_rule != "error":
         message = f"'{output.name}' is left out of the result where no rule fires"
@@ -314,12 +314,12 @@ def _universe(variable: Input | Output, samples: int) -> Any:
 
 def _corners(shape: Shape) -> list[float]:
     """Return the x where a function bends; on both sides of an edge where it jumps."""
+    corners_of = SHAPES[shape.kind].corners
+    corners = corners_of(*shape.parameters) if corners_of is not None else ()
+    xs = [x for x, _ in corners]
     if shape.kind == "points":
-        return list(shape.parameters[0::2])
-    if shape.kind not in ("triangle", "trapezoid", "rectangle", "ramp", "binary"):
-        return []
-    xs = [x for x in shape.parameters if math.isfinite(x)]
-    jumps = xs if shape.kind in ("rectangle", "binary") else [a for a, b in pairwise(xs) if a == b]
+        return xs
+    jumps = [x for (x, y), (right, z) in pairwise(corners) if x == right and y != z]
     return [*xs, *(math.nextafter(x, side) for x in jumps for side in (-math.inf, math.inf))]
 
 
@@ -341,12 +341,8 @@ def _rule(rule: Rule, block: RuleBlock, variables: dict[str, Any], number: int) 
         conclusions,
         label=f"rule {number + 1}",
         and_func=np.multiply if block.conjunction == "product" else np.fmin,
-        or_func=_probor if block.disjunction == "probor" else np.fmax,
+        or_func=SNORMS["probor"].array if block.disjunction == "probor" else np.fmax,
     )
-
-
-def _probor(a: Any, b: Any) -> Any:
-    return a + b - a * b
 
 
 def _antecedent(expression: Expression, variables: dict[str, Any]) -> Any:
@@ -360,8 +356,3 @@ def _antecedent(expression: Expression, variables: dict[str, Any]) -> Any:
     if isinstance(expression, And):
         return reduce(lambda a, b: a & b, parts)
     return reduce(lambda a, b: a | b, parts)
-
-
-# --- scikit-fuzzy: a `ControlSystem` to a rule base and back ---
-
-__all__ = ["from_skfuzzy", "to_skfuzzy"]

@@ -1,13 +1,26 @@
-"""What writers of foreign formats share: legal names, losses, and rules as fuzzylite reads them."""
+"""What all writers of foreign formats share: their frame, legal names, losses, and rules.
+
+:class:`Writer` is the frame, :func:`written_sentences` writes rules as FLL and FCL have them, and
+:func:`as_sentences` undoes what :mod:`fuzzyarm.formats.meaning` does with hedges.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
+from fuzzyarm.expression import formulas
+from fuzzyarm.expression.formulas import FormulaError
+from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
+from fuzzyarm.expression.records import Norm
+from fuzzyarm.formats.dialects import Dialect, word_of, words
+from fuzzyarm.formats.drafts import VALUES
 from fuzzyarm.formats.findings import Exported, Findings, unique_name, written
-from fuzzyarm.formats.rules import NOT, POWERS, hedged, hedged_weight
+from fuzzyarm.formats.meaning import POWERS, hedged_weight
+from fuzzyarm.formats.sentences import NOT, hedged
+from fuzzyarm.formats.shapes import class_and_numbers, fuzzylite_shape
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -21,80 +34,173 @@ from fuzzyarm.model.rulebase import (
     Rule,
     RuleBase,
     RuleBlock,
+    Shape,
+    Term,
+    propositions,
 )
 from fuzzyarm.text.diagnostic import Severity
 
-# --- What every writer needs: names that the format allows, and what it must leave out ---
-
-ERROR, WARNING = Severity.ERROR, Severity.WARNING
 HEADER = "Written by fuzzyarm"
 
-_IDENTIFIER = re.compile(r"[^\W\d]\w*\Z")
-
 FUZZYLITE_WORDS = frozenset(
-    [
-        "if",
-        "is",
-        "then",
-        "and",
-        "or",
-        "with",
-        "any",
-        "extremely",
-        "not",
-        "seldom",
-        "somewhat",
-        "very",
-        "gt",
-        "ge",
-        "eq",
-        "neq",
-        "le",
-        "lt",
-        "min",
-        "max",
-        "acos",
-        "asin",
-        "atan",
-        "ceil",
-        "cos",
-        "cosh",
-        "exp",
-        "abs",
-        "fabs",
-        "floor",
-        "log",
-        "log10",
-        "round",
-        "sin",
-        "sinh",
-        "sqrt",
-        "tan",
-        "tanh",
-        "log1p",
-        "acosh",
-        "asinh",
-        "atanh",
-        "pow",
-        "atan2",
-        "fmod",
-        "pi",
-    ]
+    {"if", "is", "then", "and", "or", "with", "pi"}
+    | set(words(HEDGES, "fll"))
+    | set(formulas.FUZZYLITE.functions)
+    | {"gt", "ge", "eq", "neq", "le", "lt", "log1p", "acosh", "asinh", "atanh"}
 )
 """Names that fuzzylite's rule parser takes for itself."""
+
+# --- The frame ---
+
+
+class Writer:
+    """Writes one rule base for one program; a format fills in :meth:`lines`.
+
+    Attributes
+    ----------
+    file : str
+        What messages call the file.
+    descriptions : bool
+        Whether the file has descriptions.
+    """
+
+    file = "the file"
+    descriptions = False
+
+    def __init__(self, rulebase: RuleBase, dialect: Dialect, *, lossy: bool) -> None:
+        self.rulebase = rulebase
+        self.dialect = dialect
+        self.program = dialect.program
+        self.findings = Findings(lossy=lossy)
+        self.names = Names()
+
+    def lines(self) -> list[str]:
+        """Return the lines of the file, and report what they leave out."""
+        raise NotImplementedError
+
+    def export(self) -> Exported:
+        """Return the text, unless something is in the way, and what was found."""
+        rulebase, dialect, findings = self.rulebase, self.dialect, self.findings
+        note_left_out(rulebase, findings, descriptions=self.descriptions)
+        note_chaining(rulebase, findings, self.program, own=dialect.chains)
+        if not dialect.thresholds:
+            note_threshold(rulebase, findings, self.program, dialect.threshold)
+        if "inputs" not in dialect.clamps:
+            self._note_outside(rulebase.inputs)
+        if "outputs" not in dialect.clamps:
+            self._note_outside(rulebase.outputs)
+        lines = self.lines()
+        text = None if findings.failed else "\n".join(lines) + "\n"
+        return Exported(text, findings.all())
+
+    def _note_outside(self, variables: tuple[Input | Output, ...]) -> None:
+        for variable in variables:
+            if variable.outside == "clamp":
+                message = (
+                    f"'{variable.name}' is clamped to its range, which {self.program} does not do"
+                )
+                self.findings.loss("outside-range", message)
+
+    def one_line(self, text: str, forbidden: str) -> str:
+        """Return `text` on one line and without `forbidden` characters; report a change."""
+        cleaned = "".join(" " if c in forbidden or not c.isprintable() else c for c in text)
+        cleaned = cleaned.strip()
+        if cleaned != text:
+            message = f"'{text[:40]}' is written without special characters"
+            self.findings.info("changed-text", message)
+        return cleaned
+
+    # --- Norms, hedges and shapes, or a refusal by name ---
+
+    def tnorm(self, name: str, other: str = "") -> str:
+        """Return the word for a T-norm; `other` is a key that is tried before min is taken."""
+        return self._norm(TNORMS, name, "min", other)
+
+    def snorm(self, name: str, other: str = "") -> str:
+        """Return the word for an S-norm; `other` is a key that is tried before max is taken."""
+        return self._norm(SNORMS, name, "max", other)
+
+    def _norm(self, kinds: Mapping[str, Norm], name: str, usual: str, other: str) -> str:
+        word = word_of(kinds, name, self.dialect.kinds)
+        if word is not None:
+            return word
+        word = word_of(kinds, name, other)
+        message = f"{self.program} has no norm '{word or name}'"
+        self.findings.loss("unsupported-norm", message)
+        return word or word_of(kinds, usual, self.dialect.kinds) or usual
+
+    def nothing_like(self, variable: Input | Output, term: Term, *, lossy: bool = False) -> None:
+        """Report a shape that the program does not have."""
+        kind = term.shape.kind
+        message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({kind})"
+        report = self.findings.loss if lossy else self.findings.error
+        report("unsupported-shape", message, term.span)
+
+    def bad_formula(self, shape: Shape, fault: FormulaError) -> None:
+        """Report a formula of the model that cannot be read."""
+        self.findings.error("bad-formula", f"in '{shape.formula[:60]}': {fault}")
+
+    def without_height(self, variable: Input | Output, term: Term) -> Shape:
+        """Return the shape of a term without a height; report that it has one."""
+        if term.shape.height == 1.0:
+            return term.shape
+        what = f"the height of '{term.name}' of '{variable.name}'"
+        message = f"{what} has no place in {self.file}"
+        self.findings.loss("unsupported-height", message, term.span)
+        return replace(term.shape, height=1.0)
+
+    def fuzzylite_term(self, variable: Input | Output, term: Term) -> str:
+        """Return class and numbers of a term as fuzzylite has them in FLL and FCL."""
+        shape = term.shape
+        if shape.kind in VALUES:
+            shape = self.without_height(variable, term)
+        try:
+            shape = fuzzylite_shape(shape)
+            text = class_and_numbers(shape, self.dialect.kinds, self.names.variables)
+        except FormulaError as fault:
+            self.bad_formula(shape, fault)
+            return ""
+        if text is None:
+            self.nothing_like(variable, term)
+        return text or ""
+
+    # --- Defuzzifiers ---
+
+    def need_values(self, output: Output) -> None:
+        """Report sets where a weighted defuzzifier needs values."""
+        if not {term.shape.kind for term in output.terms} <= VALUES:
+            message = f"'{output.name}' has sets where {self.program} needs values"
+            self.findings.loss("set-as-value", message)
+
+    def need_sets(self, output: Output, why: str = "which cannot be integrated") -> None:
+        """Report values where an integral needs sets."""
+        if {term.shape.kind for term in output.terms} & VALUES:
+            message = f"'{output.name}' has values among its terms, {why}"
+            self.findings.loss("value-as-set", message)
+
+    def warn_of_error(self, output: Output, instead: str = "the file cannot say so") -> None:
+        """Report an output that is an error where no rule fires."""
+        if output.no_rule == "error":
+            message = f"'{output.name}' is an error where no rule fires; {instead}"
+            self.findings.warn("no-rule", message)
+
+
+def best(attempts: list[Exported]) -> Exported:
+    """Return the first attempt with the fewest errors, then warnings, then remarks."""
+
+    def cost(attempt: Exported) -> tuple[int, int, int]:
+        graves = [d.severity for d in attempt.diagnostics]
+        return graves.count(Severity.ERROR), graves.count(Severity.WARNING), len(graves)
+
+    return min(attempts, key=cost)
+
+
+# --- Names that a format allows ---
 
 
 @dataclass(slots=True)
 class Names:
-    """What variables and terms are called in the written file.
-
-    Attributes
-    ----------
-    variables : dict
-        Name in the model → name in the file.
-    terms : dict
-        (variable, term) in the model → name in the file.
-    """
+    """What variables, and terms by (variable, term), are called in the written file."""
 
     variables: dict[str, str] = field(default_factory=dict)
     terms: dict[tuple[str, str], str] = field(default_factory=dict)
@@ -116,43 +222,34 @@ def identifiers(
     ignore_case: bool = False,
 ) -> Names:
     """Return names that are identifiers and not reserved; report every change."""
+
+    def fitted(name: str, taken: set[str], what: str) -> str:
+        # A fraction or a raised digit is a word character, but no reader takes it for a letter.
+        plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
+        found = re.sub(r"\W+", "_", plain).strip("_") or "_"
+        if name.isidentifier() and re.fullmatch(r"\w+", name):
+            found = name
+        elif found[0].isnumeric():
+            found = f"_{found}"
+        if (found.lower() if ignore_case else found) in reserved:
+            found = f"{found}_"
+        found = unique_name(found, taken)
+        taken.add(found)
+        if found != name:
+            findings.warn("renamed", f"the {what} '{name}' is written as {found}")
+        return found
+
     names = Names()
-    taken: set[str] = set()
+    variables: set[str] = set()
     for variable in (*rulebase.inputs, *rulebase.outputs):
-        names.variables[variable.name] = _fitted(
-            variable.name, taken, reserved, findings, "variable", ignore_case=ignore_case
-        )
-        used: set[str] = set()
+        names.variables[variable.name] = fitted(variable.name, variables, "variable")
+        terms: set[str] = set()
         for term in variable.terms:
-            names.terms[variable.name, term.name] = _fitted(
-                term.name, used, reserved, findings, "term", ignore_case=ignore_case
-            )
+            names.terms[variable.name, term.name] = fitted(term.name, terms, "term")
     return names
 
 
-def _fitted(
-    name: str,
-    taken: set[str],
-    reserved: frozenset[str],
-    findings: Findings,
-    what: str,
-    *,
-    ignore_case: bool,
-) -> str:
-    # A fraction or a raised digit is a word character, but no reader takes it for a letter.
-    plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
-    fitted = re.sub(r"\W+", "_", plain).strip("_") or "_"
-    if _IDENTIFIER.match(name) and name.isidentifier():
-        fitted = name
-    elif fitted[0].isnumeric():
-        fitted = f"_{fitted}"
-    if (fitted.lower() if ignore_case else fitted) in reserved:
-        fitted = f"{fitted}_"
-    fitted = unique_name(fitted, taken)
-    taken.add(fitted)
-    if fitted != name:
-        findings.warn("renamed", f"the {what} '{name}' is written as {fitted}")
-    return fitted
+# --- What must be left out ---
 
 
 def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool) -> None:
@@ -172,14 +269,6 @@ def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool)
             findings.warn("outside-range", message)
 
 
-def note_outside(variables: tuple[Input | Output, ...], findings: Findings, program: str) -> None:
-    """Report ranges that clamp, for a program that does not."""
-    for variable in variables:
-        if variable.outside == "clamp":
-            message = f"'{variable.name}' is clamped to its range, which {program} does not do"
-            findings.loss("outside-range", message)
-
-
 def note_chaining(rulebase: RuleBase, findings: Findings, program: str, *, own: bool) -> None:
     """Report outputs in antecedents, but where `own` those that their own block concludes.
 
@@ -193,7 +282,8 @@ def note_chaining(rulebase: RuleBase, findings: Findings, program: str, *, own: 
             last |= {consequent.variable: (number, index) for consequent in rule.consequents}
     for number, block in enumerate(rulebase.blocks):
         for index, rule in enumerate(block.rules):
-            for name in sorted(variables_in(rule.antecedent) & outputs):
+            used = {part.variable for part in propositions(rule.antecedent)}
+            for name in sorted(used & outputs):
                 writer = last.get(name, (number, -1))
                 if own and writer[0] == number and writer[1] < index:
                     continue
@@ -216,139 +306,69 @@ def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: 
             findings.info("threshold", message)
 
 
-def variables_in(expression: Expression) -> set[str]:
-    """Return the names of the variables in an antecedent."""
-    if isinstance(expression, Is):
-        return {expression.variable}
-    if isinstance(expression, Hedged):
-        return variables_in(expression.operand)
-    return set().union(*map(variables_in, expression.operands))
-
-
-def one_line(text: str, forbidden: str, findings: Findings) -> str:
-    """Return `text` on one line and without `forbidden` characters; report a change."""
-    cleaned = "".join(" " if c in forbidden or not c.isprintable() else c for c in text).strip()
-    if cleaned != text:
-        findings.info("changed-text", f"'{text[:40]}' is written without special characters")
-    return cleaned
-
-
-def without_any(hedges: tuple[Hedge, ...]) -> tuple[tuple[Hedge, ...], bool]:
-    """Cut hedges after the outermost ``any``, inside of which nothing matters."""
-    for index, hedge in enumerate(hedges):
-        if hedge.name == "any":
-            return hedges[: index + 1], True
-    return hedges, False
-
-
-def best(attempts: list[Exported]) -> Exported:
-    """Return the first attempt with the fewest errors, then warnings, then remarks."""
-
-    def cost(attempt: Exported) -> tuple[int, int, int]:
-        graves = [d.severity for d in attempt.diagnostics]
-        return graves.count(ERROR), graves.count(WARNING), len(graves)
-
-    return min(attempts, key=cost)
-
-
-# --- Write rules as fuzzylite reads them, in FLL and in its dialect of FCL ---
-
-_HEDGES = {
-    "any": "any",
-    "intensify": "extremely",
-    "not": "not",
-    "seldom": "seldom",
-    "somewhat": "somewhat",
-    "very": "very",
-}
-DUALS = {
-    "min": "max",
-    "product": "probor",
-    "bounded": "bounded",
-    "drastic": "drastic",
-    "hamacher": "hamacher",
-    "einstein": "einstein",
-    "nilpotent": "nilpotent",
-}
-"""T-norm → S-norm with not (a and b) = not a or not b."""
+# --- Rules ---
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Sentence:
     """A rule as fuzzylite says it: each conclusion with the hedges that stand before it."""
 
     antecedent: Expression
     conclusions: tuple[tuple[Consequent, tuple[Hedge, ...]], ...]
     weight: float
     rule: Rule
-    hedges: tuple[Hedge, ...]
+    hedges: tuple[Hedge, ...] = ()
 
 
-def said_rules(block: RuleBlock, order: dict[str, int] | None = None) -> list[Said]:
+def plain_sentence(rule: Rule) -> Sentence:
+    """Return a rule as it stands, for programs that have no hedges before conclusions."""
+    conclusions = tuple((consequent, ()) for consequent in rule.consequents)
+    return Sentence(rule.antecedent, conclusions, rule.weight, rule)
+
+
+def as_sentences(block: RuleBlock, order: dict[str, int] | None = None) -> list[Sentence]:
     """Return the rules of a block; those that differ in outer hedges alone become one again.
 
     Hedges of a conclusion carry on to the conclusions after it, so that rules over one
-    antecedent whose hedges grow can be said as one. With `order`, the place of every
+    antecedent whose hedges grow can be said as one. With `order`, the index of every
     output, only where the conclusions then stand in that order.
     """
-    found: list[Said] = []
+    found: list[Sentence] = []
     for rule in block.rules:
-        antecedent, hedges, weight = split_hedges(rule)
-        conclusions = tuple((c, hedges if i == 0 else ()) for i, c in enumerate(rule.consequents))
+        sentence = _as_sentence(rule)
         last = found[-1] if found else None
-        if last is not None and _grows(last, antecedent, hedges, weight, rule, order):
-            new = hedges[: len(hedges) - len(last.hedges)]
-            conclusions = ((conclusions[0][0], new), *conclusions[1:])
-            conclusions = (*last.conclusions, *conclusions)
-            found[-1] = Said(antecedent, conclusions, weight, last.rule, hedges)
+        if last is not None and _carries_on(last, sentence, order):
+            (first, _), *others = sentence.conclusions
+            new = sentence.hedges[: len(sentence.hedges) - len(last.hedges)]
+            conclusions = (*last.conclusions, (first, new), *others)
+            found[-1] = replace(sentence, conclusions=conclusions, rule=last.rule)
         else:
-            found.append(Said(antecedent, conclusions, weight, rule, hedges))
+            found.append(sentence)
     return found
 
 
-def _grows(
-    last: Said,
-    antecedent: Expression,
-    hedges: tuple[Hedge, ...],
-    weight: float,
-    rule: Rule,
-    order: dict[str, int] | None,
-) -> bool:
-    count = len(last.hedges)
-    suffix = hedges[len(hedges) - count :] if count else ()
-    if len(hedges) <= count or suffix != last.hedges or last.antecedent != antecedent:
+def _as_sentence(rule: Rule) -> Sentence:
+    """Put the hedges around a whole antecedent before the first conclusion, where that can be."""
+    antecedent, weight = rule.antecedent, rule.weight
+    hedges: tuple[Hedge, ...] = ()
+    if isinstance(antecedent, Hedged):
+        before = weight_before(weight, antecedent.hedges)
+        if before is not None:
+            hedges, weight, antecedent = antecedent.hedges, before, antecedent.operand
+    conclusions = tuple((c, () if i else hedges) for i, c in enumerate(rule.consequents))
+    return Sentence(antecedent, conclusions, weight, rule, hedges)
+
+
+def _carries_on(last: Sentence, sentence: Sentence, order: dict[str, int] | None) -> bool:
+    """Whether a rule can be said as further conclusions of the last one."""
+    more = len(sentence.hedges) - len(last.hedges)
+    if more <= 0 or sentence.hedges[more:] != last.hedges:
         return False
     if order is not None:
         before = order[last.conclusions[-1][0].variable]
-        if order[rule.consequents[0].variable] <= before:
+        if order[sentence.conclusions[0][0].variable] <= before:
             return False
-    return last.weight == weight
-
-
-def rule_text(said: Said, block: RuleBlock, names: Names, findings: Findings) -> str:
-    """Return ``if … then …``; report hedges that cannot be said."""
-    condition = _condition(said.antecedent, block, names, findings)
-    conclusions = []
-    for consequent, hedges in said.conclusions:
-        if consequent.hedges:
-            message = "hedges on the set of a conclusion have another meaning to fuzzylite"
-            findings.loss("set-hedge", message, said.rule.span)
-        term = names.term(consequent.variable, consequent.term)
-        words = _hedge_words(hedges, findings)
-        conclusions.append(" ".join([names.variable(consequent.variable), "is", *words, term]))
-    ending = "" if said.weight == 1.0 else f" with {written(said.weight)}"
-    return f"if {condition} then {' and '.join(conclusions)}{ending}"
-
-
-def split_hedges(rule: Rule) -> tuple[Expression, tuple[Hedge, ...], float]:
-    """Take the hedges around a whole antecedent off, with the weight they then need."""
-    if not isinstance(rule.antecedent, Hedged):
-        return rule.antecedent, (), rule.weight
-    hedges, operand = rule.antecedent.hedges, rule.antecedent.operand
-    weight = weight_before(rule.weight, hedges)
-    if weight is None:
-        return rule.antecedent, (), rule.weight
-    return operand, hedges, weight
+    return last.antecedent == sentence.antecedent and last.weight == sentence.weight
 
 
 def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
@@ -366,53 +386,118 @@ def weight_before(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
     return None
 
 
-def _hedge_words(hedges: tuple[Hedge, ...], findings: Findings) -> list[str]:
-    words = []
-    for hedge in hedges:
-        if hedge.name not in _HEDGES:
-            said = hedge.name if hedge.exponent is None else f"power({hedge.exponent})"
-            findings.loss("unsupported-hedge", f"fuzzylite has no hedge '{said}'")
-            continue
-        words.append(_HEDGES[hedge.name])
-    return words
+def written_sentences(
+    block: RuleBlock, dialect: Dialect, names: Names, findings: Findings
+) -> list[str]:
+    """Return the rules of a block as ``if … then …``; report what cannot be said so."""
+    as_they_stand = map(plain_sentence, block.rules)
+    sentences = as_sentences(block) if dialect.activates else as_they_stand
+    writer = _SentenceWriter(block, dialect, names, findings)
+    return [writer.text(sentence) for sentence in sentences]
 
 
-def _condition(expression: Expression, block: RuleBlock, names: Names, findings: Findings) -> str:
-    if isinstance(expression, Is):
-        return _proposition(expression, names, findings)
-    if isinstance(expression, Hedged):
-        return _condition(_pushed_in(expression, block, findings), block, names, findings)
-    word = " and " if isinstance(expression, And) else " or "
-    parts = []
-    for operand in expression.operands:
-        inner = _pushed_in(operand, block, findings) if isinstance(operand, Hedged) else operand
-        text = _condition(inner, block, names, findings)
-        closed = isinstance(inner, Or) or type(inner) is type(expression)
-        parts.append(f"( {text} )" if closed else text)
-    return word.join(parts)
+@dataclass(frozen=True, slots=True)
+class _SentenceWriter:
+    """Writes the rules of one block.
 
+    fuzzylite has hedges behind *is* and nowhere else; jFuzzyLogic has *not* alone, before a
+    proposition or a parenthesis, and writes key words in capitals.
+    """
 
-def _pushed_in(expression: Hedged, block: RuleBlock, findings: Findings) -> Expression:
-    """Return the same without hedges on an ``and`` or ``or``, where that can be."""
-    operand = expression.operand
-    if isinstance(operand, Is | Hedged):
-        return hedged(expression.hedges, operand)
-    negations = len(expression.hedges)
-    dual = DUALS.get(block.conjunction) == block.disjunction
-    if all(hedge == NOT for hedge in expression.hedges):
-        if negations % 2 == 0:
-            return operand
-        if dual:
-            kind = Or if isinstance(operand, And) else And
-            return kind(tuple(hedged((NOT,), inner) for inner in operand.operands))
-    message = "fuzzylite has no hedges on expressions in parentheses"
-    findings.loss("hedged-expression", message)
-    return operand
+    block: RuleBlock
+    dialect: Dialect
+    names: Names
+    findings: Findings
 
+    def key(self, word: str) -> str:
+        return word if self.dialect.activates else word.upper()
 
-def _proposition(proposition: Is, names: Names, findings: Findings) -> str:
-    hedges, any_term = without_any(proposition.hedges)
-    words = [names.variable(proposition.variable), "is", *_hedge_words(hedges, findings)]
-    if not any_term:
-        words.append(names.term(proposition.variable, proposition.term))
-    return " ".join(words)
+    def closed(self, text: str) -> str:
+        return f"( {text} )" if self.dialect.activates else f"({text})"
+
+    def text(self, sentence: Sentence) -> str:
+        condition = self.condition(sentence.antecedent, sentence.rule)
+        conclusions = [self.conclusion(*each, sentence.rule) for each in sentence.conclusions]
+        joint = " and " if self.dialect.activates else ", "
+        ending = "" if sentence.weight == 1.0 else f" {self.key('with')} {written(sentence.weight)}"
+        head, then = self.key("if"), self.key("then")
+        return f"{head} {condition} {then} {joint.join(conclusions)}{ending}"
+
+    def conclusion(self, consequent: Consequent, hedges: tuple[Hedge, ...], rule: Rule) -> str:
+        if consequent.hedges:
+            message = (
+                "hedges on the set of a conclusion have another meaning to fuzzylite"
+                if self.dialect.activates
+                else "jFuzzyLogic has no hedges in conclusions"
+            )
+            self.findings.loss("set-hedge", message, rule.span)
+        variable = self.names.variable(consequent.variable)
+        term = self.names.term(consequent.variable, consequent.term)
+        return " ".join([variable, self.key("is"), *self.hedge_words(hedges), term])
+
+    def condition(self, expression: Expression, rule: Rule) -> str:
+        if isinstance(expression, Is):
+            return self.proposition(expression, rule)
+        if isinstance(expression, Hedged):
+            if self.dialect.activates:
+                return self.condition(self.pushed_in(expression), rule)
+            inner = self.closed(self.condition(expression.operand, rule))
+            return " ".join([*self.negations(expression.hedges, rule), inner])
+        parts = []
+        for each in expression.operands:
+            operand = each
+            if isinstance(each, Hedged) and self.dialect.activates:
+                operand = self.pushed_in(each)
+            text = self.condition(operand, rule)
+            # To fuzzylite `and` binds tighter than `or`, to jFuzzyLogic they bind alike.
+            apart = isinstance(operand, Or) or type(operand) is type(expression)
+            if not self.dialect.activates:
+                apart = isinstance(operand, And | Or)
+            parts.append(self.closed(text) if apart else text)
+        return f" {self.key('and' if isinstance(expression, And) else 'or')} ".join(parts)
+
+    def proposition(self, proposition: Is, rule: Rule) -> str:
+        variable = self.names.variable(proposition.variable)
+        term = self.names.term(proposition.variable, proposition.term)
+        if not self.dialect.activates:
+            return " ".join([*self.negations(proposition.hedges, rule), variable, "IS", term])
+        names = [hedge.name for hedge in proposition.hedges]
+        if "any" in names:  # inside of which nothing matters, and no term is named
+            hedges = proposition.hedges[: names.index("any") + 1]
+            return " ".join([variable, "is", *self.hedge_words(hedges)])
+        return " ".join([variable, "is", *self.hedge_words(proposition.hedges), term])
+
+    def hedge_words(self, hedges: tuple[Hedge, ...]) -> list[str]:
+        found = []
+        for hedge in hedges:
+            word = word_of(HEDGES, hedge.name, self.dialect.kinds)
+            if word is None:
+                name = hedge.name if hedge.exponent is None else f"power({hedge.exponent})"
+                message = f"{self.dialect.program} has no hedge '{name}'"
+                self.findings.loss("unsupported-hedge", message)
+            else:
+                found.append(word)
+        return found
+
+    def negations(self, hedges: tuple[Hedge, ...], rule: Rule) -> list[str]:
+        for hedge in hedges:
+            if hedge != NOT:
+                message = f"jFuzzyLogic has no hedge '{hedge.name}'"
+                self.findings.loss("unsupported-hedge", message, rule.span)
+        return ["NOT"] * (sum(hedge == NOT for hedge in hedges) % 2)
+
+    def pushed_in(self, expression: Hedged) -> Expression:
+        """Return the same without hedges on an ``and`` or ``or``, where that can be."""
+        operand = expression.operand
+        if isinstance(operand, Is | Hedged):
+            return hedged(expression.hedges, operand)
+        block = self.block
+        if all(hedge == NOT for hedge in expression.hedges):
+            if len(expression.hedges) % 2 == 0:
+                return operand
+            if block.conjunction in TNORMS and TNORMS[block.conjunction].dual == block.disjunction:
+                kind = Or if isinstance(operand, And) else And
+                return kind(tuple(hedged((NOT,), inner) for inner in operand.operands))
+        message = "fuzzylite has no hedges on expressions in parentheses"
+        self.findings.loss("hedged-expression", message)
+        return operand

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TypedDict
 
-from fuzzyarm.expression.formulas import CONSTANTS, FormulaError, read_formula
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.language.nodes import (
+from fuzzyarm.language.phrases import SETTINGS, SettingNode, ShapeNode
+from fuzzyarm.language.statements import (
     BlockNode,
     EvenTermsNode,
     InferenceNode,
-    SettingNode,
-    ShapeNode,
     TermNode,
     VariableNode,
-    Word,
 )
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.tokens import Word, name_text
 from fuzzyarm.model.rulebase import Defuzzifier, Shape, Term
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
@@ -41,37 +38,33 @@ _MOST_HINTS = 200
 """Findings beyond these are told without a guess at what was meant."""
 
 
-@dataclass(slots=True)
 class Draft:
     """A variable under construction."""
 
-    node: VariableNode
-    terms: dict[str, Term] = field(default_factory=dict)
-    spread: set[str] = field(default_factory=set)
-    outside: str = "clamp"
-    aggregation: str = "max"
-    defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
-    no_rule: float | str = "error"
-
-    @property
-    def name(self) -> str:
-        """Name of the variable."""
-        return self.node.name.text
-
-    @property
-    def is_input(self) -> bool:
-        """Whether it is an input."""
-        return self.node.role == "input"
+    def __init__(self, node: VariableNode) -> None:
+        self.node = node
+        self.name = node.name.text
+        self.is_input = node.role == "input"
+        self.terms: dict[str, Term] = {}
+        self.spread: set[str] = set()  # names of terms from a `terms` line
+        self.outside = "clamp"
+        self.aggregation = "max"
+        self.defuzzifier = Defuzzifier()
+        self.no_rule: float | str = "error"
 
 
-@dataclass(slots=True)
 class Scope:
-    """The variables of a file by name, and the findings so far."""
+    """The variables of a file by name, and the findings so far.
 
-    drafts: dict[str, Draft] = field(default_factory=dict)
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-    broken_variables: bool = False
-    full: set[str] = field(default_factory=set)
+    `broken_variables` says whether a declaration could not be read, `full` which roles have
+    had more variables than the language takes.
+    """
+
+    def __init__(self) -> None:
+        self.drafts: dict[str, Draft] = {}
+        self.diagnostics: list[Diagnostic] = []
+        self.broken_variables = False
+        self.full: set[str] = set()
 
     @property
     def overflows(self) -> bool:
@@ -186,52 +179,53 @@ def shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | N
     tuple of (int, str) or None
         Index of the number at fault and one sentence.
     """
-    return (
-        _infinite_fault(kind, parameters)
-        or _order_fault(kind, parameters)
-        or _size_fault(kind, parameters)
-    )
-
-
-def _infinite_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    if kind == "points":
+        return _magnitude_fault(kind, (), parameters) or _points_fault(parameters)
     record = SHAPES[kind]
-    for i, value in enumerate(parameters):
+    fault = _magnitude_fault(kind, record.unbounded, parameters)
+    if fault is None and record.ordered:
+        for i, (before, number) in enumerate(pairwise(parameters), start=1):
+            if number < before:
+                return i, f"the numbers of a {kind} must not decrease"
+    return fault or _size_fault(kind, parameters)
+
+
+def _magnitude_fault(
+    kind: str, unbounded: tuple[str, ...], parameters: tuple[float, ...]
+) -> tuple[int, str] | None:
+    names = SHAPES[kind].parameters or ("",) * len(parameters)
+    for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
         if math.isnan(value):
             return i, f"a {kind} cannot have the number nan"
-        may_be_infinite = bool(record.parameters) and record.parameters[i] in record.unbounded
-        if math.isinf(value) and not may_be_infinite:
+        if math.isinf(value) and name not in unbounded:
             return i, f"a {kind} cannot have an infinite number here"
         if MAX_MAGNITUDE < abs(value) < math.inf:
             return i, f"a {kind} cannot have numbers beyond {MAX_MAGNITUDE:g}"
     return None
 
 
-def _order_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
-    stride = 2 if kind == "points" else 1
-    if not SHAPES[kind].ordered and kind != "points":
-        return None
-    for i in range(stride, len(parameters), stride):
-        if parameters[i] < parameters[i - stride]:
-            return i, f"the numbers of a {kind} must not decrease"
-        if stride == 2 and i >= 4 and parameters[i] == parameters[i - 4]:
+def _points_fault(parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    for i in range(2, len(parameters), 2):
+        if parameters[i] < parameters[i - 2]:
+            return i, "the numbers of a points must not decrease"
+        if i >= 4 and parameters[i] == parameters[i - 4]:
             return i, "at most two points may share an x"
+    for i in range(1, len(parameters), 2):
+        if not 0.0 <= parameters[i] <= 1.0:
+            return i, "a membership must lie between 0 and 1"
     return None
 
 
 def _size_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
-    if kind == "points":
-        for i in range(1, len(parameters), 2):
-            if not 0.0 <= parameters[i] <= 1.0:
-                return i, "a membership must lie between 0 and 1"
     record = SHAPES[kind]
-    for i, (name, value) in enumerate(zip(record.parameters, parameters, strict=False)):
-        words = f"the {name.replace('-', ' ')} of a {kind}"
+    for i, (name, value) in enumerate(zip(record.parameters, parameters, strict=True)):
+        what = f"the {name.replace('-', ' ')} of a {kind}"
         if name in record.positive and not value > 0.0:
-            return i, f"{words} must be above 0"
+            return i, f"{what} must be above 0"
         if name in record.nonzero and value == 0.0:
-            return i, f"{words} must not be 0"
-        if name in {*record.positive, *record.nonzero} and abs(value) < MIN_WIDTH:
-            return i, f"{words} is below {MIN_WIDTH:g}"
+            return i, f"{what} must not be 0"
+        if name in (*record.positive, *record.nonzero) and abs(value) < MIN_WIDTH:
+            return i, f"{what} is below {MIN_WIDTH:g}"
     return None
 
 
@@ -248,6 +242,8 @@ def _linear(node: ShapeNode, scope: Scope) -> Shape | None:
 
 
 def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
+    from fuzzyarm.expression.formulas import CONSTANTS, FormulaError, read_formula
+
     try:
         formula = read_formula(node.formula)
     except FormulaError as error:
@@ -256,12 +252,8 @@ def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
     for name in sorted(formula.names):
         if name not in scope.drafts and name not in CONSTANTS and name != "x":
             hint, _ = near_hint(name, scope.drafts)
-            scope.report(
-                "unknown-variable",
-                f"the formula uses '{name}', which is no variable",
-                node.formula_span,
-                hint=hint,
-            )
+            message = f"unknown variable '{name}' in the formula"
+            scope.report("unknown-variable", message, node.formula_span, hint=hint)
     return Shape("formula", formula=node.formula)
 
 
@@ -327,7 +319,7 @@ def add_term(node: TermNode, scope: Scope) -> None:
     draft = scope.variable(node.variable)
     shape = None if node.shape is None else elaborate_shape(node.shape, draft, scope)
     if draft is not None:
-        # A term with a bad shape keeps its place, so that its uses are no mistakes too.
+        # A term with a bad shape is declared all the same, so that its uses are not mistakes too.
         _add(draft, node.name, shape or Shape("singleton", (range_of(draft.node)[0],)), scope)
 
 
@@ -354,7 +346,8 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
                 f"singletons would leave the input '{draft.name}' uncovered between them",
                 node.family.span,
             )
-        for name, shape in zip(node.names, _even_shapes(node, low, high), strict=True):
+        shapes = even_shapes(node.family.text, len(node.names), low, high)
+        for name, shape in zip(node.names, shapes, strict=True):
             _add(draft, name, shape, scope, spread=True)
 
 
@@ -376,10 +369,6 @@ def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]
     # Feet are the neighbours' peaks to the last bit, so that memberships add up to one.
     feet = [low - step, *peaks, high + step]
     return [Shape("triangle", (feet[i], feet[i + 1], feet[i + 2])) for i in range(count)]
-
-
-def _even_shapes(node: EvenTermsNode, low: float, high: float) -> list[Shape]:
-    return even_shapes(node.family.text, len(node.names), low, high)
 
 
 def _add(draft: Draft, name: Word, shape: Shape, scope: Scope, *, spread: bool = False) -> None:
@@ -409,9 +398,6 @@ def _add(draft: Draft, name: Word, shape: Shape, scope: Scope, *, spread: bool =
 
 # --- Settings of `inference` and `block` ---
 
-BLOCK_KEYS = ("and", "or", "implication", "threshold")
-"""Settings that belong to rules; all others belong to variables."""
-
 _MAX_SAMPLES = 1_000_000
 
 
@@ -432,7 +418,7 @@ def apply_inference(node: InferenceNode, scope: Scope, norms: Norms) -> None:
         drafts = [] if draft is None else [draft]
     _report_repeated(node.settings, scope)
     for setting in node.settings:
-        if setting.key.text in BLOCK_KEYS:
+        if SETTINGS[setting.key.text].of == "rules":
             if node.target is not None:
                 scope.report(
                     "misplaced-setting",
@@ -453,7 +439,7 @@ def block_norms(node: BlockNode, scope: Scope, norms: Norms) -> Norms:
     own = norms.copy()
     _report_repeated(node.settings, scope)
     for setting in node.settings:
-        if setting.key.text in BLOCK_KEYS:
+        if SETTINGS[setting.key.text].of == "rules":
             _set_norm(setting, scope, own)
         else:
             scope.report(

@@ -11,7 +11,7 @@ import math
 from collections.abc import Hashable
 from typing import TypeVar
 
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.language.declarations import (
     Draft,
     Norms,
@@ -23,32 +23,26 @@ from fuzzyarm.language.declarations import (
     declare_variable,
     range_of,
 )
-from fuzzyarm.language.nodes import (
+from fuzzyarm.language.document import Document, ParseMemory
+from fuzzyarm.language.phrases import ExpressionNode, HedgedNode, HedgeNode, PropositionNode
+from fuzzyarm.language.statements import (
     BlockNode,
     Broken,
-    Document,
     EvenTermsNode,
     ExpectNode,
-    ExpressionNode,
-    Figure,
     GridNode,
     Heading,
-    HedgedNode,
-    HedgeNode,
     InferenceNode,
     LookupItem,
     LookupNode,
     OutcomeNode,
-    PropositionNode,
     RowNode,
     RuleNode,
     StatementNode,
     TermNode,
     VariableNode,
-    Word,
 )
-from fuzzyarm.language.parser import ParseMemory
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.tokens import Figure, Word, name_text
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -229,10 +223,11 @@ def _consequent(node: PropositionNode, scope: Scope) -> Consequent | None:
 def _hedges(nodes: tuple[HedgeNode, ...], scope: Scope) -> tuple[Hedge, ...]:
     hedges = []
     for node in nodes:
-        exponent = node.exponent.value if node.exponent else None
-        if node.exponent is not None and not node.exponent.value > 0.0:
-            scope.report("bad-exponent", "the exponent must be above 0", node.exponent.span)
-        hedges.append(Hedge(node.word.text, exponent))
+        if node.number is not None and not node.number.value > 0.0:
+            what = HEDGES[node.word.text].parameters[0]
+            if what == "exponent":
+                scope.report("bad-exponent", "the exponent must be above 0", node.number.span)
+        hedges.append(Hedge(node.word.text, node.number.value if node.number else None))
     return tuple(hedges)
 
 
@@ -297,30 +292,25 @@ def _outcome(node: OutcomeNode, scope: Scope) -> Outcome:
 
 def elaborate_lookup(node: LookupNode, scope: Scope) -> Lookup:
     """Return the settings of the ``lookup`` block."""
-    common: dict[str, LookupItem] = {}
-    own: dict[tuple[str, str], LookupItem] = {}
+    items: dict[tuple[str, str | None], LookupItem] = {}  # by key and input; None: every input
     for item in node.items:
-        key = item.key.text
-        if item.variable is None:
-            known, place = common.get(key), common.__setitem__
-            place(key, item)
-        else:
-            if scope.variable(item.variable, "input") is None:
-                continue
-            known = own.get((key, item.variable.text))
-            own[key, item.variable.text] = item
-        if known is not None:
-            scope.report("duplicate-setting", f"'{key}' is set twice", item.key.span)
+        if item.variable is not None and scope.variable(item.variable, "input") is None:
+            continue
+        which = item.key.text, item.variable.text if item.variable else None
+        if which in items:
+            message = f"'{item.key.text}' is set twice"
+            scope.report("duplicate-setting", message, item.key.span)
+        items[which] = item
     axes = []
     for name in scope.names("input"):
-        levels = own.get(("levels", name), common.get("levels"))
-        bins = own.get(("bins", name), common.get("bins"))
+        levels = items.get(("levels", name), items.get(("levels", None)))
+        bins = items.get(("bins", name), items.get(("bins", None)))
         axis = _axis(scope.drafts[name], levels, bins, scope)
         if axis is not None:
             axes.append(axis)
-    if "levels" not in common and not any(key == "levels" for key, _ in own):
+    if not any(key == "levels" for key, _ in items):
         scope.report("missing-levels", "the lookup block names no levels", node.span)
-    return Lookup(tuple(axes), _rounding(common.get("round"), scope))
+    return Lookup(tuple(axes), _rounding(items.get(("round", None)), scope))
 
 
 def _axis(

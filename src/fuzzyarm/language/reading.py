@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
+from fuzzyarm.language.document import Document, ParseMemory, parse_document, print_document
 from fuzzyarm.language.meaning import elaborate
-from fuzzyarm.language.nodes import Document
-from fuzzyarm.language.parser import ParseMemory, parse_document
-from fuzzyarm.language.printer import print_document
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import (
     MAX_CHARACTERS,
@@ -21,8 +20,7 @@ from fuzzyarm.text.diagnostic import (
 # --- Reading ---
 
 
-@dataclass(frozen=True, slots=True)
-class Parsed:
+class Parsed(NamedTuple):
     """What a text says.
 
     Attributes
@@ -94,7 +92,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
     OSError
         If the file cannot be read.
     RuleBaseError
-        If it is too large or no UTF-8; the diagnostic points at the first bad byte.
+        If it is too large or not UTF-8; the diagnostic points at the first bad byte.
     """
     name = os.fspath(path)
     with open(path, "rb") as file:
@@ -112,7 +110,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
             [
                 Diagnostic(
                     "not-utf-8",
-                    f"the byte 0x{data[error.start]:02x} is no UTF-8 text",
+                    f"not UTF-8: byte 0x{data[error.start]:02x}",
                     Span(line, column, line, column + 1),
                     hint="save the file as UTF-8",
                     path=name,
@@ -122,7 +120,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def text_to_show(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file for showing places in it, whatever its bytes.
+    """Return the text of a file for showing findings in it, whatever its bytes.
 
     Raises
     ------

@@ -1,19 +1,22 @@
-"""A text as tokens, tokens as statements, and the reserved words.
+"""A text as lines of tokens, and a cursor that reads the tokens of one statement.
 
-:func:`tokenize` cuts lines, :func:`group_lines` joins them to statements, :class:`Cursor` walks
-along the tokens of one statement.
+A :class:`Cursor` is asked for what may come next: a name, a number, one of these words. A
+statement is read by such questions (:mod:`fuzzyarm.language.statements`); where the tokens
+end, the same questions are what an editor can offer
+(:mod:`fuzzyarm.language.queries.completion`).
 """
 
 from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from collections.abc import Collection, Sequence
+from typing import NamedTuple, NoReturn
 
-from fuzzyarm.language.nodes import Figure, Trivia, Word
-from fuzzyarm.text.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.expression.kinds import HEDGES
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span, split_lines
+from fuzzyarm.text.names import is_plain_name, near_hint, quote
+from fuzzyarm.text.numbers import number_text
 
 # --- Tokens ---
 
@@ -42,7 +45,7 @@ class Token(NamedTuple):
     Attributes
     ----------
     kind : str
-        ``name``, ``quoted``, ``string``, ``number`` or ``mark``.
+        ``name``, ``quoted``, ``string``, ``number``, ``mark``, or ``bad`` for what is none.
     text : str
         As written; for names in quotes and strings, what they stand for.
     line, column, end : int
@@ -57,25 +60,12 @@ class Token(NamedTuple):
 
     @property
     def span(self) -> Span:
-        """The place of the token."""
+        """Where it stands."""
         return Span(self.line, self.column, self.line, self.end)
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
-    """One line of the text.
-
-    Attributes
-    ----------
-    number : int
-        From 1.
-    tokens : tuple of Token
-        Without white space and comment.
-    comment : str
-        With its ``#``, stripped at the end; empty where there is none.
-    indented : bool
-        Whether the first token stands behind white space.
-    """
+class Line(NamedTuple):
+    """One line of the text: `tokens` without white space, `comment` with its ``#`` or empty."""
 
     number: int
     tokens: tuple[Token, ...]
@@ -92,7 +82,7 @@ def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[Line]:
 
 
 def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line:
-    """Return one line as tokens; `number` is its place from 1."""
+    """Return one line, the `number`-th from 1, as tokens."""
     tokens: list[Token] = []
     comment = ""
     for match in _TOKEN.finditer(text):
@@ -150,169 +140,71 @@ def unescape(text: str, span: Span, diagnostics: list[Diagnostic]) -> str:
             return _ESCAPES[code]
         if len(code) > 1 and int(code[1:], 16) <= 0x10FFFF:
             return chr(int(code[1:], 16))
-        diagnostics.append(Diagnostic("bad-escape", f"'\\{code}' is no escape sequence", span))
+        diagnostics.append(Diagnostic("bad-escape", f"unknown escape sequence '\\{code}'", span))
         return match.group()
 
     return _ESCAPE.sub(replace, text)
 
 
-# --- Reserved words ---
+# --- Words, numbers, names ---
 
-STATEMENTS: dict[str, str] = {
-    "rulebase": "the name of the rule base and what it is for",
-    "input": "an input variable and its range",
-    "output": "an output variable and its range",
-    "terms": "evenly spaced terms of one or more variables",
-    "term": "one term with its shape",
-    "inference": "how rules are evaluated",
-    "block": "start of a further block of rules",
-    "rules": "a grid of rules",
-    "rule": "one rule: if … then …",
-    "lookup": "how the lookup table is sampled",
-    "expect": "what must come out, checked by `fuzzyarm check`",
-}
-"""Words that start a statement, with one line for help."""
+RESERVED = frozenset({"if", "then", "is", "and", "or", "with", "when", "inf", "nan"})
+"""Words that a name must not be written as without quotes; hedges are reserved too.
 
-LOOKUP_ITEMS = ("levels", "bins", "round")
-CONNECTIVES = ("if", "then", "is", "and", "or", "with", "when")
-SETTINGS = (
-    "and",
-    "or",
-    "implication",
-    "aggregation",
-    "defuzzifier",
-    "outside",
-    "no-rule",
-    "threshold",
-)
-
-HEDGE_WORDS: dict[str, str] = {
-    "not": "not",
-    "very": "very",
-    "somewhat": "somewhat",
-    "more-or-less": "somewhat",
-    "extremely": "extremely",
-    "intensify": "intensify",
-    "seldom": "seldom",
-    "any": "any",
-    "power": "power",
-}
-"""Hedges as written → the hedge they mean."""
-
-RESERVED = frozenset({*CONNECTIVES, *HEDGE_WORDS, "inf", "nan"} - {"power"})
-"""Words that a name must not be written as without quotes.
-
-As few as possible: all others are told apart by their place. (`power` is a hedge only
-before a parenthesis.)
+As few as possible: all others are told apart by where they stand.
 """
 
-QUOTED = frozenset({*RESERVED, *STATEMENTS})
-"""Words that are printed in quotes as names: at the start of a line they would mean more."""
+STARTERS: set[str] = set()
+"""Words that start a statement, filled by :mod:`fuzzyarm.language.statements`."""
 
 
-# --- Statements with the lines that belong to them ---
+def is_reserved(word: str) -> bool:
+    """Whether a name must not be written so; a hedge with a number is one before ``(`` only."""
+    hedge = HEDGES.words.get(word)
+    return word in RESERVED or (hedge is not None and not HEDGES[hedge].parameters)
 
-_ALLOW = re.compile(r"#\s*allow\s+([\w-]+(?:\s*,\s*[\w-]+)*)")
+
+def name_text(name: str) -> str:
+    """Return a name as it stands in a file, in single quotes where it must."""
+    plain = is_plain_name(name) and name not in STARTERS and not is_reserved(name)
+    return name if plain else quote(name, "'")
 
 
-@dataclass(frozen=True, slots=True)
-class BlockLine:
-    """A line below ``rules`` or ``lookup``."""
+class Word(NamedTuple):
+    """A name or a word of the language, where it stands; as text it is written as a name."""
+
+    text: str
+    span: Span = NOWHERE
+
+    def __str__(self) -> str:
+        return name_text(self.text)
+
+
+class Figure(NamedTuple):
+    """A number where it stands."""
+
+    value: float
+    span: Span = NOWHERE
+
+    def __str__(self) -> str:
+        return number_text(self.value)
+
+
+class Trivia(NamedTuple):
+    """What surrounds a line: the comments and blank lines before it, the comment behind it.
+
+    `before` holds comment lines with their ``#``; an empty string is a blank line.
+    """
+
+    before: tuple[str, ...] = ()
+    behind: str = ""
+
+
+class BlockLine(NamedTuple):
+    """A line below a statement that takes lines, as ``rules`` and ``lookup`` do."""
 
     tokens: tuple[Token, ...]
     trivia: Trivia
-
-
-@dataclass(slots=True)
-class Group:
-    """The tokens of one statement; for ``rules`` and ``lookup`` also the lines below it."""
-
-    tokens: list[Token]
-    before: tuple[str, ...]
-    behind: str
-    lines: list[BlockLine] = field(default_factory=list)
-
-    @property
-    def keyword(self) -> str:
-        """The first word, which is a key of STATEMENTS."""
-        return self.tokens[0].text
-
-
-def group_lines(
-    lines: list[Line], diagnostics: list[Diagnostic]
-) -> tuple[list[Group], tuple[str, ...]]:
-    """Return the statements of `lines` and the comments after the last one.
-
-    A line that starts with a statement word starts a statement. Any other line belongs to
-    the statement above it if it is indented (or if that is a grid); else it is an
-    ``unknown-statement``, read on as the nearest statement if there is a near one.
-    """
-    groups: list[Group] = []
-    waiting: list[str] = []
-    for line in lines:
-        if len(diagnostics) > MAX_DIAGNOSTICS:
-            break
-        if not line.tokens:
-            if line.comment or (waiting[-1:] != [""] and (groups or waiting)):
-                waiting.append(line.comment)
-            continue
-        first = line.tokens[0]
-        if first.kind == "name" and first.text in STATEMENTS:
-            groups.append(Group(list(line.tokens), tuple(waiting), line.comment))
-        elif groups and _belongs(line, groups[-1]):
-            _extend(groups[-1], line, waiting)
-        else:
-            diagnostic = _unknown_statement(first)
-            diagnostics.append(diagnostic)
-            if diagnostic.replacement is None:
-                continue
-            # Read on as what was probably meant, so that one slip does not look like many.
-            meant = first._replace(kind="name", text=diagnostic.replacement)
-            groups.append(Group([meant, *line.tokens[1:]], tuple(waiting), line.comment))
-        waiting = []
-    while waiting and waiting[-1] == "":
-        waiting.pop()
-    return groups, tuple(waiting)
-
-
-def _belongs(line: Line, group: Group) -> bool:
-    if line.indented:
-        return True
-    # A grid or a lookup block is understood without its indentation too, unless the line
-    # looks like a misspelt statement.
-    return (
-        group.keyword in ("rules", "lookup") and not near_hint(line.tokens[0].text, STATEMENTS)[0]
-    )
-
-
-def _extend(group: Group, line: Line, waiting: list[str]) -> None:
-    if group.keyword in ("rules", "lookup"):
-        group.lines.append(BlockLine(line.tokens, Trivia(tuple(waiting), line.comment)))
-        return
-    group.tokens.extend(line.tokens)
-    comments = [comment for comment in (*waiting, line.comment) if comment]
-    group.before = (*group.before, *comments)
-
-
-def _unknown_statement(token: Token) -> Diagnostic:
-    hint, replacement = near_hint(token.text, STATEMENTS)
-    return Diagnostic(
-        "unknown-statement",
-        f"no statement starts with '{token.text}'",
-        token.span,
-        hint=hint or "statements start with " + ", ".join(STATEMENTS),
-        replacement=replacement,
-    )
-
-
-def allowances(lines: list[Line]) -> dict[int, frozenset[str]]:
-    """Return the names that ``# allow NAME, NAME`` silences, by line."""
-    allowed: dict[int, frozenset[str]] = {}
-    for line in lines:
-        match = _ALLOW.search(line.comment) if line.comment else None
-        if match:
-            allowed[line.number] = frozenset(re.split(r"\s*,\s*", match.group(1)))
-    return allowed
 
 
 # --- A cursor in the tokens of one statement, and the faults found there ---
@@ -327,16 +219,21 @@ class Fault(Exception):  # noqa: N818 - it never leaves the parser
 
 
 class Cursor:
-    """Tokens and a position.
+    """The tokens of a statement, at least one, and how far they have been read.
 
-    Parameters
+    Attributes
     ----------
-    tokens : sequence of Token
-        At least one.
+    lines : sequence of BlockLine
+        The lines below the statement.
+    forgiven : list of Diagnostic
+        Mistakes that did not keep it from being read.
     """
 
-    def __init__(self, tokens: tuple[Token, ...] | list[Token]) -> None:
+    def __init__(
+        self, tokens: tuple[Token, ...] | list[Token], lines: Sequence[BlockLine] = ()
+    ) -> None:
         self.tokens = tokens
+        self.lines = lines
         self.position = 0
         self.forgiven: list[Diagnostic] = []
 
@@ -347,7 +244,7 @@ class Cursor:
 
     @property
     def span(self) -> Span:
-        """The place of the next token, or the place just behind the last one."""
+        """Where the next token stands; just behind the last one where there is none."""
         if not self.at_end:
             return self.tokens[self.position].span
         last = self.tokens[-1]
@@ -356,17 +253,18 @@ class Cursor:
     @property
     def whole(self) -> Span:
         """From the first to the last token."""
-        return self.tokens[0].span.to(self.tokens[-1].span)
+        first, last = self.tokens[0], self.tokens[-1]
+        return Span(first.line, first.column, last.line, last.end)
 
     def peek(self, ahead: int = 0) -> Token | None:
         """Return the next token (or one further `ahead`) without taking it."""
         index = self.position + ahead
         return self.tokens[index] if index < len(self.tokens) else None
 
-    def next_is(self, text: str) -> bool:
-        """Whether the next token is the unquoted word or mark `text`."""
-        token = self.peek()
-        return token is not None and token.kind in ("name", "mark") and token.text == text
+    def next_is(self, text: str, ahead: int = 0) -> bool:
+        """Whether the next token (or one further `ahead`) is the word or mark `text`."""
+        token = self.peek(ahead)
+        return token is not None and token.text == text and token.kind in ("name", "mark")
 
     def take(self) -> Token:
         """Take the next token."""
@@ -374,8 +272,8 @@ class Cursor:
         self.position += 1
         return token
 
-    def accept(self, text: str) -> Token | None:
-        """Take the next token if it is the word or mark `text`."""
+    def accept(self, text: str, *, likely: bool = False) -> Token | None:
+        """Take the next token if it is `text`; an editor offers words, and marks if `likely`."""
         return self.take() if self.next_is(text) else None
 
     def expect(self, text: str, where: str) -> Token:
@@ -384,22 +282,14 @@ class Cursor:
             self.fail(f"'{text}' {where}", (text,) if text.isalpha() else ())
         return self.take()
 
-    def fail(self, wanted: str, choices: tuple[str, ...] = (), name: str = "") -> None:
+    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
         """Raise the fault *expected …, found …*, with a hint if one of `choices` is near."""
-        raise Fault(self.fault(wanted, choices, name))
-
-    def fault(self, wanted: str, choices: tuple[str, ...] = (), name: str = "") -> Diagnostic:
-        """Return the diagnostic *expected …, found …*."""
         token = self.peek()
         found = "the end of the line" if token is None else f"'{token.text}'"
         hint, replacement = near_hint(token.text, choices) if token else ("", None)
-        return Diagnostic(
-            name or ("incomplete-statement" if token is None else "unexpected-token"),
-            f"expected {wanted}, found {found}",
-            self.span,
-            hint=hint,
-            replacement=replacement,
-        )
+        name = name or ("incomplete-statement" if token is None else "unexpected-token")
+        message = f"expected {wanted}, found {found}"
+        raise Fault(Diagnostic(name, message, self.span, hint=hint, replacement=replacement))
 
     def forgive(self, fault: Fault) -> None:
         """Keep the diagnostic of `fault` and skip the rest of the line.
@@ -415,7 +305,7 @@ class Cursor:
         token = self.peek()
         if token is None or token.kind not in ("name", "quoted"):
             self.fail(what)
-        elif token.kind == "name" and token.text in RESERVED:
+        if token.kind == "name" and is_reserved(token.text):
             raise Fault(
                 Diagnostic(
                     "reserved-word",
@@ -425,16 +315,30 @@ class Cursor:
                     replacement=f"'{token.text}'",
                 )
             )
-        taken = self.take()
-        return Word(taken.text, taken.span)
+        self.position += 1
+        return Word(token.text, token.span)
 
-    def word(self, what: str, choices: tuple[str, ...], name: str) -> Word:
+    def variable(self, what: str, role: str = "", follow: str = "") -> Word:
+        """Take the name of a variable: an ``input``, an ``output`` or either.
+
+        `follow` is what an editor writes behind it.
+        """
+        return self.name(what)
+
+    def term(self, what: str, variable: Word) -> Word:
+        """Take the name of a term of `variable`."""
+        return self.name(what)
+
+    def suggest(self, what: str, *about: object) -> None:
+        """Name something longer that could stand here, for an editor to offer."""
+
+    def word(self, what: str, choices: Collection[str], name: str) -> Word:
         """Take one of the words `choices`; a fault is called `name` and hints at the nearest."""
         token = self.peek()
         if token is None or token.kind != "name" or token.text not in choices:
             self.fail(what, choices, name)
-        taken = self.take()
-        return Word(taken.text, taken.span)
+        self.position += 1
+        return Word(token.text, token.span)
 
     def string(self) -> str | None:
         """Take a string in double quotes if there is one."""
@@ -446,8 +350,7 @@ class Cursor:
     @property
     def at_figure(self) -> bool:
         """Whether a number comes next, maybe with a sign."""
-        ahead = 1 if self.next_is("-") or self.next_is("+") else 0
-        token = self.peek(ahead)
+        token = self.peek(1 if self.next_is("-") or self.next_is("+") else 0)
         return token is not None and (
             token.kind == "number" or (token.kind == "name" and token.text in ("inf", "nan"))
         )

@@ -3,43 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
 from math import isfinite
 
 from fuzzyarm.language.declarations import even_shapes
+from fuzzyarm.language.document import Document, Statement, print_document
 from fuzzyarm.language.meaning import UNNAMED
-from fuzzyarm.language.nodes import (
-    BlockNode,
-    CellNode,
-    Document,
-    EvenTermsNode,
-    ExpectNode,
+from fuzzyarm.language.phrases import (
     ExpressionNode,
-    Figure,
-    GridNode,
-    Heading,
     HedgedNode,
     HedgeNode,
-    InferenceNode,
     JunctionNode,
     LinearPart,
+    PropositionNode,
+    SettingNode,
+    ShapeNode,
+)
+from fuzzyarm.language.statements import (
+    BlockNode,
+    CellNode,
+    EvenTermsNode,
+    ExpectNode,
+    GridNode,
+    Heading,
+    InferenceNode,
     LookupItem,
     LookupNode,
     OutcomeNode,
-    PropositionNode,
     RowNode,
     RuleNode,
-    SettingNode,
-    ShapeNode,
-    Statement,
     StatementNode,
     TermNode,
-    Trivia,
     VariableNode,
-    Word,
 )
-from fuzzyarm.language.printer import print_document
+from fuzzyarm.language.tokens import Figure, Trivia, Word
 from fuzzyarm.model.rulebase import (
     And,
     Defuzzifier,
@@ -58,63 +54,93 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Variable,
 )
-from fuzzyarm.text.numbers import even_levels
+from fuzzyarm.text.numbers import evenly, mirror
 
 # --- Finding the grids in a flat list of rules, without changing their order ---
 
 _FEWEST = 4
+"""Rules that make a grid worth its lines."""
 
 
-@dataclass(slots=True)
-class GridRun:
+class _GridRun:
     """Consecutive rules that fill a grid row by row.
 
-    `rest` is what the antecedents have in common beyond row and column (``when …``).
+    `order` has the position of each term in its variable; `rest` is what the antecedents have
+    in common beyond row and column (``when …``).
     """
 
-    output: str
-    row: str
-    column: str
-    rest: tuple[Expression, ...]
-    rows: list[str] = field(default_factory=list)
-    columns: list[str] = field(default_factory=list)
-    cells: dict[tuple[str, str], Rule] = field(default_factory=dict)
-    rules: list[Rule] = field(default_factory=list)
-    last: tuple[int, int] = (-1, -1)
+    def __init__(self, rule: Rule, cell: _Cell, order: dict[tuple[str, str], int]) -> None:
+        row, column, self.rest = cell
+        self.output = rule.consequents[0].variable
+        self.row, self.column = row.variable, column.variable
+        self.order = order
+        self.cells: dict[tuple[str, str], Rule] = {}  # by the terms of row and column, in order
+        self.last = (-1, -1)
+        self.takes(rule, cell)
 
+    def takes(self, rule: Rule, cell: _Cell) -> bool:
+        """Add `rule` if it fills a later cell of this grid; return whether it does."""
+        row, column, rest = cell
+        own = self.output, self.row, self.column, self.rest
+        position = self.order[row.variable, row.term], self.order[column.variable, column.term]
+        same = (rule.consequents[0].variable, row.variable, column.variable, rest) == own
+        if not same or position <= self.last:
+            return False
+        self.cells[row.term, column.term] = rule
+        self.last = position
+        return True
 
-def split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | GridRun]:
-    """Return `rules` in order, with each run that reads back from a grid as a GridRun."""
-    order = {
-        (variable.name, term.name): i
-        for variable in (*rulebase.inputs, *rulebase.outputs)
-        for i, term in enumerate(variable.terms)
-    }
-    pieces: list[Rule | GridRun] = []
-    run: GridRun | None = None
-    for rule in rules:
-        cell = _as_cell(rule)
-        if run is not None and cell is not None and _fits(run, rule, cell, order):
-            _add(run, rule, cell, order)
-            continue
-        if run is not None:
-            pieces += _finished(run, order)
-            run = None
-        if cell is None:
-            pieces.append(rule)
-        else:
-            row, column, rest = cell
-            run = GridRun(rule.consequents[0].variable, row.variable, column.variable, rest)
-            _add(run, rule, cell, order)
-    if run is not None:
-        pieces += _finished(run, order)
-    return pieces
+    def pieces(self) -> list[Rule | GridNode]:
+        """Return the grid, or the rules as they are where too few cells are filled."""
+        rules = list(self.cells.values())
+        rows = list(dict.fromkeys(row for row, _ in self.cells))
+        columns = list(dict.fromkeys(column for _, column in self.cells))
+        if len(rules) < _FEWEST or 2 * len(rules) < len(rows) * len(columns):
+            return list(rules)
+        columns.sort(key=lambda term: self.order[self.column, term])
+        condition = None
+        if self.rest:
+            condition = _expression(self.rest[0] if len(self.rest) == 1 else And(self.rest))
+        grid = GridNode(
+            Word(self.output),
+            condition,
+            Word(self.row),
+            Word(self.column),
+            tuple(map(Word, columns)),
+            tuple(
+                RowNode(Word(row), tuple(_cell(self.cells.get((row, c))) for c in columns))
+                for row in rows
+            ),
+        )
+        return [grid]
 
 
 _Cell = tuple[Is, Is, tuple[Expression, ...]]
 
 
+def _split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | GridNode]:
+    """Return `rules` in order, with each run that reads back from a grid as a grid."""
+    order = {
+        (variable.name, term.name): i
+        for variable in (*rulebase.inputs, *rulebase.outputs)
+        for i, term in enumerate(variable.terms)
+    }
+    pieces: list[Rule | GridNode] = []
+    run: _GridRun | None = None
+    for rule in rules:
+        cell = _as_cell(rule)
+        if run is not None and cell is not None and run.takes(rule, cell):
+            continue
+        if run is not None:
+            pieces += run.pieces()
+        run = None if cell is None else _GridRun(rule, cell, order)
+        if run is None:
+            pieces.append(rule)
+    return pieces + (run.pieces() if run is not None else [])
+
+
 def _as_cell(rule: Rule) -> _Cell | None:
+    """Return row, column and the other conditions of a rule that could stand in a grid."""
     antecedent = rule.antecedent
     if not isinstance(antecedent, And) or len(rule.consequents) != 1:
         return None
@@ -129,36 +155,11 @@ def _as_cell(rule: Rule) -> _Cell | None:
     return row, column, tuple(rest)
 
 
-def _position(cell: _Cell, order: dict[tuple[str, str], int]) -> tuple[int, int]:
-    row, column, _ = cell
-    return order[row.variable, row.term], order[column.variable, column.term]
-
-
-def _fits(run: GridRun, rule: Rule, cell: _Cell, order: dict[tuple[str, str], int]) -> bool:
-    row, column, rest = cell
-    return (
-        rule.consequents[0].variable == run.output
-        and (row.variable, column.variable, rest) == (run.row, run.column, run.rest)
-        and _position(cell, order) > run.last
-    )
-
-
-def _add(run: GridRun, rule: Rule, cell: _Cell, order: dict[tuple[str, str], int]) -> None:
-    row, column, _ = cell
-    if row.term not in run.rows:
-        run.rows.append(row.term)
-    if column.term not in run.columns:
-        run.columns.append(column.term)
-    run.cells[row.term, column.term] = rule
-    run.rules.append(rule)
-    run.last = _position(cell, order)
-
-
-def _finished(run: GridRun, order: dict[tuple[str, str], int]) -> list[Rule | GridRun]:
-    if len(run.rules) < _FEWEST or 2 * len(run.rules) < len(run.rows) * len(run.columns):
-        return list(run.rules)
-    run.columns.sort(key=lambda term: order[run.column, term])
-    return [run]
+def _cell(rule: Rule | None) -> CellNode:
+    if rule is None:
+        return CellNode(None, None)
+    weight = None if rule.weight == 1.0 else Figure(rule.weight)
+    return CellNode(Word(rule.consequents[0].term), weight)
 
 
 # --- From the model to the syntax tree ---
@@ -316,8 +317,8 @@ def _block(block: RuleBlock, rulebase: RuleBase) -> Iterator[StatementNode]:
     if block.name or block is not first:
         same = _norms(block, first) == _norms(first, first)
         yield BlockNode(Word(block.name), () if same else _norms(block, first))
-    for piece in split_into_grids(block.rules, rulebase):
-        yield rule_node(piece) if isinstance(piece, Rule) else _grid(piece)
+    for piece in _split_into_grids(block.rules, rulebase):
+        yield rule_node(piece) if isinstance(piece, Rule) else piece
 
 
 def rule_node(rule: Rule) -> RuleNode:
@@ -327,34 +328,6 @@ def rule_node(rule: Rule) -> RuleNode:
     )
     weight = None if rule.weight == 1.0 else Figure(rule.weight)
     return RuleNode(_expression(rule.antecedent), consequents, weight)
-
-
-def _grid(run: GridRun) -> GridNode:
-    rows = tuple(
-        RowNode(Word(label), tuple(_cell(run, label, column) for column in run.columns))
-        for label in run.rows
-    )
-    condition = None
-    if len(run.rest) == 1:
-        condition = _expression(run.rest[0])
-    elif run.rest:
-        condition = JunctionNode("and", tuple(map(_expression, run.rest)))
-    return GridNode(
-        Word(run.output),
-        condition,
-        Word(run.row),
-        Word(run.column),
-        tuple(map(Word, run.columns)),
-        rows,
-    )
-
-
-def _cell(run: GridRun, row: str, column: str) -> CellNode:
-    rule = run.cells.get((row, column))
-    if rule is None:
-        return CellNode(None, None)
-    weight = None if rule.weight == 1.0 else Figure(rule.weight)
-    return CellNode(Word(rule.consequents[0].term), weight)
 
 
 def _expression(expression: Expression) -> ExpressionNode:
@@ -389,17 +362,16 @@ def _lookup(lookup: Lookup) -> LookupNode:
 def _levels(axis: LookupAxis) -> LookupItem:
     levels = axis.levels
     key, word = Word("levels"), Word(axis.variable)
-    if len(levels) > 2 and even_levels(levels[0], levels[-1], len(levels) - 1) == levels:
+    if len(levels) > 2 and evenly(levels[0], levels[-1], len(levels)) == levels:
         figures = (levels[0], levels[-1], float(len(levels)))
         return LookupItem(key, word, "count", tuple(map(Figure, figures)))
     return LookupItem(key, word, "list", tuple(map(Figure, levels)))
 
 
 def _bins(bins: tuple[float, ...]) -> tuple[str, tuple[Figure, ...]]:
-    half = len(bins) // 2
-    mirrored = len(bins) % 2 == 0 and all(-a == b for a, b in zip(bins, bins[::-1], strict=True))
-    if mirrored and half and bins[half] > 0.0 and all(a < b for a, b in pairwise(bins)):
-        return "mirrored", tuple(map(Figure, bins[half:]))
+    upper = bins[len(bins) // 2 :]
+    if bins and len(bins) % 2 == 0 and mirror(upper) == bins:
+        return "mirrored", tuple(map(Figure, upper))
     return "list", tuple(map(Figure, bins))
 
 

@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController
-from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.controller.self_organizing import Learned, learned
-from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.loop.loop import rms
 from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
 from fuzzyarm.plant.setting import PLAIN, Conventions
@@ -92,12 +90,9 @@ def train(
     """
     options = options or Options()
     arms = checked_arms(trajectory, arms, payload=payload, conventions=conventions)
-    arithmetic = Arithmetic(conventions.single, conventions.pi)
-    compiled = jit_wanted() if options.compiled is None else options.compiled
-    program = Program(controller, arithmetic)
-    loop = program.loop(compiled)
-    course = Course(trajectory, arms, conventions, options, as_array=compiled)
-    own = program.inputs(compiled)
+    program = Program(controller, options.arithmetic(conventions))
+    loop, own = program.loop(options), program.inputs()
+    course = Course(trajectory, arms, conventions, options, as_array=program.compiled)
     delay = int(controller.gains["delay"].value[0])
     memory = program.memory
     count = len(course.points.time)

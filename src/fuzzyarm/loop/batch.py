@@ -6,13 +6,12 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.law import Arithmetic
-from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.loop.loop import final, rms, signed_maximum
 from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
 from fuzzyarm.plant.setting import PLAIN, ArmError, Conventions
@@ -21,6 +20,12 @@ from fuzzyarm.plant.trajectory import Schedule, Trajectory
 Vector = NDArray[np.float64]
 
 MOST_RUNS = 10_000_000
+
+LONGEST_STRETCH = 64
+"""Runs that a thread takes at a time."""
+
+_Result = tuple[Vector, Vector, Vector, float]
+"""Root mean square, last and largest errors, and when the run diverged."""
 
 
 @dataclass(frozen=True)
@@ -86,38 +91,30 @@ def simulate_batch(
     """
     options = options or Options()
     count = _count(gains or {}, arms, seeds)
-    arithmetic = Arithmetic(conventions.single, conventions.pi)
-    compiled = jit_wanted() if options.compiled is None else options.compiled
+    arithmetic = options.arithmetic(conventions)
     program = Program(controller, arithmetic)
     if not program.compilable:
         raise ArmError(f"'{controller.name}' runs as plain Python; a batch takes compiled ones")
-    loop = program.loop(compiled)
+    compiled = program.compiled
+    loop = program.loop(options)
     rows = {name: np.asarray(values, float) for name, values in (gains or {}).items()}
     drawn = np.asarray(seeds) if seeds is not None else None
-    courses: dict[Schedule, Course] = {}
-
-    def course_of(run: int) -> Course:
-        chosen = checked_arms(
-            trajectory,
-            arms[run] if arms is not None else None,
-            payload=payload,
-            conventions=conventions,
-        )
-        if chosen not in courses:
-            courses[chosen] = Course(trajectory, chosen, conventions, options, as_array=compiled)
-        return courses[chosen]
-
-    def program_of(run: int) -> Program:
-        if not rows:
-            return program
-        own = {name: np.atleast_1d(values[run]).tolist() for name, values in rows.items()}
-        return Program(controller.with_gains(own), arithmetic)
+    arms_of = partial(checked_arms, trajectory, payload=payload, conventions=conventions)
+    first_arms = arms_of(arms[0] if arms is not None else None)
+    shared = Course(trajectory, first_arms, conventions, options, as_array=compiled)
+    shared_inputs = program.inputs()
 
     def one(run: int) -> tuple[Vector, Vector, Vector, float]:
-        course, own = course_of(run), program_of(run)
+        course = shared if arms is None else shared.with_arms(arms_of(arms[run]))
+        memory, inputs = program.memory, shared_inputs
+        if rows:
+            gains_of_run = {name: np.atleast_1d(values[run]) for name, values in rows.items()}
+            changed = {name: values.tolist() for name, values in gains_of_run.items()}
+            own = Program(controller.with_gains(changed), arithmetic)
+            memory, inputs = own.memory, own.inputs()
+        record = Record(course, memory)
         setting = course.setting(int(drawn[run]) if drawn is not None else None)
-        record = Record(course, own.memory)
-        loop(*course.inputs, setting, *own.inputs(compiled), *record.outputs)
+        loop(*course.inputs, setting, *inputs, *record.outputs)
         errors = record.degrees(course)
         diverged = record.diverged(course)
         if watch is not None:
@@ -129,23 +126,23 @@ def simulate_batch(
             np.nan if diverged is None else diverged,
         )
 
-    first = one(0)  # compiles, if that is still to be done, once
-    rest = _mapped(one, range(1, count), workers if compiled else 1)
-    columns = zip(first, *rest, strict=True)
-    return Batch(*(np.array(column) for column in columns))
+    results = _mapped(one, count, (workers or os.cpu_count() or 1) if compiled else 1)
+    return Batch(*(np.array(column) for column in zip(*results, strict=True)))
 
 
-def _mapped(
-    job: Callable[[int], tuple[Vector, Vector, Vector, float]],
-    runs: range,
-    workers: int | None,
-) -> list[tuple[Vector, Vector, Vector, float]]:
-    workers = workers or os.cpu_count() or 1
-    if workers == 1:
+def _mapped(job: Callable[[int], _Result], count: int, workers: int) -> list[_Result]:
+    """Do a job for each number; threads take stretches of them, so that few wait for the GIL."""
+    size = max(1, min(LONGEST_STRETCH, count // (4 * workers)))
+    stretches = [range(begin, min(begin + size, count)) for begin in range(0, count, size)]
+
+    def stretch_of(runs: range) -> list[_Result]:
         with np.errstate(all="ignore"):
             return [job(run) for run in runs]
+
+    if workers == 1:
+        return [each for runs in stretches for each in stretch_of(runs)]
     with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(job, runs))
+        return [each for done in pool.map(stretch_of, stretches) for each in done]
 
 
 def _count(

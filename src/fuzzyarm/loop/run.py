@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -13,9 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.law import SIGNALS, Arithmetic, law_integers, summed_torque
+from fuzzyarm.controller.law import SIGNALS, Arithmetic, law_integers, summed_torque, view
 from fuzzyarm.kernels import build, jit_wanted, routine
-from fuzzyarm.loop.loop import LOOP_ARRAYS, Setting, final, rms, run_loop, signed_maximum
+from fuzzyarm.loop.loop import (
+    LOOP_ARRAYS,
+    Setting,
+    advance,
+    advance_exactly,
+    final,
+    rms,
+    run_loop,
+    signed_maximum,
+)
 from fuzzyarm.plant.arm import constants
 from fuzzyarm.plant.setting import (
     ITERATIONS,
@@ -40,29 +50,32 @@ SPEED_BOUND = 1e5
 
 
 @cache
-def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
+def loop_of_laws(compiled: bool, single: bool, exact: bool = False) -> Callable[..., None]:
     """Return the loop around the compiled laws, as machine code or as plain Python.
 
-    Each precision has its own: what is stored need not be asked whether to be rounded.
+    Each precision has its own: what is stored need not be asked whether to be rounded. So has
+    each integrator (`exact`: Runge-Kutta): what is not used need not be compiled.
     """
-    storing: Callable[..., Any] = stored_single if single else stored_double
-    bindings: dict[str, Callable[..., Any]] = {"control": summed_torque, "stored": storing}
+    bindings: dict[str, Callable[..., Any]] = {
+        "control": summed_torque,
+        "stored": stored_single if single else stored_double,
+        "advance": advance_exactly if exact else advance,
+    }
     return routine(run_loop, LOOP_ARRAYS, bindings, compiled=compiled)
 
 
 def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
     """Return numbers in one row, as an array or, for an interpreter, as a view on one."""
     row: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
-    # A memory view gives plain numbers, and its slices are views, too.
-    return row if as_array else memoryview(row)  # type: ignore[arg-type]
+    return row if as_array else view(row)
 
 
 class Program:
-    """A controller as the loop takes it: laws, constants and memory in three lists.
+    """A controller as the loop takes it: laws, constants and memory.
 
     Attributes
     ----------
-    numbers, memory : list
+    numbers, memory : ndarray
         See :func:`fuzzyarm.loop.loop.run_loop`.
     compilable : bool
         Whether every addend is a compiled law.
@@ -76,26 +89,44 @@ class Program:
         self.compilable = len(own) == len(parts)
         self._laws = [part.law for part in own] if self.compilable else []
         self._blocks = [part.block(arithmetic) for part in own] if self.compilable else []
-        self.numbers = [number for block in self._blocks for number in block.numbers]
-        self.memory = [number for block in self._blocks for number in block.memory]
+        self.numbers = np.concatenate([[], *(block.numbers for block in self._blocks)])
+        self.memory = np.concatenate([[], *(block.memory for block in self._blocks)])
 
-    def inputs(self, compiled: bool) -> tuple[Any, Any]:
+    @property
+    def compiled(self) -> bool:
+        """Whether it runs as machine code: wanted, and possible."""
+        return self.arithmetic.compiled and self.compilable
+
+    def inputs(self) -> tuple[Any, Any]:
         """Return laws and constants as the loop takes them."""
-        single = self.arithmetic.single
-        laws = law_integers(self._laws, self._blocks, single=single, compiled=compiled)
-        return flat(laws, np.int64, as_array=compiled), flat(self.numbers, as_array=compiled)
+        laws = law_integers(self._laws, self._blocks, self.arithmetic)
+        as_array = self.compiled
+        return flat(laws, np.int64, as_array=as_array), flat(self.numbers, as_array=as_array)
 
-    def loop(self, compiled: bool) -> Callable[..., None]:
-        """Return the loop that runs it; `compiled` only where that is possible."""
+    def remembered(self, memory: Any) -> list[float]:
+        """Return what the laws remember, of the memory after a run."""
+        found: list[float] = []
+        begin = 0
+        for law, block in zip(self._laws, self._blocks, strict=True):
+            end = begin + len(block.memory)
+            if law.remembers:
+                found += map(float, memory[begin:end])
+            begin = end
+        return found
+
+    def loop(self, options: Options) -> Callable[..., None]:
+        """Return the loop that runs it."""
+        exact = options.runge_kutta > 0
         if self.compilable:
-            return loop_of_laws(compiled, self.arithmetic.single)
+            return loop_of_laws(self.compiled, self.arithmetic.single, exact)
         torque = self.controller.torque
 
         def control(now: Moment, *_arrays: object) -> Pair:
             first, second = torque(now.reference, now.state, now.clock)
             return float(first), float(second)
 
-        return build(run_loop, {"control": control}, compiled=False)
+        integrator = advance_exactly if exact else advance
+        return build(run_loop, {"control": control, "advance": integrator}, compiled=False)
 
 
 class Course:
@@ -127,16 +158,12 @@ class Course:
         self.points = sample(trajectory, conventions)
         self.conventions = conventions
         self.as_array = as_array
-        kinds = list(dict.fromkeys(arms))
-        which = np.array([kinds.index(arm) for arm in arms])[self.points.segment]
-        plants = [constants(arm, single=conventions.single) for arm in kinds]
         points = self.points
-        self.inputs = (
+        self._motion = (
             self._flat(np.hstack([points.position, points.velocity, points.acceleration])),
             self._flat(points.iterations, np.int64),
-            self._flat(which, np.int64),
-            self._flat(plants),
         )
+        self.inputs = (*self._motion, *self._plants(arms))
         step = SET_POINT_PERIOD / ITERATIONS
         if conventions.single:
             step = float(np.float32(np.float64(np.float32(SET_POINT_PERIOD)) / ITERATIONS))
@@ -151,6 +178,19 @@ class Course:
             float(options.disturbance),
             options.seed,
         )
+
+    def _plants(self, arms: Schedule) -> tuple[Any, Any]:
+        """Return which arm each set point meets, and the constants of each."""
+        kinds = list(dict.fromkeys(arms))
+        which = np.array([kinds.index(arm) for arm in arms])[self.points.segment]
+        plants = [constants(arm, single=self.conventions.single) for arm in kinds]
+        return self._flat(which, np.int64), self._flat(plants)
+
+    def with_arms(self, arms: Schedule) -> Course:
+        """Return the same trajectory with other arms."""
+        other = copy(self)
+        other.inputs = (*self._motion, *self._plants(arms))
+        return other
 
     def setting(self, seed: int | None = None) -> Any:
         """Return the rest of the setting, for a seed other than that of the options."""
@@ -245,6 +285,11 @@ class Options:
                 value=self.runge_kutta,
                 hint="0 to 1000",
             )
+
+    def arithmetic(self, conventions: Conventions) -> Arithmetic:
+        """Return how the laws count under some conventions."""
+        compiled = jit_wanted() if self.compiled is None else self.compiled
+        return Arithmetic(conventions.single, conventions.pi, compiled)
 
 
 @dataclass(frozen=True)
@@ -346,14 +391,13 @@ def simulate(
     """
     options = options or Options()
     arms = checked_arms(trajectory, arms, payload=payload, conventions=conventions)
-    arithmetic = Arithmetic(conventions.single, conventions.pi)
+    arithmetic = options.arithmetic(conventions)
     program = Program(controller, arithmetic)
-    wanted = jit_wanted() if options.compiled is None else options.compiled
-    compiled = wanted and program.compilable
-    loop = program.loop(compiled)
+    compiled = program.compiled
+    loop = program.loop(options)
     course = Course(trajectory, arms, conventions, options, as_array=compiled)
     record = Record(course, program.memory)
-    own = program.inputs(compiled)
+    own = program.inputs()
     controller.prepare(arithmetic)
     begin = time.perf_counter()
     with np.errstate(all="ignore"):
@@ -372,7 +416,7 @@ def simulate(
         record.diverged(course),
         seconds,
         compiled,
-        [float(each) for each in record.memory],
+        program.remembered(record.memory),
     )
 
 

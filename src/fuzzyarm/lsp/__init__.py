@@ -1,5 +1,10 @@
 """The language server: what :mod:`fuzzyarm.language.queries` answers, over the protocol.
 
-Needs the extra ``fuzzyarm[lsp]``. :mod:`fuzzyarm.lsp.session` and
-:mod:`fuzzyarm.lsp.session` know nothing of the protocol's library.
+Needs the extra ``fuzzyarm[lsp]``: :func:`fuzzyarm.lsp.features.make_server`. The open files
+named here know nothing of the protocol's library.
 """
+
+from fuzzyarm.lsp.session import Kind, Session
+from fuzzyarm.lsp.tables import TableText
+
+__all__ = ["Kind", "Session", "TableText"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from lsprotocol import types
 
@@ -37,20 +38,26 @@ _SYMBOL_KINDS = {
 }
 
 
+@dataclass(frozen=True, slots=True)
 class Converter:
     """Positions in one text under one encoding.
 
-    Parameters
+    Attributes
     ----------
+    uri : str
+        The text.
     lines : sequence of str
-        The lines of the text without their ends.
+        Its lines without their ends.
     encoding : str
         The unit of the protocol's columns.
+    snippets : bool
+        Whether the editor takes completions with fields to fill in.
     """
 
-    def __init__(self, lines: Sequence[str], encoding: str) -> None:
-        self.lines = lines
-        self.encoding = encoding
+    uri: str
+    lines: Sequence[str]
+    encoding: str
+    snippets: bool = False
 
     def place(self, position: types.Position) -> tuple[int, int]:
         """Return line and column, from 1."""
@@ -66,7 +73,11 @@ class Converter:
         """Return a range as fuzzyarm counts."""
         return Span(*self.place(where.start), *self.place(where.end))
 
-    def diagnostic(self, found: Diagnostic, uri: str) -> types.Diagnostic:
+    def location(self, span: Span) -> types.Location:
+        """Return a span with its file."""
+        return types.Location(self.uri, self.range(span))
+
+    def diagnostic(self, found: Diagnostic) -> types.Diagnostic:
         """Return a finding with its hint, its other places and what a quick fix needs."""
         unused = found.name in ("unused-term", "unused-variable", "duplicate-rule")
         return types.Diagnostic(
@@ -77,23 +88,20 @@ class Converter:
             source="fuzzyarm",
             tags=[types.DiagnosticTag.Unnecessary] if unused else None,
             related_information=[
-                types.DiagnosticRelatedInformation(
-                    types.Location(uri, self.range(related.span)), related.message
-                )
+                types.DiagnosticRelatedInformation(self.location(related.span), related.message)
                 for related in found.related
             ]
             or None,
         )
 
-    def edits(self, edits: Iterable[Edit]) -> list[types.TextEdit | types.AnnotatedTextEdit]:
-        """Return edits of one text."""
-        return [types.TextEdit(self.range(edit.span), edit.text) for edit in edits]
+    def workspace_edit(self, edits: Iterable[Edit]) -> types.WorkspaceEdit:
+        """Return edits of the text as an edit of the workspace."""
+        changes = [types.TextEdit(self.range(edit.span), edit.text) for edit in edits]
+        return types.WorkspaceEdit(changes={self.uri: changes})
 
-    def completion(
-        self, candidate: Candidate, rank: int, *, snippets: bool
-    ) -> types.CompletionItem:
-        """Return a candidate; `rank` keeps the order, `snippets` tells what the editor can do."""
-        snippet = candidate.snippet if snippets else ""
+    def completion(self, candidate: Candidate, rank: int) -> types.CompletionItem:
+        """Return a candidate; `rank` keeps the order."""
+        snippet = candidate.snippet if self.snippets else ""
         text = snippet or candidate.insert
         edit = types.TextEdit(self.range(candidate.span), text) if candidate.span else None
         return types.CompletionItem(
@@ -137,12 +145,3 @@ class Converter:
             ]
             last_line, last_start = line, start
         return data
-
-
-def encoded(
-    edits: Sequence[types.TextEdit | types.AnnotatedTextEdit], uri: str
-) -> types.WorkspaceEdit:
-    """Return edits of one file as an edit of the workspace."""
-    return types.WorkspaceEdit(
-        changes={uri: [edit for edit in edits if isinstance(edit, types.TextEdit)]}
-    )

@@ -76,9 +76,13 @@ class FuzzyarmServer(LanguageServer):
             raise JsonRpcInvalidParams(message=f"the file {uri} is not open")
         return self.sessions[uri]
 
-    def converter(self, session: Session) -> Converter:
-        """Return what turns positions in the text of `session` into places."""
-        return Converter(session.lines, self.encoding)
+    def converter(self, uri: str) -> Converter:
+        """Return what turns positions in an open file into places, and back."""
+        capabilities = self.client_capabilities.text_document
+        completion = capabilities.completion if capabilities else None
+        item = completion.completion_item if completion else None
+        snippets = bool(item and item.snippet_support)
+        return Converter(uri, self.session(uri).lines, self.encoding, snippets)
 
     def open(self, document: types.TextDocumentItem) -> None:
         """Take an opened file."""
@@ -86,7 +90,7 @@ class FuzzyarmServer(LanguageServer):
         if document.language_id == "fuzzyarm-table" and not path.lower().endswith(".lut"):
             path += ".lut"
         self.sessions[document.uri] = Session(path, document.text, document.version)
-        self.schedule(document.uri, pause=False)
+        self._schedule(document.uri, pause=False)
 
     def change(self, params: types.DidChangeTextDocumentParams) -> None:
         """Take the changes of a file."""
@@ -98,7 +102,7 @@ class FuzzyarmServer(LanguageServer):
                 where = (start.line, start.character, end.line, end.character)
             session.change(where, change.text, self.encoding)
         session.version = params.text_document.version
-        self.schedule(params.text_document.uri)
+        self._schedule(params.text_document.uri)
 
     def close(self, uri: str) -> None:
         """Forget a file and what was found in it."""
@@ -110,7 +114,7 @@ class FuzzyarmServer(LanguageServer):
 
     # ── diagnostics ──────────────────────────────────────────────────────────────────
 
-    def schedule(self, uri: str, *, pause: bool = True) -> None:
+    def _schedule(self, uri: str, *, pause: bool = True) -> None:
         """Check a file soon: at once if that is quick, else (with `pause`) when typing pauses."""
         waiting = self._timers.pop(uri, None)
         if waiting is not None:
@@ -121,26 +125,26 @@ class FuzzyarmServer(LanguageServer):
 
     def _check(self, uri: str) -> None:
         self._timers.pop(uri, None)
-        session = self.sessions.get(uri)
-        if session is None:
+        text = self.sessions.get(uri)
+        if text is None:
             return
-        if session.cost < SLOW:
-            self.publish(uri, session)
+        if text.cost < SLOW:
+            self._publish(uri, text)
             return
-        task = asyncio.ensure_future(self._check_aside(uri, session))
+        task = asyncio.ensure_future(self._check_aside(uri, text))
         self._running.add(task)
         task.add_done_callback(self._running.discard)
 
-    async def _check_aside(self, uri: str, session: Session) -> None:
-        copy = Session(session.path, session.text, session.version)
+    async def _check_aside(self, uri: str, text: Session) -> None:
+        copy = Session(text.path, text.text, text.version)
         await asyncio.to_thread(copy.review)
-        if self.sessions.get(uri) is session and session.adopt(copy):
-            self.publish(uri, session)
+        if self.sessions.get(uri) is text and text.adopt(copy):
+            self._publish(uri, text)
 
-    def publish(self, uri: str, session: Session) -> None:
+    def _publish(self, uri: str, text: Session) -> None:
         """Send the findings of a file to the editor."""
-        converter = self.converter(session)
-        found = [converter.diagnostic(d, uri) for d in session.review().diagnostics]
+        converter = self.converter(uri)
+        found = [converter.diagnostic(d) for d in text.review().diagnostics]
         self.text_document_publish_diagnostics(
-            types.PublishDiagnosticsParams(uri, found, session.version)
+            types.PublishDiagnosticsParams(uri, found, text.version)
         )

@@ -4,16 +4,39 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from fuzzyarm.api import Review, check_parsed, failed_expectations
-from fuzzyarm.language.nodes import GridNode
-from fuzzyarm.language.parser import ParseMemory
-from fuzzyarm.language.queries import Reading, read
+from fuzzyarm.language import Parsed, format_text
+from fuzzyarm.language.document import ParseMemory
+from fuzzyarm.language.queries import (
+    Candidate,
+    Coloured,
+    Edit,
+    Fix,
+    Fold,
+    Hover,
+    Reading,
+    Symbol,
+    coloured,
+    complete,
+    fixes,
+    folds,
+    hover,
+    occurrence_at,
+    read,
+    references,
+    rename,
+    symbols,
+)
+from fuzzyarm.language.statements import GridNode
+from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import Diagnostic, Span, split_lines
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 
-# --- Between the protocol's positions, which count code units from 0, and places in a text ---
+# --- Between the protocol's positions, in code units from 0, and lines and columns from 1 ---
 #
 # The protocol ends lines at CR LF, LF and CR only, as the language does.
 
@@ -81,6 +104,88 @@ def _offset(text: str, starts: list[int], line: int, character: int, encoding: s
     return start + characters(content, character, encoding)
 
 
+# --- The kinds of files ---
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What an editor asks of a kind of files; everything but `read` takes what that returns.
+
+    Attributes
+    ----------
+    read : callable
+        From the text and its path to its reading.
+    complete, hover : callable
+        What could stand at a line and column, and what stands there.
+    name_at : callable
+        The name there and its span, or None.
+    occurrences : callable
+        Every span of the name there, and whether it is declared in it.
+    rename : callable
+        The edits that give the name there another one; or raises RenameError.
+    symbols, folds, coloured : callable
+        The outline, what can be folded away, and the words with a colour.
+    fixes : callable
+        The repairs of a diagnostic.
+    formatted : callable
+        The canonical text, or None where the text has mistakes or something to lose.
+    """
+
+    read: Callable[[str, str, ParseMemory], Any]
+    complete: Callable[[Any, int, int], list[Candidate]]
+    hover: Callable[[Any, int, int], Hover | None]
+    name_at: Callable[[Any, int, int], tuple[str, Span] | None]
+    occurrences: Callable[[Any, int, int], list[tuple[Span, bool]]]
+    rename: Callable[[Any, int, int, str], list[Edit]]
+    symbols: Callable[[Any], list[Symbol]]
+    folds: Callable[[Any], list[Fold]]
+    coloured: Callable[[Any], Iterable[Coloured]]
+    fixes: Callable[[Any, Diagnostic], list[Fix]]
+    formatted: Callable[[Any], str | None]
+
+
+def _name_at(reading: Reading, line: int, column: int) -> tuple[str, Span] | None:
+    found = occurrence_at(reading, line, column)
+    return None if found is None else (found.name, found.span)
+
+
+def _occurrences(reading: Reading, line: int, column: int) -> list[tuple[Span, bool]]:
+    found = occurrence_at(reading, line, column)
+    every = [] if found is None else references(reading, found)
+    return [(each.span, each.is_definition) for each in every]
+
+
+def _fixes(reading: Reading, finding: Diagnostic) -> list[Fix]:
+    nodes = (statement.node for statement in reading.document.statements)
+    return fixes(finding, reading.text, [node for node in nodes if isinstance(node, GridNode)])
+
+
+def _formatted(reading: Reading) -> str | None:
+    try:
+        return format_text(reading.text)
+    except RuleBaseError:
+        return None
+
+
+RULE_BASE = Kind(
+    read, complete, hover, _name_at, _occurrences, rename, symbols, folds, coloured, _fixes,
+    _formatted,
+)  # fmt: skip
+TABLE = Kind(
+    lambda text, path, _memory: TableText(text, path),
+    TableText.complete,
+    TableText.hover,
+    TableText.name_at,
+    TableText.occurrences,
+    TableText.rename,
+    TableText.symbols,
+    TableText.folds,
+    TableText.coloured,
+    lambda table, finding: fixes(finding, "\n".join(table.lines)),
+    TableText.formatted,
+)
+
+
 # --- One open file: its text, what reading it found, and the findings of its check ---
 
 SLOW = 0.2
@@ -88,7 +193,7 @@ SLOW = 0.2
 
 
 class Session:
-    """An open rule base or table.
+    """An open file.
 
     Parameters
     ----------
@@ -104,19 +209,15 @@ class Session:
         self.path = path
         self.text = text
         self.version = version
+        self.kind = TABLE if path.lower().endswith(".lut") else RULE_BASE
         # Until it has been measured, what a check costs is guessed from the length.
         self.cost = 2e-6 * len(text)
-        self._judged: tuple[RuleBase, list[Span], list[Diagnostic]] | None = None
         self._elapsed = 0.0
+        self._judged: tuple[RuleBase, list[Span], list[Diagnostic]] | None = None
         self._memory = ParseMemory()
-        self._reading: Reading | None = None
-        self._last_reading: Reading | None = None
+        self._reading: Any = None
+        self._last_reading: Any = None
         self._review: Review | None = None
-
-    @property
-    def is_table(self) -> bool:
-        """Whether the file is a lookup table."""
-        return self.path.lower().endswith(".lut")
 
     @property
     def lines(self) -> list[str]:
@@ -126,39 +227,33 @@ class Session:
     def replace(self, text: str, version: int | None = None) -> None:
         """Take a new text."""
         self.version = version
-        if text == self.text:
-            return
-        self.text = text
-        self._reading = self._review = None
+        if text != self.text:
+            self.text = text
+            self._reading = self._review = None
 
     def change(self, where: Range | None, new: str, encoding: str = UTF16) -> None:
         """Take one change as an editor sends it."""
         self.replace(change_text(self.text, where, new, encoding), self.version)
 
     @property
-    def reading(self) -> Reading:
-        """The text as it is now, read."""
+    def reading(self) -> Any:
+        """The text as it is now, read: a `Reading`, or a `TableText`."""
         if self._reading is None:
-            self._reading = read(self.text, self.path, self._memory)
+            self._reading = self.kind.read(self.text, self.path, self._memory)
             self._last_reading = self._reading
         return self._reading
 
     @property
-    def quick_reading(self) -> Reading:
-        """The words of the text as it is now; of a large file with the meaning it had last.
+    def quick_reading(self) -> Any:
+        """The words of the text as it is now; of a large rule base with the meaning it had last.
 
         Good for completion: the names are known, and a key stroke rarely changes them.
         """
-        if self._reading is not None or self._last_reading is None or self.cost < SLOW:
+        slow = self._reading is None and self.cost >= SLOW
+        if not slow or not isinstance(self._last_reading, Reading):
             return self.reading
         lines = self._memory.tokenize(self.text, [])
         return Reading(self.text, self._last_reading.parsed, tuple(lines))
-
-    @property
-    def grids(self) -> list[GridNode]:
-        """The rule grids of the file."""
-        nodes = (statement.node for statement in self.reading.document.statements)
-        return [node for node in nodes if isinstance(node, GridNode)]
 
     def review(self) -> Review:
         """Return the findings for the text as it is now: those of ``fuzzyarm check``."""
@@ -171,11 +266,9 @@ class Session:
         return self._review
 
     def _check(self) -> Review:
-        if self.is_table:
-            from fuzzyarm.table import parse_lut
-
-            return Review(self.text, tuple(parse_lut(self.text, self.path).diagnostics))
         parsed = self.reading.parsed
+        if not isinstance(parsed, Parsed):
+            return Review(self.text, tuple(parsed.diagnostics))
         return check_parsed(parsed, self.text, self.path, self._failed(parsed.rulebase))
 
     def _failed(self, rulebase: RuleBase | None) -> list[Diagnostic] | None:
@@ -192,6 +285,6 @@ class Session:
         """Take over what `other` found, if it is about the same text; return whether it is."""
         if other.text != self.text:
             return False
-        self._reading = self._last_reading = other.reading if not self.is_table else None
+        self._reading = self._last_reading = other.reading
         self._review, self.cost = other.review(), other.cost
         return True

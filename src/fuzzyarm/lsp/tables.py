@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
-from fuzzyarm.language.printer import name_text
 from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fold, Hover, RenameError, Symbol
-from fuzzyarm.language.tokens import Token
-from fuzzyarm.table.grid import KEYWORDS
-from fuzzyarm.table.text import line_tokens, parse_lut
+from fuzzyarm.language.tokens import Token, name_text
+from fuzzyarm.table.header import KEYWORDS
+from fuzzyarm.table.text import line_tokens, parse_lut, write_lut
 from fuzzyarm.text.diagnostic import Span, split_lines
 
 _CHOICES: dict[str, tuple[str, ...]] = {
@@ -36,23 +36,24 @@ class TableText:
         self.grids = [n for n, line in enumerate(self.tokens, start=1) if _first(line) == "grid"]
 
     @property
-    def names(self) -> list[str]:
-        """The inputs and the output, as far as the header can be read."""
-        found = [
-            line[1].text
+    def declared(self) -> list[Token]:
+        """The names of the inputs and the output where they are declared."""
+        return [
+            line[1]
             for line in self.tokens
             if len(line) > 1 and _first(line) in ("input", "output") and _is_name(line[1])
         ]
-        return list(dict.fromkeys(found))
 
-    def occurrences(self, name: str) -> list[Span]:
-        """Return every place of a name."""
-        return [
-            token.span
-            for line in self.tokens
-            for index, token in enumerate(line)
-            if token.text == name and _is_name(token) and (index or token.text not in KEYWORDS)
-        ]
+    @property
+    def names(self) -> list[str]:
+        """The inputs and the output, as far as the header can be read."""
+        return list(dict.fromkeys(token.text for token in self.declared))
+
+    def formatted(self) -> str | None:
+        """Return the text in canonical form; None if it has mistakes, or comments to lose."""
+        if self.parsed.table is None or any("#" in line for line in self.lines):
+            return None
+        return write_lut(self.parsed.table)
 
     def name_at(self, line: int, column: int) -> tuple[str, Span] | None:
         """Return the input or output that a cursor touches."""
@@ -61,22 +62,21 @@ class TableText:
                 return token.text, token.span
         return None
 
-    def definitions(self, name: str) -> list[Span]:
-        """Return where a name is declared."""
+    def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
+        """Return every place of the name at a place, and whether it is declared there."""
+        found = self.name_at(line, column)
+        return [] if found is None else self._occurrences(found[0])
+
+    def _occurrences(self, name: str) -> list[tuple[Span, bool]]:
         return [
-            line[1].span
+            (token.span, token in self.declared)
             for line in self.tokens
-            if len(line) > 1 and _first(line) in ("input", "output") and line[1].text == name
+            for index, token in enumerate(line)
+            if token.text == name and _is_name(token) and (index or token.text not in KEYWORDS)
         ]
 
     def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
-        """Return the edits that give the name at a place another one.
-
-        Raises
-        ------
-        RenameError
-            If there is none, or the new one is empty or taken.
-        """
+        """Return the edits that give the name at a place another one, or raise RenameError."""
         found = self.name_at(line, column)
         if found is None:
             raise RenameError("there is no input or output at this place")
@@ -85,7 +85,7 @@ class TableText:
             raise RenameError("the new name is empty")
         if name != found[0] and name in self.names:
             raise RenameError(f"'{name}' is taken already")
-        return [Edit(span, name_text(name)) for span in self.occurrences(found[0])]
+        return [Edit(span, name_text(name)) for span, _ in self._occurrences(found[0])]
 
     def complete(self, line: int, column: int) -> list[Candidate]:
         """Return the words that could stand at a place of the header."""
@@ -139,25 +139,40 @@ class TableText:
             return None
         header = next((n for n in range(start + 1, line) if self._words(n)), None)
         words = self._words(line)
-        at = next((i for i, w in enumerate(words) if w[1] <= column <= w[2]), None)
-        if header is None or at is None or at == 0:
+        at = next((i for i, w in enumerate(words) if w.start() < column <= w.end() + 1), None)
+        if header is None or not at:
             return None
-        head = [word[0] for word in self._words(header)]
+        head = [word.group() for word in self._words(header)]
         if "\\" in head and len(head) > at + 2:
-            place = f"{head[0]} = {words[0][0]}, {head[2]} = {head[at + 2]}"
+            cell = f"{head[0]} = {words[0].group()}, {head[2]} = {head[at + 2]}"
         elif "\\" not in head and len(head) > at:
-            place = f"{head[0]} = {head[at]}"
+            cell = f"{head[0]} = {head[at]}"
         else:
             return None
-        text, first, end = words[at]
         page = self.lines[start - 1].strip().removeprefix("grid").strip()
         more = f" {page}" if page else ""
-        shown = f"**{self.parsed.header.output} = {text}** at {place}{more}"
-        return Hover(shown, Span(line, first, line, end))
+        shown = f"**{self.parsed.header.output} = {words[at].group()}** at {cell}{more}"
+        return Hover(shown, _span(line, words[at]))
 
-    def _words(self, line: int) -> list[tuple[str, int, int]]:
+    def cell_span(self, cell: Sequence[int]) -> Span | None:
+        """Return where the number of a cell stands, by its index."""
+        header = self.parsed.header
+        if header is None:
+            return None
+        page = 0
+        for index, size in zip(cell[:-2], header.shape[:-2], strict=True):
+            page = page * size + index
+        if page >= len(self.grids):
+            return None
+        row = cell[-2] if len(cell) > 1 else 0
+        below = [n for n in range(self.grids[page] + 1, len(self.lines) + 1) if self._words(n)]
+        # The first line below is that of the columns, the first word of the others a level.
+        words = self._words(below[row + 1]) if len(below) > row + 1 else []
+        return _span(below[row + 1], words[cell[-1] + 1]) if len(words) > cell[-1] + 1 else None
+
+    def _words(self, line: int) -> list[re.Match[str]]:
         text = self.lines[line - 1].partition("#")[0] if line <= len(self.lines) else ""
-        return [(m.group(), m.start() + 1, m.end() + 1) for m in re.finditer(r"\S+", text)]
+        return list(re.finditer(r"\S+", text))
 
     def symbols(self) -> list[Symbol]:
         """Return the axes, the output and the grids."""
@@ -225,11 +240,5 @@ def _colour(token: Token, names: set[str], *, first: bool) -> str | None:
     return "operator" if token.text in ("..", "=", "\\") else None
 
 
-def formatted_table(text: str) -> str | None:
-    """Return a table text in canonical form; None if it has mistakes, or comments to lose."""
-    parsed = parse_lut(text)
-    if parsed.table is None or any("#" in line for line in split_lines(text)):
-        return None
-    from fuzzyarm.table.text import write_lut
-
-    return write_lut(parsed.table)
+def _span(line: int, word: re.Match[str]) -> Span:
+    return Span(line, word.start() + 1, line, word.end() + 1)

@@ -1,1 +1,40 @@
-"""Drawings of models, in the terminal and as figures."""
+"""Drawings of models in the terminal; as figures in :mod:`fuzzyarm.show.figures`.
+
+The drawings are renderables of rich: ``make_console().print(rulebase_view(model))``.
+"""
+
+from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
+from fuzzyarm.show.drawing import HeatGrid, Scale, make_console, number_words, plain_text, scale_of
+from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rulebase_view, rules_view
+from fuzzyarm.show.surface import LinePlot, SurfaceMap
+from fuzzyarm.show.table import learned_view, table_grids, table_view
+from fuzzyarm.show.terms import TermPlots, shape_words, visible_range
+from fuzzyarm.show.trace import OutputPlot, firing_view, trace_view
+
+__all__ = [
+    "HeatGrid",
+    "LinePlot",
+    "OutputPlot",
+    "RuleGrid",
+    "Scale",
+    "SurfaceMap",
+    "TermPlots",
+    "compare_rulebases",
+    "find_grids",
+    "firing_view",
+    "learned_view",
+    "make_console",
+    "number_words",
+    "plain_text",
+    "rule_grid",
+    "rulebase_diff_view",
+    "rulebase_view",
+    "rules_view",
+    "scale_of",
+    "shape_words",
+    "table_diff_view",
+    "table_grids",
+    "table_view",
+    "trace_view",
+    "visible_range",
+]

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.rulebase import And, Expression, Is, Or, Rule, RuleBase, Variable
-from fuzzyarm.show.rulebase import (
-    expression_words,
-    name_words,
-    number_words,
-    rule_words,
-    shape_words,
-)
+from fuzzyarm.language.queries.hover import rule_sentence
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.model.rulebase import And, Expression, Is, Or, RuleBase, Variable
+from fuzzyarm.show.drawing import number_words
+from fuzzyarm.show.rulebase import defuzzifier_words, expression_words, norm_words
 from fuzzyarm.show.table import table_grids
-from fuzzyarm.text.numbers import number_text
+from fuzzyarm.show.terms import shape_words
+from fuzzyarm.text.numbers import number_text, short_bins, short_levels
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
@@ -74,6 +73,9 @@ def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
     )
 
 
+_MARKS = {"changed": ("~", "yellow"), "added": ("+", "green"), "removed": ("-", "red")}
+
+
 def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
     """Return the differences as a list with ``~``, ``+`` and ``-`` in front."""
     from rich.console import Group
@@ -81,25 +83,17 @@ def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
 
     if diff.same:
         return Group(Text("the rule bases mean the same"))
-    marks = {"changed": ("~", "yellow"), "added": ("+", "green"), "removed": ("-", "red")}
     lines = []
-    for title, changes in (
-        ("rules", diff.rules),
-        ("terms", diff.terms),
-        ("settings", diff.settings),
-    ):
+    for title in ("rules", "terms", "settings"):
+        changes: tuple[Change, ...] = getattr(diff, title)
+        counts = Counter(change.kind for change in changes)
         if changes:
-            lines.append(Text(f"{title}: {_counts(changes)}", "bold"))
+            words = ", ".join(f"{counts[kind]} {kind}" for kind in _MARKS if counts[kind])
+            lines.append(Text(f"{title}: {words}", "bold"))
         for change in changes:
-            mark, style = marks[change.kind]
+            mark, style = _MARKS[change.kind]
             lines.append(Text.assemble((f"  {mark} ", style), str(change)))
     return Group(*lines)
-
-
-def _counts(changes: tuple[Change, ...]) -> str:
-    kinds = ("changed", "added", "removed")
-    numbers = [(sum(c.kind == kind for c in changes), kind) for kind in kinds]
-    return ", ".join(f"{number} {kind}" for number, kind in numbers if number)
 
 
 def _changes(before: dict[str, str], after: dict[str, str]) -> Iterator[Change]:
@@ -118,14 +112,10 @@ def _rules(rulebase: RuleBase) -> dict[str, str]:
     rules: dict[str, list[str]] = {}
     for block in rulebase.blocks:
         for rule in block.rules:
-            place = f"{block.name}: " if block.name else ""
-            key = f"{place}if {expression_words(_sorted(rule.antecedent, rulebase))}"
-            rules.setdefault(key, []).append(_result(rule))
+            home = f"{block.name}: " if block.name else ""
+            key = f"{home}if {expression_words(_sorted(rule.antecedent, rulebase))}"
+            rules.setdefault(key, []).append(rule_sentence(rule).rpartition(" then ")[2])
     return {key: ", ".join(sorted(results)) for key, results in rules.items()}
-
-
-def _result(rule: Rule) -> str:
-    return rule_words(rule).rpartition(" then ")[2]
 
 
 def _sorted(expression: Expression, rulebase: RuleBase) -> Expression:
@@ -134,19 +124,19 @@ def _sorted(expression: Expression, rulebase: RuleBase) -> Expression:
         return expression
     names = [variable.name for variable in rulebase.inputs]
 
-    def place(operand: Expression) -> tuple[int, str]:
+    def position(operand: Expression) -> tuple[int, str]:
         known = isinstance(operand, Is) and operand.variable in names
         first = names.index(operand.variable) if known and isinstance(operand, Is) else len(names)
         return first, expression_words(operand)
 
-    operands = sorted((_sorted(operand, rulebase) for operand in expression.operands), key=place)
+    operands = sorted((_sorted(operand, rulebase) for operand in expression.operands), key=position)
     return type(expression)(tuple(operands))
 
 
 def _terms(rulebase: RuleBase) -> dict[str, str]:
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     return {
-        f"{name_words(variable.name)} {name_words(term.name)}": shape_words(term.shape, rulebase)
+        f"{name_text(variable.name)} {name_text(term.name)}": shape_words(term.shape, rulebase)
         for variable in variables
         for term in variable.terms
     }
@@ -159,27 +149,22 @@ def _settings(rulebase: RuleBase) -> dict[str, str]:
             span = f"{number_words(variable.low, 12)} .. {number_words(variable.high, 12)}"
             settings[f"{role} {variable.name}"] = f"{span}, outside {variable.outside}"
     for output in rulebase.outputs:
-        way = output.defuzzifier
-        samples = f"({way.resolution}, {way.sampling})" if way.resolution else " exact"
-        settings[f"defuzzifier {output.name}"] = f"{way.method}{samples}"
+        settings[f"defuzzifier {output.name}"] = defuzzifier_words(output)
         settings[f"aggregation {output.name}"] = output.aggregation
         settings[f"no-rule {output.name}"] = str(output.no_rule)
     for k, block in enumerate(rulebase.blocks):
         label = block.name or str(k + 1)
-        norms = f"and {block.conjunction}, or {block.disjunction}, implication {block.implication}"
-        settings[f"block {label}"] = norms
+        settings[f"block {label}"] = norm_words(block)
     settings["lookup"] = "none" if rulebase.lookup is None else _lookup_words(rulebase)
     return settings
 
 
 def _lookup_words(rulebase: RuleBase) -> str:
-    from fuzzyarm.text.numbers import short_bins, short_levels
-
     assert rulebase.lookup is not None
     parts = []
     for axis in rulebase.lookup.axes:
         bins = f" bins {short_bins(axis.bins)}" if axis.bins else ""
-        parts.append(f"{name_words(axis.variable)} {short_levels(axis.levels)}{bins}")
+        parts.append(f"{name_text(axis.variable)} {short_levels(axis.levels)}{bins}")
     if rulebase.lookup.round:
         parts.append(f"round {number_words(rulebase.lookup.round)}")
     return "; ".join(parts)
@@ -187,7 +172,7 @@ def _lookup_words(rulebase: RuleBase) -> str:
 
 # --- The differences between two tables: which cells changed, from what to what ---
 
-MOST_LISTED = 400
+_MOST_LISTED = 400
 """More changed cells than this are counted, not listed."""
 
 
@@ -196,22 +181,23 @@ def table_diff_view(diff: TableDiff) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    parts: list[RenderableType] = [Text(summary_words(diff), "bold")]
+    parts: list[RenderableType] = [Text(_summary(diff), "bold")]
     if diff.transposed:
-        order = ", ".join(map(name_words, diff.before.names))
+        order = ", ".join(map(name_text, diff.before.names))
         parts.append(Text(f"the second table has its inputs in another order than {order}"))
     parts += [Text(f"{what}: {a} -> {b}") for what, a, b in diff.header]
     if diff.changes:
-        parts += [Text(), Text("after - before"), *change_grids(diff), Text()]
-        parts += [Text(change_words(diff, change)) for change in diff.changes[:MOST_LISTED]]
-        rest = len(diff.changes) - MOST_LISTED
+        difference: Any = diff.after.values - diff.before.values
+        grids = table_grids(diff.before, difference, text=_change_text)
+        parts += [Text(), Text("after - before"), *grids, Text()]
+        parts += [Text(_change_words(diff, change)) for change in diff.changes[:_MOST_LISTED]]
+        rest = len(diff.changes) - _MOST_LISTED
         if rest > 0:
             parts.append(Text(f"and {rest} more cells"))
     return Group(*parts)
 
 
-def summary_words(diff: TableDiff) -> str:
-    """Return the outcome of the comparison in one sentence."""
+def _summary(diff: TableDiff) -> str:
     if not diff.comparable:
         return "the tables cannot be compared cell by cell: their inputs or levels differ"
     count, size = len(diff.changes), diff.before.values.size
@@ -224,22 +210,16 @@ def summary_words(diff: TableDiff) -> str:
     )
 
 
-def change_words(diff: TableDiff, change: CellChange) -> str:
-    """Return one changed cell as ``e = 1, ce = -2: 0.5 -> 0.7``."""
-    place = ", ".join(
-        f"{name_words(name)} = {number_words(level)}"
+def _change_words(diff: TableDiff, change: CellChange) -> str:
+    cell = ", ".join(
+        f"{name_text(name)} = {number_words(level)}"
         for name, level in zip(diff.before.names, change.levels, strict=True)
     )
-    return f"{place}: {number_text(change.before)} -> {number_text(change.after)}"
-
-
-def change_grids(diff: TableDiff) -> list[RenderableType]:
-    """Return heat grids of *after - before*; an unchanged cell is a dot."""
-    difference: Any = diff.after.values - diff.before.values
-    return table_grids(diff.before, difference, text=_change_text)
+    return f"{cell}: {number_text(change.before)} -> {number_text(change.after)}"
 
 
 def _change_text(x: float) -> str:
+    """Return a change with its sign; an unchanged cell is a dot."""
     if x == 0:
         return "."
     text = number_words(x, 3)

@@ -8,10 +8,21 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import IO, TYPE_CHECKING, Any
 
+from fuzzyarm.text.numbers import number_text
+
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
     from rich.measure import Measurement
     from rich.text import Text
+
+
+# --- Numbers for reading ---
+
+
+def number_words(x: float, digits: int = 6) -> str:
+    """Return `x` to at most `digits` significant digits, for reading."""
+    rounded = float(f"{x:.{digits}g}") + 0.0
+    return number_text(rounded)
 
 
 # --- The console that drawings are made for ---
@@ -20,7 +31,7 @@ if TYPE_CHECKING:
 def make_console(file: IO[str] | None = None, **options: Any) -> Console:
     """Return a rich console that leaves numbers and brackets as they are.
 
-    Where the output is no terminal it has no colours and is 80 columns wide, unless the
+    Where the output is not a terminal it has no colours and is 80 columns wide, unless the
     environment (COLUMNS, FORCE_COLOR, NO_COLOR) says otherwise.
 
     Parameters
@@ -177,13 +188,17 @@ class Scale:
     def colour(self, value: float) -> tuple[int, int, int]:
         """Return red, green and blue, 0 to 255."""
         stops = self.stops
-        place = self.share(value) * (len(stops) - 1)
-        i = min(int(place), len(stops) - 2)
-        part = place - i
+        position = self.share(value) * (len(stops) - 1)
+        i = min(int(position), len(stops) - 2)
+        part = position - i
         red, green, blue = (
             round(a + part * (b - a)) for a, b in zip(stops[i], stops[i + 1], strict=True)
         )
         return red, green, blue
+
+    def hexadecimal(self, value: float) -> str:
+        """Return the colour as ``#rrggbb``."""
+        return "#" + "".join(f"{part:02x}" for part in self.colour(value))
 
     def ink(self, value: float) -> str:
         """Return ``black`` or ``white``, whichever is readable on the colour of `value`."""
@@ -192,8 +207,7 @@ class Scale:
 
     def style(self, value: float) -> str:
         """Return the terminal style of a cell with `value`."""
-        red, green, blue = self.colour(value)
-        return f"{self.ink(value)} on #{red:02x}{green:02x}{blue:02x}"
+        return f"{self.ink(value)} on {self.hexadecimal(value)}"
 
     @property
     def stops(self) -> tuple[tuple[int, int, int], ...]:
@@ -244,8 +258,20 @@ def curve_blocks(curve: Curve, low: float, high: float, width: int) -> str:
 
 def marker(value: float, low: float, high: float, width: int, mark: str = "^") -> str:
     """Return a line with `mark` where `value` lies between `low` and `high`."""
-    place = round((value - low) / (high - low) * (width - 1))
-    return " " * max(0, min(width - 1, place)) + mark
+    column = round((value - low) / (high - low) * (width - 1))
+    return " " * max(0, min(width - 1, column)) + mark
+
+
+def ruler(low: float, high: float, width: int) -> str:
+    """Return the ends and the middle of a range, spread over `width` characters."""
+    left, middle, right = (number_words(x, 4) for x in (low, 0.5 * (low + high), high))
+    line = [" "] * width
+    line[: len(left)] = left
+    line[width - len(right) :] = right
+    start = width // 2 - len(middle) // 2
+    if len(left) < start and start + len(middle) < width - len(right):
+        line[start : start + len(middle)] = middle
+    return "".join(line)
 
 
 def height_at(curve: Curve, x: float) -> float:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, scale_of
-from fuzzyarm.show.rulebase import name_words, number_words
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, number_words, scale_of
 from fuzzyarm.text.numbers import column_of_numbers, number_text, short_bins, short_levels
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # --- A lookup table, or any numbers on its axes, as heat grids ---
 
-MOST_LEVELS = 25
+_MOST_LEVELS = 25
 """More levels of an input than this are thinned out, unless all are asked for."""
 
 Mark = Callable[[tuple[int, ...]], bool]
@@ -47,25 +47,24 @@ def table_view(
     if at is not None:
         cell = table.cell(*at)
         inputs = ", ".join(
-            f"{name_words(n)} = {number_text(x)}" for n, x in zip(table.names, at, strict=True)
+            f"{name_text(n)} = {number_text(x)}" for n, x in zip(table.names, at, strict=True)
         )
         lines = [Text(f"{inputs} falls into the marked cell [ ].\n")]
         mark = cell.__eq__
     grids = table_grids(table, mark=mark, all_levels=all_levels)
-    return Group(header_text(table), Text(), *lines, *grids)
+    return Group(_header(table), Text(), *lines, *grids)
 
 
-def header_text(table: LookupTable) -> Text:
-    """Return the name, the axes, the lookup and the origin of a table in words."""
+def _header(table: LookupTable) -> Text:
     from rich.text import Text
 
     shape = " x ".join(str(size) for size in table.shape)
     text = Text()
-    text.append(f"table of {name_words(table.output)}", "bold")
+    text.append(f"table of {name_text(table.output)}", "bold")
     text.append(f"  {shape}, looked up by {_MODE_WORDS[table.default_mode]}")
     text.append(f"\n  {table.description}" if table.description else "")
     for axis in table.axes:
-        text.append(f"\n{name_words(axis.name)}", "bold")
+        text.append(f"\n{name_text(axis.name)}", "bold")
         text.append(f"  {axis.description}" if axis.description else "")
         text.append(f"\n  levels {short_levels(axis.levels)}")
         if axis.bins:
@@ -110,8 +109,8 @@ def table_grids(
 
     own = values is None
     array = table.values if own else np.asarray(values)
-    kept = [_kept(size, all_levels=all_levels) for size in array.shape]
-    shown = array[np.ix_(*kept)]
+    drawn = [_drawn(size, all_levels=all_levels) for size in array.shape]
+    shown = array[np.ix_(*drawn)]
     if scale is None:
         bounds = (table.low, table.high) if own else (None, None)
         scale = scale_of(array.ravel().tolist(), *bounds)
@@ -119,15 +118,15 @@ def table_grids(
     texts = [text(x) for x in flat] if text else _readable(flat)
     drawings: list[RenderableType] = []
     if shown.size < array.size:
-        drawings.append(Text(_thinned_words(table, kept), "dim"))
+        drawings.append(Text(_thinned_words(table, drawn), "dim"))
     size = shown.shape[-1] * (shown.shape[-2] if shown.ndim > 1 else 1)
-    pages = list(product(*kept[:-2]))
+    pages = list(product(*drawn[:-2]))
     for k, page in enumerate(pages):
         if page:
             drawings.append(Text(_page_words(table, page), "bold"))
         part = slice(k * size, (k + 1) * size)
-        cells = _cells(flat[part], texts[part], kept, page, scale, mark)
-        drawings.append(_grid(table, kept, cells))
+        cells = _cells(flat[part], texts[part], drawn, page, scale, mark)
+        drawings.append(_grid(table, drawn, cells))
         if k + 1 < len(pages):
             drawings.append(Text())
     return drawings
@@ -140,17 +139,17 @@ def _readable(values: list[float]) -> list[str]:
     )  # fmt: skip
 
 
-def _kept(size: int, *, all_levels: bool) -> list[int]:
+def _drawn(size: int, *, all_levels: bool) -> list[int]:
     """Return the indices to draw: all, or evenly thinned with both ends."""
-    if all_levels or size <= MOST_LEVELS:
+    if all_levels or size <= _MOST_LEVELS:
         return list(range(size))
     return sorted({round(i * (size - 1) / (13 - 1)) for i in range(13)})
 
 
-def _thinned_words(table: LookupTable, kept: list[list[int]]) -> str:
+def _thinned_words(table: LookupTable, drawn: list[list[int]]) -> str:
     parts = [
-        f"{len(indices)} of the {len(axis.levels)} levels of {name_words(axis.name)}"
-        for axis, indices in zip(table.axes, kept, strict=True)
+        f"{len(indices)} of the {len(axis.levels)} levels of {name_text(axis.name)}"
+        for axis, indices in zip(table.axes, drawn, strict=True)
         if len(indices) < len(axis.levels)
     ]
     return f"shown are {' and '.join(parts)}"
@@ -158,7 +157,7 @@ def _thinned_words(table: LookupTable, kept: list[list[int]]) -> str:
 
 def _page_words(table: LookupTable, page: tuple[int, ...]) -> str:
     parts = [
-        f"{name_words(axis.name)} = {number_text(axis.levels[i])}"
+        f"{name_text(axis.name)} = {number_text(axis.levels[i])}"
         for axis, i in zip(table.axes, page, strict=False)
     ]
     return f"when {', '.join(parts)}"
@@ -167,13 +166,13 @@ def _page_words(table: LookupTable, page: tuple[int, ...]) -> str:
 def _cells(
     values: list[float],
     texts: list[str],
-    kept: list[list[int]],
+    drawn: list[list[int]],
     page: tuple[int, ...],
     scale: Scale,
     mark: Mark | None,
 ) -> list[list[Cell]]:
-    columns = kept[-1]
-    rows = kept[-2] if len(kept) > 1 else [None]
+    columns = drawn[-1]
+    rows = drawn[-2] if len(drawn) > 1 else [None]
     cells: list[list[Cell]] = []
     for i, row in enumerate(rows):
         line: list[Cell] = []
@@ -188,18 +187,18 @@ def _cells(
     return cells
 
 
-def _grid(table: LookupTable, kept: list[list[int]], cells: list[list[Cell]]) -> HeatGrid:
+def _grid(table: LookupTable, drawn: list[list[int]], cells: list[list[Cell]]) -> HeatGrid:
     column = table.axes[-1]
-    labels = _labels(column.levels, kept[-1])
+    labels = _labels(column.levels, drawn[-1])
     if len(table.axes) == 1:
         return HeatGrid(column.name, labels, [table.output], cells)
     row = table.axes[-2]
-    return HeatGrid(f"{row.name} \\ {column.name}", labels, _labels(row.levels, kept[-2]), cells)
+    return HeatGrid(f"{row.name} \\ {column.name}", labels, _labels(row.levels, drawn[-2]), cells)
 
 
-def _labels(levels: Sequence[float], kept: Sequence[int]) -> list[str]:
+def _labels(levels: Sequence[float], drawn: Sequence[int]) -> list[str]:
     """Return short labels, as long as they still tell the levels apart."""
-    chosen = [levels[i] for i in kept]
+    chosen = [levels[i] for i in drawn]
     for digits in (4, 6, 9):
         labels = [number_words(x, digits) for x in chosen]
         if len(set(labels)) == len(labels):
@@ -209,7 +208,7 @@ def _labels(levels: Sequence[float], kept: Sequence[int]) -> list[str]:
 
 # --- What self-organizing control has learned: tables, visits and changes as heat grids ---
 
-NEVER = "·"
+_NEVER = "·"
 """Stands in the grid of visits where a cell was never used."""
 
 
@@ -235,8 +234,13 @@ def learned_view(
 
     counts = np.asarray(visits)
     changed = start.values != now.values
+    cells, used = counts.size, int((counts > 0).sum())
+    summary = (
+        f"{name}: {used} of {cells} cells visited, {int(changed.sum())} changed [ ], "
+        f"{cells - used} never visited"
+    )
     parts: list[RenderableType] = [
-        Text(f"{name}: {learned_words(changed, counts)}", "bold"),
+        Text(summary, "bold"),
         *table_grids(now, mark=lambda index: bool(changed[index]), text=number_text),
     ]
     if with_visits:
@@ -244,24 +248,14 @@ def learned_view(
         shades = np.log10(1.0 + counts)
         texts = iter([_count_text(int(each)) for each in counts.ravel()])
         parts += [
-            Text(f"{name}: visits per cell ({NEVER} never)", "bold"),
+            Text(f"{name}: visits per cell ({_NEVER} never)", "bold"),
             *table_grids(now, shades, scale=scale_of([0.0, *shades.ravel().tolist()]),
                          text=lambda _shade: next(texts)),
         ]  # fmt: skip
     return Group(*parts, Text())
 
 
-def learned_words(changed: Any, visits: Any) -> str:
-    """Return how many cells were used, changed and never used."""
-    cells = int(visits.size)
-    used = int((visits > 0).sum())
-    return (
-        f"{used} of {cells} cells visited, {int(changed.sum())} changed [ ], "
-        f"{cells - used} never visited"
-    )
-
-
 def _count_text(count: int) -> str:
     if count == 0:
-        return NEVER
+        return _NEVER
     return str(count) if count < 100_000 else f"{number_words(count / 1000, 3)}k"

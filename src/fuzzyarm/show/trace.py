@@ -6,18 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fuzzyarm.show.drawing import curve_blocks, marker
-from fuzzyarm.show.rulebase import name_words, number_words, ruler
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.show.drawing import curve_blocks, marker, number_words, ruler
 from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, Group, RenderableType
     from rich.text import Text
 
-    from fuzzyarm.inference.trace import FuzzyValue, OutputTrace, Trace
-
-
-_BAR = 20
+    from fuzzyarm.inference.trace import FuzzyValue, OutputTrace, RuleTrace, Trace
 
 
 def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Group:
@@ -37,18 +34,43 @@ def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Grou
 
     parts: list[RenderableType] = []
     for value in trace.inputs:
-        parts += [membership_text(value), Text()]
-    parts += [rules_text(trace, path, all_rules=all_rules), Text()]
+        parts += [_memberships(value), Text()]
+    parts += [_rules(trace, path, all_rules=all_rules), Text()]
     for k, output in enumerate(trace.outputs):
         parts += [OutputPlot(output), *([Text()] if k + 1 < len(trace.outputs) else [])]
     return Group(*parts)
 
 
-def membership_text(value: FuzzyValue) -> Text:
-    """Return a crisp value and the terms it belongs to, with bars."""
+def firing_view(trace: Trace) -> Group:
+    """Return the same for narrow columns: only what fires, without lines and columns."""
+    from rich.console import Group
     from rich.text import Text
 
-    text = Text(f"{name_words(value.name)} = {number_text(value.given)}", "bold")
+    parts: list[RenderableType] = []
+    for value in trace.inputs:
+        line = Text(f"{name_text(value.name)} {number_words(value.value, 4)}", "bold")
+        for name, degree in value.degrees:
+            if degree > 0:
+                line.append(f"  {name_text(name)} ", "not bold")
+                line.append(f"{degree:.3g}", "not bold cyan")
+        parts.append(line)
+    parts.append(Text(f"{len(trace.fired)} of {len(trace.rules)} rules fire", "bold"))
+    for rule in trace.fired:
+        bar = "█" * max(1, round(rule.strength * 8))
+        line = Text(no_wrap=True, overflow="ellipsis")
+        line.append(f" {rule.strength:.3f} ")
+        line.append(f"{bar:<8} ", "cyan")
+        line.append(rule.text.removeprefix("if "))
+        parts.append(line)
+    for output in trace.outputs:
+        parts += [Text(), OutputPlot(output)]
+    return Group(*parts)
+
+
+def _memberships(value: FuzzyValue) -> Text:
+    from rich.text import Text
+
+    text = Text(f"{name_text(value.name)} = {number_text(value.given)}", "bold")
     if value.value != value.given:
         text.append(f", taken as {number_text(value.value)}", "not bold")
     names = [name for name, _ in value.degrees]
@@ -56,35 +78,30 @@ def membership_text(value: FuzzyValue) -> Text:
     for name, degree in value.degrees:
         if degree > 0:
             text.append(f"\n  {name:<{width}}  {degree:.4f}  ", "not bold")
-            text.append(_bar(degree), "cyan")
+            text.append("█" * round(degree * 20) or "▏", "cyan")
     if not any(degree > 0 for _, degree in value.degrees):
         text.append("\n  in no term", "not bold dim")
     return text
 
 
-def rules_text(trace: Trace, path: str = "", *, all_rules: bool = False) -> Text:
-    """Return the rules that fire, the strongest first, with their places in the file."""
+def _rules(trace: Trace, path: str = "", *, all_rules: bool = False) -> Text:
     from rich.text import Text
 
     shown = trace.fired
     if all_rules:
         shown = (*shown, *(rule for rule in trace.rules if rule.strength <= 0))
     text = Text(f"{len(trace.fired)} of {len(trace.rules)} rules fire", "bold")
-    places = [_place(rule.line, rule.column, rule.number, path) for rule in shown]
-    width = max(map(len, places), default=0)
-    for rule, place in zip(shown, places, strict=True):
-        text.append(f"\n  {rule.strength:.4f}  {place:<{width}}  {rule.text}", "not bold")
+    positions = [_position(rule, path) for rule in shown]
+    width = max(map(len, positions), default=0)
+    for rule, position in zip(shown, positions, strict=True):
+        text.append(f"\n  {rule.strength:.4f}  {position:<{width}}  {rule.text}", "not bold")
     return text
 
 
-def _place(line: int, column: int, rule_number: int, path: str) -> str:
-    if (line, column) == (1, 1):  # a rule that came from no text of the language
-        return f"rule {rule_number}"
-    return f"{path}:{line}:{column}" if path else f"line {line}:{column}"
-
-
-def _bar(degree: float) -> str:
-    return "█" * round(degree * _BAR) or "▏"
+def _position(rule: RuleTrace, path: str) -> str:
+    if (rule.line, rule.column) == (1, 1):  # a rule that came from no text of the language
+        return f"rule {rule.number}"
+    return f"{path}:{rule.line}:{rule.column}" if path else f"line {rule.line}:{rule.column}"
 
 
 @dataclass(frozen=True)
@@ -97,7 +114,7 @@ class OutputPlot:
         from rich.text import Text
 
         output = self.output
-        yield Text(f"{name_words(output.name)} by {output.method}", "bold")
+        yield Text(f"{name_text(output.name)} by {output.method}", "bold")
         if not output.fired:
             yield Text("  no rule fires: the value is the stated one", "yellow")
         names = [each.term for each in output.consequents]
@@ -118,4 +135,4 @@ class OutputPlot:
             pointer = marker(output.value, output.low, output.high, width)
             yield Text(f"{indent}{pointer}".rstrip(), no_wrap=True)
             yield Text(f"{indent}{ruler(output.low, output.high, width)}", "dim", no_wrap=True)
-        yield Text(f"{name_words(output.name)} = {number_text(output.value)}", "bold")
+        yield Text(f"{name_text(output.name)} = {number_text(output.value)}", "bold")

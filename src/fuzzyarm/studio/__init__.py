@@ -1,6 +1,11 @@
 """The studio: a rule base on the left, what it means on the right, redrawn while it is typed.
 
-The scene and its drawings (:mod:`fuzzyarm.studio.scene`, :mod:`fuzzyarm.studio.drawing`) need
-rich alone, and ``fuzzyarm watch`` shows them too; :mod:`fuzzyarm.studio.app` needs the extra
-``fuzzyarm[studio]``.
+The scenes named here need rich alone, and ``fuzzyarm watch`` shows them too;
+:mod:`fuzzyarm.studio.app` needs the extra ``fuzzyarm[studio]``.
 """
+
+from fuzzyarm.studio.document import StudioDocument
+from fuzzyarm.studio.scene import RulebaseScene, Scene
+from fuzzyarm.studio.table_scene import TableScene
+
+__all__ = ["RulebaseScene", "Scene", "StudioDocument", "TableScene"]

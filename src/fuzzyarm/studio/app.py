@@ -14,10 +14,9 @@ from textual.timer import Timer
 from textual.widgets import Footer, OptionList, Static, TextArea
 from textual.widgets.option_list import Option
 
-from fuzzyarm.language.queries import apply_edits, coloured, fixes
+from fuzzyarm.language.queries import apply_edits
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.panes import Editor, View
-from fuzzyarm.studio.scene import findings_text
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 from fuzzyarm.text.files import write_atomically
 
@@ -93,18 +92,13 @@ class Studio(App[int]):
 
     def _show_colours(self) -> None:
         session = self.document.session
-        if session.is_table:
-            from fuzzyarm.lsp.tables import TableText
-
-            words = TableText(session.text).coloured()
-        else:
-            words = coloured(session.reading)
+        words = session.kind.coloured(session.reading)
         self.query_one(Editor).colour(words, self.document.findings)
 
     def _show_title(self) -> None:
         text = Text(f" {Path(self.document.path).name}", "bold", no_wrap=True)
         text.append(" • " if self.is_changed else "   ", "yellow")
-        text.append(findings_text(self.document.findings), "not bold")
+        text.append(self.document.summary, "not bold")
         if not self.document.is_current and self.document.scene is not None:
             text.append("   the drawing shows the last sound text", "not bold yellow")
         self.query_one("#title", Static).update(text)
@@ -235,8 +229,8 @@ class Studio(App[int]):
 
     def _fix_of(self, found: Diagnostic) -> Any:
         session = self.document.session
-        grids = [] if session.is_table else session.grids
-        certain = [fix for fix in fixes(found, session.text, grids) if fix.preferred]
+        repairs = session.kind.fixes(session.reading, found)
+        certain = [fix for fix in repairs if fix.preferred]
         return certain[0] if certain else None
 
     def _repair(self, found: Diagnostic) -> None:

@@ -7,11 +7,12 @@ from pathlib import Path
 
 from fuzzyarm.api import RULEBASE_SUFFIXES
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language import format_text, read_text
+from fuzzyarm.language import read_text
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.studio.scene import RulebaseScene, Scene
 from fuzzyarm.studio.table_scene import TableScene
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
+from fuzzyarm.text.diagnostic import Diagnostic
 
 SUFFIXES = (".frb", ".lut")
 
@@ -28,7 +29,7 @@ class NotShownError(FuzzyarmError, ValueError):
     def __init__(self, path: str) -> None:
         foreign = Path(path).suffix.lower() in RULEBASE_SUFFIXES
         hint = f"fuzzyarm convert {path} {Path(path).stem}.frb brings it in" if foreign else ""
-        super().__init__(f"{path} is no .frb and no .lut file", hint=hint)
+        super().__init__(f"{path} is neither a .frb nor a .lut file", hint=hint)
         self.path = path
 
 
@@ -77,6 +78,11 @@ class StudioDocument:
         return self.session.review().diagnostics
 
     @property
+    def summary(self) -> str:
+        """How many findings there are of each severity."""
+        return self.session.review().summary
+
+    @property
     def broken(self) -> bool:
         """Whether the text has errors."""
         return self.session.review().failed
@@ -89,26 +95,20 @@ class StudioDocument:
         self.scene = scene or self.scene
 
     def _scene(self) -> Scene | None:
-        review = self.session.review()
-        if self.session.is_table:
-            from fuzzyarm.table import LookupTable, parse_lut
+        reading = self.session.reading
+        if isinstance(reading, TableText):
+            from fuzzyarm.table import LookupTable
 
-            plain = parse_lut(self.text, self.path).table
+            plain = reading.parsed.table
             if plain is None:
                 return None
-            return TableScene(LookupTable.from_plain(plain), self.text, self.scene)
+            return TableScene(LookupTable.from_plain(plain), reading, self.scene)
+        rulebase = self.session.review().rulebase
         # Contradictions and failed expectations are errors, but the rules can be shown.
-        if review.rulebase is None or not review.rulebase.inputs:
+        if rulebase is None or not rulebase.inputs:
             return None
-        return RulebaseScene(review.rulebase, self.session.reading, self.scene)
+        return RulebaseScene(rulebase, reading, self.scene)
 
     def formatted(self) -> str:
         """Return the text in canonical form; as it is where that cannot be."""
-        if self.session.is_table:
-            from fuzzyarm.lsp.tables import formatted_table
-
-            return formatted_table(self.text) or self.text
-        try:
-            return format_text(self.text, self.path)
-        except RuleBaseError:
-            return self.text
+        return self.session.kind.formatted(self.session.reading) or self.text

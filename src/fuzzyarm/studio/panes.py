@@ -216,7 +216,7 @@ class View(VerticalScroll, can_focus=True):
 
     def action_jump(self) -> None:
         """Go to the strongest rule, or the chosen cell, in the text."""
-        span = self.scene.place() if self.scene is not None else None
+        span = self.scene.position() if self.scene is not None else None
         if span is not None:
             self.post_message(self.Jump(span))
 
@@ -227,6 +227,6 @@ class View(VerticalScroll, can_focus=True):
         if self.scene is None or offset is None:
             return
         line = drawing.render_line(offset.y).text
-        span = self.scene.place_at(self.view, offset.x, offset.y, line)
+        span = self.scene.position_at(self.view, offset.x, offset.y, line)
         if span is not None:
             self.post_message(self.Jump(span))

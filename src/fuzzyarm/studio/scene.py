@@ -10,29 +10,22 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference import explain, infer
 from fuzzyarm.inference.trace import Trace
-from fuzzyarm.language.nodes import GridNode
 from fuzzyarm.language.queries import Reading
+from fuzzyarm.language.statements import GridNode
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.model.shapes import centre, membership
-from fuzzyarm.show.drawing import scale_of
-from fuzzyarm.show.rulebase import (
-    RuleGrid,
-    find_grids,
-    grid_title,
-    name_words,
-    number_words,
-    rule_grid,
-    rule_words,
-    visible_range,
-)
-from fuzzyarm.studio.drawing import LinePlot, SurfaceMap, firing_view, term_lines
-from fuzzyarm.text.diagnostic import Diagnostic, Span
+from fuzzyarm.show.drawing import Scale, number_words, scale_of
+from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rules_view
+from fuzzyarm.show.surface import LinePlot, SurfaceMap
+from fuzzyarm.show.terms import TermPlots, is_set, visible_range
+from fuzzyarm.show.trace import firing_view
+from fuzzyarm.text.diagnostic import Span
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import Group, RenderableType
     from rich.text import Text
 
 
@@ -45,6 +38,8 @@ class Scene(ABC):
 
     Attributes
     ----------
+    ranges : dict of str to (float, float)
+        The inputs and the stretch that is shown of each.
     point : dict of str to float
         The crisp inputs.
     across, down : str
@@ -53,15 +48,11 @@ class Scene(ABC):
 
     VIEWS: tuple[str, ...] = ()
 
-    def __init__(self) -> None:
+    def __init__(self, ranges: dict[str, tuple[float, float]]) -> None:
+        self.ranges = ranges
         self.point: dict[str, float] = {}
         self.across = ""
         self.down = ""
-
-    @property
-    @abstractmethod
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The inputs and the stretch that is shown of each."""
 
     @abstractmethod
     def draw(self, view: str, width: int, height: int) -> RenderableType:
@@ -72,12 +63,12 @@ class Scene(ABC):
         """Return what comes out at the crisp inputs, in words."""
 
     @abstractmethod
-    def place(self) -> Span | None:
+    def position(self) -> Span | None:
         """Return where in the text the strongest rule or the chosen cell stands."""
 
     @abstractmethod
-    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
-        """Return the place of what is drawn at column `x` of drawn line `y`, which reads `line`."""
+    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+        """Return where that stands which is drawn at column `x` of line `y`, which reads `line`."""
 
     def set_inputs(self, before: Mapping[str, float], across: str, down: str) -> None:
         """Take over the crisp inputs of an earlier model as far as they fit this one."""
@@ -102,9 +93,9 @@ class Scene(ABC):
         low, high = self.ranges[name]
         width = (high - low) / (COARSE if coarse else FINE)
         # Steps lie on a lattice from the lower end, so that round numbers are met again.
-        place = round((self.point[name] - low) / width) + steps
+        step = round((self.point[name] - low) / width) + steps
         # Twelve digits are more than anybody reads, and hide the noise of the last ones.
-        self.point[name] = min(high, max(low, float(f"{low + place * width:.12g}")))
+        self.point[name] = min(high, max(low, float(f"{low + step * width:.12g}")))
 
     def centre(self) -> None:
         """Put every crisp input in the middle of its range."""
@@ -127,6 +118,22 @@ class Scene(ABC):
         else:
             self.down = chosen
 
+    def _line(
+        self, title: Text, values: list[float], height: int, up: tuple[str, float, float], mark: int
+    ) -> Group:
+        from rich.console import Group
+
+        across = (self.across, *self.ranges[self.across])
+        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark))
+
+    def _map(
+        self, title: Text, values: list[list[float]], scale: Scale, mark: tuple[int, int]
+    ) -> Group:
+        from rich.console import Group
+
+        down, across = ((name, *self.ranges[name]) for name in (self.down, self.across))
+        return Group(title, SurfaceMap(values, scale, down, across, mark))
+
     def caption(self, *, keys: bool = True) -> Text:
         """Return the crisp inputs, with `keys` those that move them, and what comes out."""
         from rich.text import Text
@@ -134,21 +141,12 @@ class Scene(ABC):
         text = Text(no_wrap=False)
         for name, value in self.point.items():
             moves = "←→" if name == self.across else "↑↓" if name == self.down else ""
-            text.append(f"{name_words(name)} ", "bold")
+            text.append(f"{name_text(name)} ", "bold")
             text.append(f"{number_words(value, 4)}", "cyan")
             text.append(f" {moves}  " if moves and keys else "  ", "dim")
         text.append("→ ", "dim")
         text.append(self.result(), "bold")
         return text
-
-
-def findings_text(found: tuple[Diagnostic, ...]) -> str:
-    """Return how many findings there are of each gravity."""
-    counts: dict[str, int] = {}
-    for diagnostic in found:
-        counts[str(diagnostic.severity)] = counts.get(str(diagnostic.severity), 0) + 1
-    words = [f"{n} {kind}{'s' if n > 1 and kind != 'info' else ''}" for kind, n in counts.items()]
-    return ", ".join(words) if words else "no findings"
 
 
 # --- A rule base in the studio: its surface, its rules, its terms and one inference ---
@@ -174,11 +172,10 @@ class RulebaseScene(Scene):
     def __init__(
         self, rulebase: RuleBase, reading: Reading | None = None, before: Scene | None = None
     ) -> None:
-        super().__init__()
+        super().__init__({v.name: visible_range(v) for v in rulebase.inputs})
         self.rulebase = rulebase
         self.reading = reading
         self.output = rulebase.outputs[0].name
-        self._ranges = {v.name: visible_range(v) for v in rulebase.inputs}
         if before is None:
             first = next((g for b in rulebase.blocks for g in find_grids(b)[0] if g.row), None)
             across, down = (first.column, first.row) if first else ("", "")
@@ -188,11 +185,6 @@ class RulebaseScene(Scene):
             outputs = {o.name for o in rulebase.outputs}
             if isinstance(before, RulebaseScene) and before.output in outputs:
                 self.output = before.output
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The inputs and the stretch that is shown of each."""
-        return self._ranges
 
     def next_output(self) -> None:
         """Show the surface of the next output."""
@@ -216,9 +208,7 @@ class RulebaseScene(Scene):
         trace = self.trace()
         if isinstance(trace, str):
             return "no value"
-        return ", ".join(
-            f"{name_words(o.name)} = {number_words(o.value, 4)}" for o in trace.outputs
-        )
+        return ", ".join(f"{name_text(o.name)} = {number_words(o.value, 4)}" for o in trace.outputs)
 
     def _values(self, inputs: Mapping[str, Any], output: Output) -> Any:
         """Return the output over arrays, NaN where no rule fires and nothing is said of that."""
@@ -246,20 +236,18 @@ class RulebaseScene(Scene):
 
     def _surface(self, width: int, height: int) -> RenderableType:
         import numpy as np
-        from rich.console import Group
         from rich.text import Text
 
         output = self.rulebase.output(self.output)
         low, high = visible_range(output)
-        title = Text(f"{name_words(output.name)}  {output.description}", "bold", no_wrap=True)
+        title = Text(f"{name_text(output.name)}  {output.description}", "bold", no_wrap=True)
         across = self.ranges[self.across]
         if not self.down:
             count = 2 * max(8, width - 9)
             xs = np.linspace(*across, count)
             values = np.broadcast_to(self._values({self.across: xs}, output), xs.shape)
             mark = _index(self.point[self.across], across, count)
-            side, up = (self.across, *across), (output.name, low, high)
-            return Group(title, LinePlot(values.tolist(), max(3, height - 2), side, up, mark))
+            return self._line(title, values.tolist(), height, (output.name, low, high), mark)
         down = self.ranges[self.down]
         columns, rows = max(8, width - 9), 2 * max(3, height - 2)
         xs, ys = np.linspace(*across, columns), np.linspace(*down, rows)
@@ -271,54 +259,21 @@ class RulebaseScene(Scene):
             _index(self.point[self.across], across, columns),
         )
         scale = scale_of(values.ravel().tolist(), low, high)
-        drawing = SurfaceMap(
-            values.tolist(), scale, (self.down, *down), (self.across, *across), mark_at
-        )
-        return Group(title, drawing)
+        return self._map(title, values.tolist(), scale, mark_at)
 
     def _rules(self, width: int, height: int) -> RenderableType:
-        from rich.console import Group
-        from rich.text import Text
-
         trace = self.trace()
         strengths: dict[Span, float] = {}
         if not isinstance(trace, str):
             rules = self.rulebase.rules
-            strengths = {
-                rules[r.number - 1].span: r.strength for r in trace.rules if r.strength > 0
-            }
-        parts: list[RenderableType] = []
-        for block in self.rulebase.blocks:
-            grids, others = find_grids(block)
-            for grid in grids:
-                parts += [Text(grid_title(grid), "bold"), self._marked(grid, strengths), Text()]
-            for rule in others:
-                strength = strengths.get(rule.span, 0.0)
-                style = "bold" if strength else "dim"
-                parts.append(Text(f"{strength:.2f}  {rule_words(rule)}", style))
-        return Group(*parts)
-
-    def _marked(self, grid: RuleGrid, strengths: Mapping[Span, float]) -> RenderableType:
-        drawn = rule_grid(grid, self.rulebase)
-        rows = drawn.rows if grid.row else [""]
-        chosen = self._chosen(grid)
-        cells = []
-        for label, line in zip(rows, drawn.cells, strict=True):
-            row = []
-            for column, (text, style) in zip(drawn.columns, line, strict=True):
-                rules = grid.cells.get((label, column), [])
-                fires = max((strengths.get(rule.span, 0.0) for rule, _ in rules), default=0.0)
-                marked = f"bold underline {style}" if fires else style
-                row.append((text, "bold black on yellow" if (label, column) == chosen else marked))
-            cells.append(row)
-        return replace(drawn, cells=cells)
+            strengths = {rules[r.number - 1].span: r.strength for r in trace.fired}
+        return rules_view(self.rulebase, strengths, self._chosen)
 
     def _terms(self, width: int, height: int) -> RenderableType:
         from rich.console import Group
 
-        parts = [term_lines(v, width, self.point[v.name]) for v in self.rulebase.inputs]
-        parts += [term_lines(output, width) for output in self.rulebase.outputs]
-        return Group(*parts)
+        inputs = [TermPlots(v, at=self.point[v.name], width=width) for v in self.rulebase.inputs]
+        return Group(*inputs, *(TermPlots(v, width=width) for v in self.rulebase.outputs))
 
     def _firing(self) -> RenderableType:
         from rich.text import Text
@@ -326,7 +281,7 @@ class RulebaseScene(Scene):
         trace = self.trace()
         return Text(trace, "yellow") if isinstance(trace, str) else firing_view(trace)
 
-    # ── places ───────────────────────────────────────────────────────────────────────
+    # ── positions in the text ────────────────────────────────────────────────────────
 
     def step_term(self, name: str, steps: int) -> None:
         """Move a crisp input to the middle of the term before or behind the strongest one."""
@@ -353,19 +308,19 @@ class RulebaseScene(Scene):
         row = self._strongest(self.rulebase.variable(grid.row)) if grid.row else ""
         return row, self._strongest(self.rulebase.variable(grid.column))
 
-    def place(self) -> Span | None:
+    def position(self) -> Span | None:
         """Return where the strongest rule stands; the chosen cell where none fires."""
         trace = self.trace()
         if not isinstance(trace, str) and trace.fired:
             return self.rulebase.rules[trace.fired[0].number - 1].span
         for block in self.rulebase.blocks:
             for grid in find_grids(block)[0]:
-                place = self._cell_place(grid, *self._chosen(grid))
-                if place is not None:
-                    return place
+                span = self._cell_span(grid, *self._chosen(grid))
+                if span is not None:
+                    return span
         return None
 
-    def _cell_place(self, grid: RuleGrid, row: str, column: str) -> Span | None:
+    def _cell_span(self, grid: RuleGrid, row: str, column: str) -> Span | None:
         rules = grid.cells.get((row, column))
         if rules:
             return rules[0][0].span
@@ -382,8 +337,8 @@ class RulebaseScene(Scene):
                         return cell.span
         return None
 
-    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
-        """Return the place of the grid cell that is drawn at a place of the rules view."""
+    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+        """Return where the grid cell stands that is drawn there in the rules view."""
         if view != RULES:
             return None
         top = 0
@@ -398,7 +353,7 @@ class RulebaseScene(Scene):
                     if not 0 < index <= len(drawn.columns):
                         return None
                     row = drawn.rows[y - first] if grid.row else ""
-                    return self._cell_place(grid, row, drawn.columns[index - 1])
+                    return self._cell_span(grid, row, drawn.columns[index - 1])
                 top = first + len(drawn.rows) + 1
             if others:
                 break  # sentences take as many lines as they need; what is below is not found
@@ -406,7 +361,7 @@ class RulebaseScene(Scene):
 
 
 def _fuzzy_terms(variable: Variable) -> list[Any]:
-    return [term for term in variable.terms if SHAPES[term.shape.kind].fuzzy]
+    return [term for term in variable.terms if is_set(term.shape)]
 
 
 def _index(value: float, ends: tuple[float, float], count: int) -> int:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
-from fuzzyarm.show.drawing import scale_of
-from fuzzyarm.show.rulebase import name_words, number_words
-from fuzzyarm.studio.drawing import LinePlot, SurfaceMap
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.lsp.tables import TableText
+from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.studio.scene import Scene
 from fuzzyarm.table import Axis, LookupTable
-from fuzzyarm.text.diagnostic import Span, split_lines
+from fuzzyarm.text.diagnostic import Span
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -26,7 +25,7 @@ class TableScene(Scene):
     ----------
     table : LookupTable
         The table.
-    text : str
+    text : TableText
         Its text, to jump into.
     before : Scene or None
         The scene before the last change of the text.
@@ -34,21 +33,15 @@ class TableScene(Scene):
 
     VIEWS = (MAP, NUMBERS)
 
-    def __init__(self, table: LookupTable, text: str = "", before: Scene | None = None) -> None:
-        super().__init__()
+    def __init__(self, table: LookupTable, text: TableText, before: Scene | None = None) -> None:
+        super().__init__({axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes})
         self.table = table
         self.text = text
-        self._ranges = {axis.name: (axis.levels[0], axis.levels[-1]) for axis in table.axes}
         names = table.names
         if before is None:
             self.set_inputs({}, names[-1], names[-2] if len(names) > 1 else "")
         else:
             self.set_inputs(before.point, before.across, before.down)
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The inputs and the stretch that is shown of each."""
-        return self._ranges
 
     @property
     def cell(self) -> tuple[int, ...]:
@@ -67,7 +60,7 @@ class TableScene(Scene):
     def result(self) -> str:
         """Return the value that the table gives."""
         value = float(self.table.lookup(*(self.point[name] for name in self.table.names)))
-        return f"{name_words(self.table.output)} = {number_words(value, 6)}"
+        return f"{name_text(self.table.output)} = {number_words(value, 6)}"
 
     def draw(self, view: str, width: int, height: int) -> RenderableType:
         """Return the drawing of a view in a given room."""
@@ -75,13 +68,12 @@ class TableScene(Scene):
             from fuzzyarm.show.table import table_view
 
             return table_view(self.table, at=[self.point[name] for name in self.table.names])
-        return self._map(width, height)
+        return self._cells(width, height)
 
-    def _map(self, width: int, height: int) -> RenderableType:
-        from rich.console import Group
+    def _cells(self, width: int, height: int) -> RenderableType:
         from rich.text import Text
 
-        title = Text(f"{name_words(self.table.output)}  {self.table.description}", "bold")
+        title = Text(f"{name_text(self.table.output)}  {self.table.description}", "bold")
         names, cell = self.table.names, list(self.cell)
         i = names.index(self.across)
         columns = len(self.table.axes[i].levels)
@@ -100,11 +92,7 @@ class TableScene(Scene):
             low = min(values) if self.table.low is None else self.table.low
             high = max(values) if self.table.high is None else self.table.high
             mark = round((cell[i] + 0.5) * 2 * room / columns)
-            return Group(
-                title,
-                LinePlot(values, max(3, height - 2), (self.across, *self.ranges[self.across]),
-                         (self.table.output, low, high), mark),
-            )  # fmt: skip
+            return self._line(title, values, height, (self.table.output, low, high), mark)
         j = names.index(self.down)
         rows = len(self.table.axes[j].levels)
         # Whole cells where they fit, so that all have the same size.
@@ -120,37 +108,13 @@ class TableScene(Scene):
             min(tall - 1, int((cell[j] + 0.5) * tall / rows)),
             min(wide - 1, int((cell[i] + 0.5) * wide / columns)),
         )
-        drawing = SurfaceMap(
-            grid, scale, (self.down, *self.ranges[self.down]),
-            (self.across, *self.ranges[self.across]), mark_at,
-        )  # fmt: skip
-        return Group(title, drawing)
+        return self._map(title, grid, scale, mark_at)
 
-    def place(self) -> Span | None:
+    def position(self) -> Span | None:
         """Return where the number of the chosen cell stands in the text."""
-        starts = [
-            n for n, line in enumerate(split_lines(self.text), start=1)
-            if re.match(r"\s*grid\b", line)
-        ]  # fmt: skip
-        cell = self.cell
-        page = 0
-        for index, size in zip(cell[:-2], self.table.shape[:-2], strict=True):
-            page = page * size + index
-        if page >= len(starts):
-            return None
-        lines = split_lines(self.text)
-        row = cell[-2] if len(cell) > 1 else 0
-        below = [n for n in range(starts[page] + 1, len(lines) + 1) if _words(lines[n - 1])]
-        if len(below) < row + 2:
-            return None
-        number = below[row + 1]
-        words = _words(lines[number - 1])
-        if len(words) < cell[-1] + 2:
-            return None
-        start, end = words[cell[-1] + 1]
-        return Span(number, start, number, end)
+        return self.text.cell_span(self.cell)
 
-    def place_at(self, view: str, x: int, y: int, line: str) -> Span | None:
+    def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:
         """Return nothing: a map is too coarse to be pointed at."""
         return None
 
@@ -160,7 +124,3 @@ def _inside(axis: Axis, index: int) -> float:
     if not axis.bins or index in (0, len(axis.levels) - 1):
         return axis.levels[index]
     return float(f"{0.5 * (axis.bins[index - 1] + axis.bins[index]):.12g}")
-
-
-def _words(line: str) -> list[tuple[int, int]]:
-    return [(m.start() + 1, m.end() + 1) for m in re.finditer(r"\S+", line.partition("#")[0])]

@@ -331,7 +331,7 @@ def variants(row: PublishedRow) -> tuple[Variant, ...]:
     arithmetic = Arithmetic()
     printed, described = (
         [
-            (part.law.kernel, block.numbers, block.memory)
+            (part.law.kernel, block.numbers.tobytes(), block.memory.tobytes())
             for part in row_controller(row, variant).parts()
             if isinstance(part, CompiledController)
             for block in (part.block(arithmetic),)

@@ -10,6 +10,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
 
@@ -29,7 +30,7 @@ def mode_named(name: str) -> str:
     """Return the mode called `name`; ``bilinear`` and ``multilinear`` are ``linear``."""
     mode = _ALIASES.get(name, name)
     if mode not in MODES:
-        raise TableError(f"no lookup mode '{name}'", hint=f"there are {', '.join(MODES)}")
+        raise TableError(f"unknown lookup mode '{name}'", hint=f"choose from {', '.join(MODES)}")
     return mode
 
 
@@ -216,18 +217,9 @@ class TableHeader:
                 return axis
         raise KeyError(name)
 
-    def head(self) -> tuple[object, ...]:
-        """Return everything but the values, to compare two tables."""
-        return (
-            self.axes,
-            self.output,
-            self.low,
-            self.high,
-            self.description,
-            self.rounding,
-            self.mode,
-            self.provenance,
-        )
+    def head(self) -> dict[str, Any]:
+        """Return everything but the values: to compare two tables, or to make another one."""
+        return {name: getattr(self, name) for name in TableHeader.__dataclass_fields__}
 
 
 @dataclass(frozen=True, eq=False)

@@ -181,11 +181,8 @@ def even_levels(variable: Input, count: int) -> tuple[float, ...]:
 def sample(
     rulebase: RuleBase, output: str, axes: Sequence[Axis], rounding: float | None = None
 ) -> NDArray[np.float64]:
-    """Return the inference at every combination of levels, rounded.
-
-    It goes in slabs of the first axis, so that no more memory is needed than the table takes
-    and a little.
-    """
+    """Return the inference at every combination of levels, rounded."""
+    # In slabs of the first axis: so it takes little more memory than the table.
     levels = [np.array(axis.levels) for axis in axes]
     values = np.empty([array.size for array in levels])
     rows = max(1, _SLAB // max(1, values[0].size))
@@ -211,25 +208,10 @@ def evaluate(
     points: Sequence[NDArray[np.float64]],
     engine: Engine | None = None,
 ) -> NDArray[np.float64]:
-    """Return the inference on the open mesh of `points`, one 1-D array for each input.
+    """Return the inference on the open mesh of `points`, one 1-D array for each of `names`.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        What to evaluate.
-    output : str
-        The output to return.
-    names : sequence of str
-        The input of each array in `points`.
-    points : sequence of ndarray
-        The levels of each input.
-    engine : callable, optional
-        Evaluates the rule base in place of :func:`fuzzyarm.inference.infer`.
-
-    Raises
-    ------
-    TableError
-        If the file states that the output has no value (NaN) where no rule fires.
+    A TableError says where the output has no value (NaN), as a file may state for points
+    where no rule fires.
     """
     evaluator = engine or _engine(rulebase, 0)
     mesh = np.ix_(*points)
@@ -239,9 +221,9 @@ def evaluate(
     if not np.isfinite(values).all():
         where = np.argwhere(~np.isfinite(values))[0]
         coordinates = zip(names, points, where, strict=True)
-        place = ", ".join(f"{name} = {number_text(float(x[i]))}" for name, x, i in coordinates)
+        point = ", ".join(f"{name} = {number_text(float(x[i]))}" for name, x, i in coordinates)
         raise TableError(
-            f"output '{output}' has no value at {place}",
+            f"output '{output}' has no value at {point}",
             hint="a table needs one in every cell: say in the file what it is where no rule fires",
         )
     return values

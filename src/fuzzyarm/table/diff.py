@@ -73,10 +73,7 @@ def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:
         order = [after.names.index(name) for name in before.names]
         turned = np.transpose(after.values, order)
         axes = tuple(after.axes[k] for k in order)
-        fields = {k: getattr(after, k) for k in ("low", "high", "description", "rounding", "mode")}
-        after = LookupTable(
-            axes, after.output, turned.copy(), provenance=after.provenance, **fields
-        )
+        after = LookupTable(**after.head() | {"axes": axes}, values=turned.copy())
     comparable = before.names == after.names and all(
         a.levels == b.levels for a, b in zip(before.axes, after.axes, strict=True)
     )
@@ -100,8 +97,7 @@ def _spread(before: LookupTable, after: LookupTable) -> LookupTable:
         return before
     axes = tuple(before.axis(a.name) if a.name in mine else a for a in after.axes)
     values = np.broadcast_to(turned.reshape(shape), after.shape).copy()
-    fields = {k: getattr(before, k) for k in ("low", "high", "description", "rounding", "mode")}
-    return LookupTable(axes, before.output, values, provenance=before.provenance, **fields)
+    return LookupTable(**before.head() | {"axes": axes}, values=values)
 
 
 def _change(before: LookupTable, after: LookupTable, index: tuple[int, ...]) -> CellChange:

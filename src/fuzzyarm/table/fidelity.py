@@ -111,16 +111,8 @@ _Points = list[NDArray[np.float64]]
 def dense_points(axes: Sequence[Axis]) -> list[NDArray[np.float64]]:
     """Return the points of the dense grid along each axis, in order.
 
-    Parameters
-    ----------
-    axes : sequence of Axis
-        Of a table.
-
-    Returns
-    -------
-    list of ndarray
-        Even points over the range, every level, middle and threshold with its neighbour;
-        fewer where many axes would make millions of combinations.
+    Even points over the range, every level, middle and threshold with its neighbour; fewer
+    where many axes would make millions of combinations.
     """
     return _dense_grid(axes)[0]
 
@@ -176,11 +168,10 @@ def _nothing(axis: Axis) -> NDArray[np.float64]:
 class _Tally:
     """The running worst and sum of squares."""
 
-    def __init__(self) -> None:
-        self.worst = -1.0
-        self.at: tuple[float, ...] = ()
-        self.squares = 0.0
-        self.weight = 0.0
+    worst = -1.0
+    at: tuple[float, ...] = ()
+    squares = 0.0
+    weight = 0.0
 
     def add(
         self,
@@ -228,7 +219,7 @@ def smallest_even_grid(
     Raises
     ------
     TableError
-        If the tolerance is no positive number, or no grid within `LIMITS` meets it.
+        If the tolerance is not a positive number, or no grid within `LIMITS` meets it.
     """
     if not (tolerance > 0 and math.isfinite(tolerance)):
         raise TableError(f"a tolerance is a positive number, not {tolerance:g}")

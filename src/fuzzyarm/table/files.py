@@ -6,25 +6,33 @@ import csv
 import io
 import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.language.tokens import Cursor, Token
 from fuzzyarm.table.axis import Axis, PlainTable, TableError, TableHeader
-from fuzzyarm.table.grid import KEYWORDS, Grid, page_conditions, read_grids, spelled
-from fuzzyarm.table.text import (
+from fuzzyarm.table.header import (
     FORMAT,
+    KEYWORDS,
     VERSION,
     Header,
-    ParsedTable,
-    finish,
     header_lines,
-    line_tokens,
-    parse_lut,
     read_statement,
     resolve,
+    spelled,
+)
+from fuzzyarm.table.text import (
+    Grid,
+    ParsedTable,
+    finish,
+    line_tokens,
+    page_conditions,
+    parse_lut,
+    read_grids,
+    write_lut,
 )
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.files import write_atomically
@@ -39,7 +47,7 @@ SUFFIXES = (".lut", ".csv", ".npz", ".json")
 
 
 class TableFileError(RuleBaseError):
-    """A file that is no table; ``diagnostics`` say what is wrong and where."""
+    """A file that is not a table; ``diagnostics`` say what is wrong and where."""
 
 
 def read_table(path: str | Path) -> LookupTable:
@@ -69,25 +77,15 @@ def read_table(path: str | Path) -> LookupTable:
 
 def parse_table(data: bytes, path: str) -> ParsedTable:
     """Return what the bytes of a text table say, by the suffix of `path`; never raise."""
-    suffix = Path(path).suffix.lower()
-    text, fault = decode(data, path)
-    if fault is not None:
-        return ParsedTable(None, (fault,))
-    readers = {".csv": parse_csv, ".json": parse_json}
-    return readers.get(suffix, parse_lut)(text, path)
-
-
-def decode(data: bytes, path: str) -> tuple[str, Diagnostic | None]:
-    """Return `data` as text, or a diagnostic at the first byte that is no UTF-8."""
     try:
-        return data.decode("utf-8-sig"), None
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8", "replace")
         line = before.count("\n") + 1
         column = len(before) - (before.rfind("\n") + 1) + 1
-        message = f"this is no text: byte 0x{data[error.start]:02x} is not UTF-8"
-        span = Span(line, column, line, column + 1)
-        return "", Diagnostic("not-text", message, span, path=path)
+        message = f"not UTF-8: byte 0x{data[error.start]:02x}"
+        return _fault("not-text", message, path, Span(line, column, line, column + 1))
+    return _TEXTS.get(Path(path).suffix.lower(), _TEXTS[".lut"]).parse(text, path)
 
 
 def write_table(table: LookupTable, path: str | Path) -> None:
@@ -106,14 +104,8 @@ def write_table(table: LookupTable, path: str | Path) -> None:
 
 def table_as(table: LookupTable, suffix: str, path: str | Path = "") -> str | bytes:
     """Return the content of a file of `table` with the given suffix."""
-    if suffix == ".lut":
-        from fuzzyarm.table.text import write_lut
-
-        return write_lut(table.plain())
-    if suffix == ".csv":
-        return write_csv(table.plain())
-    if suffix == ".json":
-        return write_json(table.plain())
+    if suffix in _TEXTS:
+        return _TEXTS[suffix].write(table.plain())
     if suffix == ".npz":
         return npz_bytes(table)
     raise _unknown_suffix(Path(path))
@@ -164,7 +156,7 @@ def parse_csv(text: str, path: str = "<text>") -> ParsedTable:
     header, rows = Header(), []
     for line_number, line in enumerate(split_lines(text), start=1):
         if line.startswith("#"):
-            # A space in place of the mark keeps the columns of the diagnostics right.
+            # A space instead of the mark keeps the columns of the diagnostics right.
             tokens = line_tokens(line_number, " " + line[1:], diagnostics)
             if tokens and tokens[0].text in KEYWORDS and tokens[0].text != "grid":
                 read_statement(header, Cursor(tokens), diagnostics)
@@ -201,7 +193,7 @@ def _grids(
     for line_number, cells in split[1:]:
         page = conditions.get(_key(cells[:pages]))
         if page is None:
-            message = f"{', '.join(cells[:pages])} are no levels of {', '.join(names)}"
+            message = f"{', '.join(cells[:pages])} are not levels of {', '.join(names)}"
             span = Span(line_number, 1, line_number, 2)
             diagnostics.append(Diagnostic("wrong-label", message, span))
             continue
@@ -293,14 +285,13 @@ def parse_json(text: str, path: str = "<text>") -> ParsedTable:
         data = json.loads(text)
     except json.JSONDecodeError as error:
         span = Span(error.lineno, error.colno, error.lineno, error.colno + 1)
-        return _fault("bad-json", f"this is no JSON: {error.msg}", path, span)
+        return _fault("bad-json", f"not JSON: {error.msg}", path, span)
     except (RecursionError, ValueError) as error:
         return _fault("bad-json", f"this JSON is not read: {error}", path)
     try:
         head = header_from(data)
         values = _flat(data["values"], head.shape)
-        fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
-        return ParsedTable(PlainTable(**fields, values=tuple(values)), (), head)
+        return ParsedTable(PlainTable(**head.head(), values=tuple(values)), (), head)
     except KeyError as error:
         return _fault("missing-key", f"the object has no {error}", path)
     except TableError as error:
@@ -312,7 +303,7 @@ def parse_json(text: str, path: str = "<text>") -> ParsedTable:
 def header_from(data: Any) -> TableHeader:
     """Return the header that :func:`header_data` made; raise where it is not of that form."""
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise TableError(f'this is no table: "format" is not "{FORMAT}"')
+        raise TableError(f'not a lookup table: "format" must be "{FORMAT}"')
     if data.get("version") != VERSION:
         raise TableError(f"this fuzzyarm reads version {VERSION} of the format")
     index = data["index"]
@@ -387,6 +378,20 @@ def _fault(name: str, message: str, path: str, span: Span = Span(1, 1, 1, 2)) ->
     return ParsedTable(None, (Diagnostic(name, message, span, path=path),))
 
 
+class _Format(NamedTuple):
+    """A format of text; its parser reports every fault and never raises."""
+
+    parse: Callable[[str, str], ParsedTable]
+    write: Callable[[PlainTable], str]
+
+
+_TEXTS = {
+    ".lut": _Format(parse_lut, write_lut),
+    ".csv": _Format(parse_csv, write_csv),
+    ".json": _Format(parse_json, write_json),
+}
+
+
 # --- Tables as `.npz`: the values as an array, the header as JSON text beside it ---
 
 
@@ -419,11 +424,10 @@ def read_npz(data: bytes, path: str) -> LookupTable:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             head = header_from(json.loads(str(archive["header"][()])))
             values = np.asarray(archive["values"], dtype=np.float64)
-        fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
         values.setflags(write=False)
-        return LookupTable(**fields, values=values)
+        return LookupTable(**head.head(), values=values)
     except TableError as error:
         message = error.message
     except Exception as error:
-        message = f"this is no archive of a table ({type(error).__name__})"
+        message = f"not an archive of a table ({type(error).__name__})"
     raise TableFileError([Diagnostic("bad-table", message, Span(1, 1, 1, 2), path=path)])

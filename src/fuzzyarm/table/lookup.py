@@ -1,38 +1,307 @@
-"""Looking up many points at once, with NumPy or as machine code.
+"""Looking up a value in a table: what it means, and its readings.
 
-Small arrays go through NumPy and bisection, which is the reference; large ones through the
-machine code, which gives the same bits.
+The meaning is written once, for one input and for the walk over several (:class:`Grid`).
+Readings are a point, arrays, the numbers of a small machine (:mod:`fuzzyarm.export`), the
+kernels of a closed loop and those for large arrays.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import math
+import os
 import sys
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.kernels import build, jit_wanted, kernel
-from fuzzyarm.table.axis import TableError
+from fuzzyarm.table.axis import Axis, TableError
 
 if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable
 
+__all__ = [
+    "AT_POINT",
+    "LOOP_HEAD",
+    "OVER_ARRAYS",
+    "Arithmetic",
+    "Grid",
+    "blend",
+    "cell_of",
+    "corner_offsets",
+    "grid_length",
+    "interpolated",
+    "look_up_arrays",
+    "pack_grid",
+    "share_of_way",
+]
 
-# --- Machine code for many points ---
+# --- The definition ---
 #
-# A number finds its place among the points of an axis without a search: the range is cut into
+# By bins and by the nearest level, the index of x along an input is the number of thresholds
+# smaller than x (`Axis.thresholds`): an x equal to a threshold belongs to the lower cell, and
+# a tie between two levels goes to the lower one.
+#
+# Linear: x is first kept within the outer levels. Its lower neighbour is as many levels up as
+# there are inner levels that x has reached, so that the last level is the upper neighbour of
+# the last cell; the share of the way to the upper neighbour is 0 to 1, both included. The
+# corners of the cell are blended pairwise along one input after the other, the last one first.
+#
+# The three functions below are also what the exported C and Structured Text print.
+
+
+@kernel
+def clamp(x: Any, low: Any, high: Any) -> Any:
+    """Return x within low … high; low for NaN."""
+    x = x if x > low else low  # noqa: FURB136 - low for NaN, and for -0.0 where low is 0.0
+    return x if x < high else high  # noqa: FURB136 - as above
+
+
+@kernel
+def share_of_way(x: Any, lower: Any, upper: Any) -> Any:
+    """Return how much of the way from the lower neighbour to the upper one lies behind x."""
+    return (x - lower) / (upper - lower)
+
+
+@kernel
+def blend(near: Any, far: Any, share: Any) -> Any:
+    """Return the value at a share of the way from near to far."""
+    # Two products rather than near + share (far - near): exact at both ends.
+    return (1.0 - share) * near + share * far
+
+
+class Arithmetic(NamedTuple):
+    """What the definition asks of one kind of numbers.
+
+    Attributes
+    ----------
+    smaller, reached : callable
+        From sorted points and x to the number of points that are smaller than x, and of those
+        that are not greater.
+    clamp, share, blend : callable
+        As :func:`clamp`, :func:`share_of_way` and :func:`blend`.
+    """
+
+    smaller: Callable[[Any, Any], Any]
+    reached: Callable[[Any, Any], Any]
+    clamp: Callable[[Any, Any, Any], Any]
+    share: Callable[[Any, Any, Any], Any]
+    blend: Callable[[Any, Any, Any], Any]
+
+
+def _clamp_arrays(x: Any, low: Any, high: Any) -> Any:
+    return np.where(x > low, np.where(x < high, x, high), low)
+
+
+AT_POINT = Arithmetic(bisect_left, bisect_right, clamp, share_of_way, blend)
+"""Floats; the points are sequences."""
+
+OVER_ARRAYS = Arithmetic(
+    partial(np.searchsorted, side="left"),
+    partial(np.searchsorted, side="right"),
+    _clamp_arrays,
+    share_of_way,
+    blend,
+)
+"""Arrays of any floating-point type; none of them NaN."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A table prepared for one way to look up, in the numbers of one arithmetic.
+
+    Attributes
+    ----------
+    strides : tuple of int
+        Cells from one index of an input to the next one.
+    points : tuple of sequences
+        For each input the thresholds, or all levels where it interpolates.
+    inner : tuple of sequences
+        The levels but for the outer ones.
+    offsets : tuple of int
+        Where it interpolates, see :func:`corner_offsets`.
+    values : sequence
+        Flat, the last input fastest.
+    arithmetic : Arithmetic
+        Of points and values.
+    """
+
+    strides: tuple[int, ...]
+    points: tuple[Any, ...]
+    inner: tuple[Any, ...]
+    offsets: tuple[int, ...]
+    values: Any
+    arithmetic: Arithmetic
+
+    @classmethod
+    def of(
+        cls, shape: Sequence[int], points: Sequence[Any], values: Any, arithmetic: Arithmetic
+    ) -> Grid:
+        """Prepare a table with so many levels in each input."""
+        inner = tuple(each[1:-1] for each in points)
+        strides = strides_of(shape)
+        offsets = corner_offsets(shape)
+        return cls(strides, tuple(points), inner, offsets, values, arithmetic)
+
+    def pick(self, inputs: Sequence[Any]) -> Any:
+        """Return the value of the cell that the inputs fall into."""
+        index = 0
+        smaller = self.arithmetic.smaller
+        for x, thresholds, stride in zip(inputs, self.points, self.strides, strict=True):
+            index = index + smaller(thresholds, x) * stride
+        return self.values[index]
+
+    def interpolate(self, inputs: Sequence[Any]) -> Any:
+        """Return the value between the corners around the inputs."""
+        _, reached, clamp, share, blend = self.arithmetic
+        index, shares = 0, []
+        for k, (x, levels) in enumerate(zip(inputs, self.points, strict=True)):
+            if len(levels) == 1:
+                continue
+            inside = clamp(x, levels[0], levels[-1])
+            lower = reached(self.inner[k], inside)
+            shares.append(share(inside, levels[lower], levels[lower + 1]))
+            index = index + lower * self.strides[k]
+        # Pairs of neighbouring corners are blended as soon as both are there: of 2^n values no
+        # more than n + 1 exist at a time.
+        waiting: list[Any] = []
+        for corner, offset in enumerate(self.offsets):
+            value = self.values[index + offset]
+            axis, bits = len(shares), corner
+            while bits & 1:
+                axis -= 1
+                bits >>= 1
+                value = blend(waiting.pop(), value, shares[axis])
+            waiting.append(value)
+        return waiting.pop()
+
+
+def strides_of(shape: Sequence[int]) -> tuple[int, ...]:
+    """Return for each input how many cells lie from one of its indices to the next."""
+    return tuple(math.prod(shape[k + 1 :]) for k in range(len(shape)))
+
+
+def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
+    """Return where the corners of a cell lie behind its lowest one, the last input fastest.
+
+    An input with one level has no neighbour: it does not add corners.
+    """
+    steps = [(0, stride) for size, stride in zip(shape, strides_of(shape), strict=True) if size > 1]
+    return tuple(map(sum, itertools.product(*steps)))
+
+
+# --- Tables of two inputs in the kernels of a closed loop ---
+#
+# The grid as flat numbers, from some index `at` of the constants of a law:
+#
+#   at        rows
+#   at + 1    columns
+#   at + 2    1 if it interpolates, else 0
+#   at + LOOP_HEAD …   thresholds between the rows      rows - 1
+#                      thresholds between the columns   columns - 1
+#                      levels of the rows               rows
+#                      levels of the columns            columns
+#
+# The values lie row by row, behind the grid or in the memory of a law that changes them.
+
+LOOP_HEAD = 3
+"""Numbers in front of the thresholds."""
+
+
+def pack_grid(rows: Axis, columns: Axis, mode: str) -> list[float]:
+    """Write a grid down for :func:`cell_of` and :func:`interpolated`."""
+    return [
+        len(rows.levels),
+        len(columns.levels),
+        float(mode == "linear"),
+        *rows.thresholds(mode),
+        *columns.thresholds(mode),
+        *rows.levels,
+        *columns.levels,
+    ]
+
+
+@kernel
+def grid_length(numbers: list[float], at: int) -> int:
+    """Return how many numbers :func:`pack_grid` wrote."""
+    return LOOP_HEAD + 2 * int(numbers[at]) + 2 * int(numbers[at + 1]) - 2
+
+
+@kernel
+def cell_of(numbers: list[float], at: int, x: float, y: float) -> int:
+    """Return the cell of x (row) and y (column) among the values."""
+    rows = int(numbers[at])
+    columns = int(numbers[at + 1])
+    row = count_smaller(numbers, at + LOOP_HEAD, rows - 1, x)
+    column = count_smaller(numbers, at + LOOP_HEAD + rows - 1, columns - 1, y)
+    return row * columns + column
+
+
+@kernel
+def interpolated(numbers: list[float], at: int, values: int, x: float, y: float) -> float:
+    """Return the value between the four cells around x (row) and y (column).
+
+    `values` is the index of the first value among the same numbers.
+    """
+    rows = int(numbers[at])
+    columns = int(numbers[at + 1])
+    row_levels = at + LOOP_HEAD + rows + columns - 2
+    row, up = neighbour(numbers, row_levels, rows, x)
+    column, right = neighbour(numbers, row_levels + rows, columns, y)
+    here = values + row * columns + column
+    above = here + (columns if rows > 1 else 0)
+    beside = 1 if columns > 1 else 0
+    near = blend(numbers[here], numbers[here + beside], right)
+    far = blend(numbers[above], numbers[above + beside], right)
+    value: float = blend(near, far, up)
+    return value
+
+
+@kernel
+def neighbour(numbers: list[float], levels: int, count: int, x: float) -> tuple[int, float]:
+    """Return the lower neighbour of x among some levels, and the share of the way to the upper."""
+    if count == 1:
+        return 0, 0.0
+    inside = clamp(x, numbers[levels], numbers[levels + count - 1])
+    inner, room = levels + 1, count - 2
+    lower = count_smaller(numbers, inner, room, inside)
+    if lower < room and numbers[inner + lower] == inside:
+        lower += 1  # on a level: it is the lower neighbour
+    return lower, share_of_way(inside, numbers[levels + lower], numbers[levels + lower + 1])
+
+
+@kernel
+def count_smaller(numbers: list[float], first: int, count: int, x: float) -> int:
+    """Count the sorted numbers that are smaller than x, by halving; none for NaN."""
+    low = 0
+    high = count
+    while low < high:
+        middle = (low + high) >> 1
+        if numbers[first + middle] < x:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+# --- Large arrays as machine code ---
+#
+# A number finds its index among the points of an axis without a search: the range is cut into
 # even buckets, each of which knows how many points lie in buckets below, and a comparison with
 # the points in the same bucket (as a rule one) settles the rest. Rounding does no harm: the
 # bucket of x never falls while x rises, whatever is rounded, so a point in a lower bucket is a
 # lower point. So even and uneven axes take the same time, nothing depends on the branch
-# predictor, and the result is the one that bisection finds.
+# predictor, and the result is the one that halving finds.
 #
-# The kernels are general: one call for each axis, any number of axes.
+# One call for each axis and chunk: a short loop over plain arrays is what the vector unit
+# takes. The same over one flat array takes twice the time.
 
 _Array = NDArray[np.float64]
 _Cells = NDArray[np.int32]
@@ -43,12 +312,15 @@ ONCE_LOADED = 4_096
 WORTH_LOADING = 500_000
 """Points from which it is worth loading numba and the code."""
 
+WORTH_THREADS = 100_000
+"""Points from which machine code runs on all processors."""
+
 _MOST_BUCKETS = 4_096
 _MOST_STEPS = 6
 
 
 class Finder(NamedTuple):
-    """How numbers find their place among the points of one axis.
+    """How numbers find their index among the points of one axis.
 
     Attributes
     ----------
@@ -105,24 +377,15 @@ def _finder(
 @kernel
 def bucket_of(value: float, low: float, inverse: float, last: float) -> Any:
     """Return the bucket of a number; that of NaN is 0."""
-    place = (value - low) * inverse
-    place = place if place > 0.0 else 0.0  # noqa: FURB136 - 0 for NaN
-    return np.int32(place if place < last else last)  # noqa: FURB136 - as above
+    bucket = (value - low) * inverse
+    bucket = bucket if bucket > 0.0 else 0.0  # noqa: FURB136 - 0 for NaN
+    return np.int32(bucket if bucket < last else last)  # noqa: FURB136 - as above
 
 
 @kernel
-def add_cells(
-    x: Any,
-    points: Any,
-    start: Any,
-    edge: Any,
-    low: float,
-    inverse: float,
-    steps: int,
-    size: Any,
-    index: Any,
-) -> bool:
+def add_cells(x: Any, finder: Finder, size: Any, index: Any) -> bool:
     """Make `index` one axis longer: the number of points smaller than x; false for a NaN."""
+    points, start, edge, low, inverse, steps = finder
     last = start.size - 1.0
     bad = 0
     if steps == 1:  # by itself, for the vector unit
@@ -143,37 +406,27 @@ def add_cells(
 
 
 @kernel
-def add_places(
-    x: Any,
-    points: Any,
-    start: Any,
-    edge: Any,
-    low: float,
-    inverse: float,
-    steps: int,
-    levels: Any,
-    stride: Any,
-    index: Any,
-    share: Any,
+def add_neighbours(
+    x: Any, finder: Finder, levels: Any, stride: Any, index: Any, share: Any
 ) -> bool:
-    """Add the level below x to `index`, and set the share of the way to the next one.
+    """Add the lower neighbour of x to `index`, and set the share of the way to the upper one.
 
-    `points` are the inner levels.
+    The points of `finder` are the inner levels. False for a NaN.
     """
+    points, start, edge, low, inverse, steps = finder
     last = start.size - 1.0
     first, final = levels[0], levels[levels.size - 1]
     bad = 0
     for k in range(x.size):
         value = x[k]
         bad += value != value  # noqa: PLR0124 - true for NaN only
-        value = value if value > first else first  # noqa: FURB136 - the lower end for NaN
-        value = value if value < final else final  # noqa: FURB136 - as above
+        value = clamp(value, first, final)
         bucket = bucket_of(value, low, inverse, last)
         cell = start[bucket] + np.int32(edge[bucket] <= value)
         for _ in range(steps - 1):
             cell += points[cell] <= value
         index[k] += cell * stride
-        share[k] = (value - levels[cell]) / (levels[cell + 1] - levels[cell])
+        share[k] = share_of_way(value, levels[cell], levels[cell + 1])
     return bad == 0
 
 
@@ -185,20 +438,20 @@ def gather(values: Any, index: Any, out: Any) -> None:
 
 
 @kernel
-def blend(values: Any, index: Any, shares: Any, offsets: Any, work: Any, out: Any) -> None:
+def blend_corners(values: Any, index: Any, shares: Any, offsets: Any, work: Any, out: Any) -> None:
     """Interpolate between the corners of cells, the last axis first.
 
-    `shares` has a row for each axis, `offsets` the places of the corners; `work` has room
-    for them.
+    `shares` has a row for each axis, `offsets` is that of :func:`corner_offsets`; `work` has
+    room for the corners.
     """
     axes = shares.shape[0]
     if axes == 2:
         one, two, three = offsets[1], offsets[2], offsets[3]
         for k in range(out.size):
             cell, s, t = index[k], shares[0, k], shares[1, k]
-            near = (1.0 - t) * values[cell] + t * values[cell + one]
-            far = (1.0 - t) * values[cell + two] + t * values[cell + three]
-            out[k] = (1.0 - s) * near + s * far
+            near = blend(values[cell], values[cell + one], t)
+            far = blend(values[cell + two], values[cell + three], t)
+            out[k] = blend(near, far, s)
         return
     for k in range(out.size):
         cell, left = index[k], offsets.size
@@ -208,7 +461,7 @@ def blend(values: Any, index: Any, shares: Any, offsets: Any, work: Any, out: An
             t = shares[axis, k]
             left //= 2
             for corner in range(left):
-                work[corner] = (1.0 - t) * work[2 * corner] + t * work[2 * corner + 1]
+                work[corner] = blend(work[2 * corner], work[2 * corner + 1], t)
         out[k] = work[0]
 
 
@@ -233,14 +486,7 @@ def picker(
 ) -> Evaluate | None:
     """Return how to look up cells; None where the thresholds are too uneven for this.
 
-    Parameters
-    ----------
-    values : ndarray
-        The table.
-    thresholds : sequence of sequences of float
-        For each axis.
-    compiled : bool
-        Machine code, or the same kernels in plain Python.
+    `compiled` chooses machine code, or the same kernels in plain Python.
     """
     finders = [make_finder(edges) for edges in thresholds]
     if any(finder is None for finder in finders):
@@ -253,7 +499,7 @@ def picker(
         numbers = True
         for finder, size, x in zip(finders, values.shape, columns, strict=True):
             assert finder is not None
-            numbers &= bool(cells(x, *finder, np.int32(size), index))
+            numbers &= bool(cells(x, finder, np.int32(size), index))
         if numbers:
             fetch(flat, index, out)
         return numbers
@@ -266,25 +512,18 @@ def interpolator(
 ) -> Evaluate | None:
     """Return how to interpolate; None where the levels are too uneven for this.
 
-    Parameters
-    ----------
-    values : ndarray
-        The table.
-    levels : sequence of sequences of float
-        For each axis.
-    compiled : bool
-        Machine code, or the same kernels in plain Python.
+    `compiled` chooses machine code, or the same kernels in plain Python.
     """
     finders = [make_finder(points[1:-1]) for points in levels]
     if any(finder is None for finder in finders):
         return None
-    places, mix = (_machine(add_places), _machine(blend)) if compiled else (add_places, blend)
+    neighbours, mix = add_neighbours, blend_corners
+    if compiled:
+        neighbours, mix = _machine(add_neighbours), _machine(blend_corners)
     flat = values.ravel()
-    strides = [math.prod(values.shape[k + 1 :]) for k in range(values.ndim)]
+    strides = strides_of(values.shape)
+    offsets = np.array(corner_offsets(values.shape), dtype=np.int64)
     wide = [k for k, size in enumerate(values.shape) if size > 1]
-    offsets = np.zeros(1, dtype=np.int64)
-    for k in wide:
-        offsets = (offsets[:, None] + np.array([0, strides[k]])).ravel()
     arrays = [np.array(points) for points in levels]
 
     def evaluate(columns: Sequence[_Array], out: _Array) -> bool:
@@ -296,7 +535,8 @@ def interpolator(
         for row, k in enumerate(wide):
             finder = finders[k]
             assert finder is not None
-            if not places(columns[k], *finder, arrays[k], np.int32(strides[k]), index, shares[row]):
+            stride = np.int32(strides[k])
+            if not neighbours(columns[k], finder, arrays[k], stride, index, shares[row]):
                 return False
         mix(flat, index, shares, offsets, np.empty(offsets.size), out)
         return True
@@ -304,7 +544,7 @@ def interpolator(
     return evaluate
 
 
-# --- Looking up, in chunks that stay in the cache ---
+# --- Arrays of any size and shape, in chunks that stay in the cache ---
 
 _CHUNK = 16_384
 """Points at a time: their arrays fit the second-level cache."""
@@ -313,21 +553,7 @@ _CHUNK = 16_384
 def look_up_arrays(
     table: LookupTable, inputs: Sequence[NDArray[np.float64]], mode: str
 ) -> NDArray[np.float64]:
-    """Return the values of `table` at arrays of inputs.
-
-    Parameters
-    ----------
-    table : LookupTable
-        What to look up in.
-    inputs : sequence of ndarray
-        One for each axis, broadcast against each other.
-    mode : str
-        ``bins``, ``nearest`` or ``linear``.
-
-    Returns
-    -------
-    ndarray of float64
-        Of the broadcast shape. No temporary is larger than a chunk.
+    """Return the values of `table` at inputs that are broadcast; no temporary exceeds a chunk.
 
     Raises
     ------
@@ -341,8 +567,36 @@ def look_up_arrays(
         raise TableError(f"inputs of shapes {shapes} do not fit each other") from None
     values = np.empty(shape)
     evaluate = _machine_code(table, mode) if worthwhile(values.size) else None
+    threads = 1
     if evaluate is None:
         evaluate = _plain(table, mode)
+    elif values.size >= WORTH_THREADS:
+        threads = os.cpu_count() or 1
+    if threads == 1:
+        _fill(table, evaluate, inputs, values)
+        return values
+    from concurrent.futures import ThreadPoolExecutor
+
+    full = [np.broadcast_to(array, shape) for array in inputs]
+    axis = int(np.argmax(shape))
+    edges = [shape[axis] * k // threads for k in range(threads + 1)]
+    parts = [(slice(None),) * axis + (slice(*ends),) for ends in itertools.pairwise(edges)]
+    with ThreadPoolExecutor(threads) as pool:
+        jobs = [
+            pool.submit(_fill, table, evaluate, [x[part] for x in full], values[part])
+            for part in parts
+        ]
+    for job in jobs:
+        job.result()
+    return values
+
+
+def _fill(
+    table: LookupTable,
+    evaluate: Evaluate,
+    inputs: Sequence[NDArray[np.float64]],
+    values: NDArray[np.float64],
+) -> None:
     chunks = np.nditer(  # type: ignore[call-overload]
         [*inputs, values],
         flags=["external_loop", "buffered", "zerosize_ok"],
@@ -358,74 +612,26 @@ def look_up_arrays(
                     a.name for a, x in zip(table.axes, columns, strict=True) if np.isnan(x).any()
                 )
                 raise TableError(f"input '{next(bad)}' of the table is not a number (NaN)")
-    return values
 
 
 def _machine_code(table: LookupTable, mode: str) -> Evaluate | None:
-    """Return the twin in machine code; None where an axis is too uneven for it."""
+    """Return the reading in machine code; None where an axis is too uneven for it."""
     if mode == "linear":
         return interpolator(table.values, [axis.levels for axis in table.axes])
     return picker(table.values, [axis.thresholds(mode) for axis in table.axes])
 
 
 def _plain(table: LookupTable, mode: str) -> Evaluate:
-    """Return the reference: NumPy and bisection."""
-    points = [np.array(a.levels if mode == "linear" else a.thresholds(mode)) for a in table.axes]
-    values = _interpolate if mode == "linear" else _pick
+    """Return the reading with NumPy."""
+    linear = mode == "linear"
+    points = [np.array(a.levels if linear else a.thresholds(mode)) for a in table.axes]
+    grid = Grid.of(table.shape, points, table.values.ravel(), OVER_ARRAYS)
+    look_up = grid.interpolate if linear else grid.pick
 
     def evaluate(columns: Sequence[_Array], out: _Array) -> bool:
         if any(np.isnan(x).any() for x in columns):
             return False
-        out[...] = values(table.values, points, columns)
+        out[...] = look_up(columns)
         return True
 
     return evaluate
-
-
-def _pick(
-    values: NDArray[np.float64],
-    thresholds: Sequence[NDArray[np.float64]],
-    columns: Sequence[NDArray[np.float64]],
-) -> NDArray[np.float64]:
-    index = np.zeros(columns[0].shape, dtype=np.intp)
-    for size, edges, x in zip(values.shape, thresholds, columns, strict=True):
-        # side="left" counts the thresholds smaller than x: an equal one belongs to the lower cell.
-        index *= size
-        index += np.searchsorted(edges, x, side="left")
-    return values.ravel()[index]
-
-
-def _interpolate(
-    values: NDArray[np.float64],
-    levels: Sequence[NDArray[np.float64]],
-    columns: Sequence[NDArray[np.float64]],
-) -> NDArray[np.float64]:
-    flat = values.ravel()
-    lower = np.zeros(columns[0].shape, dtype=np.intp)
-    shares: list[NDArray[np.float64]] = []
-    steps: list[int] = []
-    stride = values.size
-    for size, points, x in zip(values.shape, levels, columns, strict=True):
-        stride //= size
-        if size == 1:
-            continue
-        inside = np.clip(x, points[0], points[-1])
-        i = np.clip(np.searchsorted(points, inside, side="right") - 1, 0, size - 2)
-        shares.append((inside - points[i]) / (points[i + 1] - points[i]))
-        steps.append(stride)
-        lower += i * stride
-    return _blend(flat, lower, shares, steps)
-
-
-def _blend(
-    flat: NDArray[np.float64],
-    index: NDArray[np.intp],
-    shares: list[NDArray[np.float64]],
-    steps: list[int],
-) -> NDArray[np.float64]:
-    if not shares:
-        return flat[index]
-    near = _blend(flat, index, shares[1:], steps[1:])
-    far = _blend(flat, index + steps[0], shares[1:], steps[1:])
-    # Two products rather than near + t (far - near): exact at both ends.
-    return (1.0 - shares[0]) * near + shares[0] * far

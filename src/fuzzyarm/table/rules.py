@@ -83,10 +83,10 @@ def rules_of_table(table: LookupTable, name: str = "", *, terms: int = TERMS) ->
     Raises
     ------
     TableError
-        If `terms` is out of sense or there would be too many rules.
+        If `terms` is out of range or there would be too many rules.
     """
     if not 2 <= terms <= 99:
-        raise TableError(f"{terms} terms are out of sense", hint="2 to 99")
+        raise TableError(f"number of terms must be 2 to 99, not {terms}")
     inputs = tuple(_input(axis) for axis in table.axes)
     rules = int(np.prod([len(variable.terms) for variable in inputs]))
     if rules > MOST_RULES:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzyarm.table.axis import Axis, PlainTable, TableError, TableHeader, mode_named
-from fuzzyarm.table.lookup import look_up_arrays
+from fuzzyarm.table.axis import PlainTable, TableError, TableHeader, mode_named
+from fuzzyarm.table.lookup import AT_POINT, Grid, look_up_arrays
 from fuzzyarm.text.names import near_hint
 
 
@@ -59,8 +58,11 @@ class LookupTable(TableHeader):
             return NotImplemented
         return self.head() == other.head() and np.array_equal(self.values, other.values)
 
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.head(), "values": self.values}
+
     def __hash__(self) -> int:
-        return hash((self.head(), self.values.tobytes()))
+        return hash((*self.head().values(), self.values.tobytes()))
 
     def lookup(self, *inputs: ArrayLike, mode: str | None = None, **named: ArrayLike) -> Any:
         """Return the value at the inputs.
@@ -93,10 +95,10 @@ class LookupTable(TableHeader):
             if not isinstance(x, (float, int)):
                 break
         else:
-            return self._look_up_scalar(inputs, chosen)  # type: ignore[arg-type]
+            return self._at_point(inputs, chosen)  # type: ignore[arg-type]
         arrays = [np.asarray(x, dtype=np.float64) for x in inputs]
         if all(array.ndim == 0 for array in arrays):
-            return self._look_up_scalar(tuple(array.item() for array in arrays), chosen)
+            return self._at_point(tuple(array.item() for array in arrays), chosen)
         return look_up_arrays(self, arrays, chosen)
 
     def cell(self, *inputs: float, mode: str | None = None) -> tuple[int, ...]:
@@ -113,58 +115,31 @@ class LookupTable(TableHeader):
 
     def plain(self) -> PlainTable:
         """Return the same table without arrays, for the writers of text."""
-        head = {name: getattr(self, name) for name in TableHeader.__dataclass_fields__}
-        return PlainTable(**head, values=tuple(self.values.ravel().tolist()))
+        return PlainTable(**self.head(), values=tuple(self.values.ravel().tolist()))
 
     @classmethod
     def from_plain(cls, plain: PlainTable) -> LookupTable:
         """Return the table of `plain`."""
-        head = {name: getattr(plain, name) for name in TableHeader.__dataclass_fields__}
         values = np.array(plain.values, dtype=np.float64).reshape(plain.shape)
-        return cls(**head, values=values)
+        return cls(**plain.head(), values=values)
 
     @cached_property
-    def _strides(self) -> tuple[int, ...]:
-        strides = [1]
-        for size in self.shape[:0:-1]:
-            strides.append(strides[-1] * size)
-        return tuple(reversed(strides))
-
-    @cached_property
-    def _thresholds(self) -> dict[str, tuple[tuple[tuple[float, ...], int], ...]]:
-        return {
-            mode: tuple(
-                (axis.thresholds(mode), stride)
-                for axis, stride in zip(self.axes, self._strides, strict=True)
-            )
-            for mode in ("bins", "nearest")
+    def _grids(self) -> dict[str, Grid]:
+        """Return the table prepared for points, for each mode."""
+        flat = self.values.ravel().data  # a memory view gives floats, and those quickly
+        points: dict[str, list[tuple[float, ...]]] = {
+            mode: [axis.thresholds(mode) for axis in self.axes] for mode in ("bins", "nearest")
         }
+        points["linear"] = [axis.levels for axis in self.axes]
+        return {mode: Grid.of(self.shape, each, flat, AT_POINT) for mode, each in points.items()}
 
-    def _look_up_scalar(self, inputs: tuple[float, ...], mode: str) -> float:
-        if mode == "linear":
-            return self._interpolate_scalar(inputs)
-        index = 0
-        for x, (thresholds, stride) in zip(inputs, self._thresholds[mode], strict=True):
+    def _at_point(self, inputs: tuple[float, ...], mode: str) -> float:
+        for axis, x in zip(self.axes, inputs, strict=True):
             if x != x:  # noqa: PLR0124 - the quickest test for NaN
-                raise TableError("an input of the table is not a number (NaN)")
-            index += bisect_left(thresholds, x) * stride
-        return self.values.item(index)
-
-    def _interpolate_scalar(self, inputs: tuple[float, ...]) -> float:
-        index, ways = 0, []
-        for x, axis, stride in zip(inputs, self.axes, self._strides, strict=True):
-            i, share = _place(axis, x)
-            index += i * stride
-            if len(axis.levels) > 1:
-                ways.append((share, stride))
-        return self._blend(index, ways)
-
-    def _blend(self, index: int, ways: list[tuple[float, int]]) -> float:
-        if not ways:
-            return self.values.item(index)
-        (share, stride), rest = ways[0], ways[1:]
-        near, far = self._blend(index, rest), self._blend(index + stride, rest)
-        return (1.0 - share) * near + share * far
+                raise TableError(f"input '{axis.name}' of the table is not a number (NaN)")
+        grid = self._grids[mode]
+        value: float = grid.interpolate(inputs) if mode == "linear" else grid.pick(inputs)
+        return value
 
     def _in_order(
         self, inputs: tuple[ArrayLike, ...], named: Mapping[str, ArrayLike]
@@ -186,13 +161,3 @@ class LookupTable(TableHeader):
         if missing:
             raise TableError(f"no value for input '{missing[0]}' of the table")
         return tuple(given[name] for name in names)
-
-
-def _place(axis: Axis, x: float) -> tuple[int, float]:
-    """Return the level below `x` and the share of the way to the next one."""
-    if x != x:  # noqa: PLR0124 - the quickest test for NaN
-        raise TableError(f"input '{axis.name}' of the table is not a number (NaN)")
-    levels = axis.levels
-    inside = min(max(x, levels[0]), levels[-1])
-    i = max(0, min(bisect_right(levels, inside) - 1, len(levels) - 2))
-    return i, (inside - levels[i]) / (levels[i + 1] - levels[i]) if len(levels) > 1 else 0.0

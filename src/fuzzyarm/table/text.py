@@ -1,310 +1,32 @@
-"""Tables as ``.lut`` text, read and written. No numpy.
+"""Tables as ``.lut`` text: the header and the grids of values, read and written. No numpy.
 
-Every mistake is found in one run, each at its place. Comments (``#`` to the end of the
+Every mistake is found in one run, each at its position. Comments (``#`` to the end of the
 line) are read over and not kept: what is worth keeping belongs into an ``origin`` line.
 """
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable
-from dataclasses import dataclass, field
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
 
-from fuzzyarm.language.nodes import Figure, Word
-from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize
-from fuzzyarm.table.axis import MODES, Axis, PlainTable, TableError, TableHeader
-from fuzzyarm.table.grid import KEYWORDS, Grid, page_conditions, read_grids, spelled
-from fuzzyarm.text.diagnostic import (
-    MAX_DIAGNOSTICS,
-    MAX_LEVELS,
-    Diagnostic,
-    Related,
-    Span,
-    split_lines,
+from fuzzyarm.language.tokens import Cursor, Fault, Token, tokenize_line
+from fuzzyarm.table.axis import Axis, PlainTable, TableHeader
+from fuzzyarm.table.header import (
+    KEYWORDS,
+    Header,
+    header_lines,
+    read_statement,
+    resolve,
+    spelled,
 )
-from fuzzyarm.text.names import is_plain_name, near_hint, quote
-from fuzzyarm.text.numbers import (
-    column_of_numbers,
-    evenly,
-    mirror,
-    number_text,
-    short_bins,
-    short_levels,
-)
+from fuzzyarm.text.diagnostic import MAX_DIAGNOSTICS, Diagnostic, Span, split_lines
+from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.numbers import column_of_numbers, number_text
 
-# --- Reading the header: statements into a loose record; what they mean comes later ---
-
-VERSIONS = (1.0,)
-
-
-@dataclass(frozen=True, slots=True)
-class VariableLine:
-    """``input`` or ``output``: a name, maybe a range, maybe a description."""
-
-    name: Word
-    low: float | None = None
-    high: float | None = None
-    description: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Numbers:
-    """The numbers of one ``levels`` or ``bins`` line and their place."""
-
-    values: tuple[float, ...]
-    span: Span
-
-
-@dataclass(slots=True)
-class Header:
-    """What the lines of a header say, each thing once.
-
-    `levels` and `bins` are keyed by variable name; None stands for every input.
-    """
-
-    version: Span | None = None
-    inputs: dict[str, VariableLine] = field(default_factory=dict)
-    output: VariableLine | None = None
-    index: list[tuple[str, Word]] = field(default_factory=list)
-    index_span: Span | None = None
-    levels: dict[str | None, Numbers] = field(default_factory=dict)
-    bins: dict[str | None, Numbers] = field(default_factory=dict)
-    named: list[Word] = field(default_factory=list)
-    rounding: Figure | None = None
-    mode: Word | None = None
-    origin: list[tuple[str, str]] = field(default_factory=list)
-
-
-def read_statement(header: Header, cursor: Cursor, diagnostics: list[Diagnostic]) -> None:
-    """Read one line into `header`; a mistake goes to `diagnostics` and spoils that line alone."""
-    word = cursor.take()
-    try:
-        _READERS[word.text](header, cursor, word.span)
-        cursor.finish()
-    except Fault as fault:
-        diagnostics.append(fault.diagnostic)
-
-
-def _read_format(header: Header, cursor: Cursor, span: Span) -> None:
-    _once(header.version, span, "the format line")
-    header.version = span
-    version = cursor.figure("the version of the format")
-    if version.value not in VERSIONS:
-        raise Fault(
-            Diagnostic(
-                "unknown-version",
-                f"this fuzzyarm reads version 1 of the format, not {version.value:g}",
-                version.span,
-            )
-        )
-
-
-def _read_input(header: Header, cursor: Cursor, span: Span) -> None:
-    line = _read_variable(cursor, "the name of an input", need_range=True)
-    name = line.name.text
-    _once(header.inputs[name].name.span if name in header.inputs else None, span, f"input '{name}'")
-    header.inputs[name] = line
-
-
-def _read_output(header: Header, cursor: Cursor, span: Span) -> None:
-    line = _read_variable(cursor, "the name of the output", need_range=False)
-    _once(header.output.name.span if header.output else None, span, "the output")
-    header.output = line
-
-
-def _read_variable(cursor: Cursor, what: str, *, need_range: bool) -> VariableLine:
-    name = cursor.name(what)
-    low = high = None
-    if need_range or cursor.at_figure:
-        start = cursor.span
-        low = cursor.figure("the lower end of the range", finite=False).value
-        cursor.expect("..", "between the ends of the range")
-        last = cursor.figure("the upper end of the range", finite=False)
-        high = last.value
-        if not low <= high:
-            raise Fault(
-                Diagnostic(
-                    "bad-range",
-                    f"the range of '{name.text}' must run upwards, not from {low:g} to {high:g}",
-                    start.to(last.span),
-                )
-            )
-    return VariableLine(name, low, high, cursor.string() or "")
-
-
-def _read_index(header: Header, cursor: Cursor, span: Span) -> None:
-    _once(header.index_span, span, "the index order")
-    header.index_span = cursor.whole
-    index: list[tuple[str, Word]] = []
-    while True:
-        choices = ("page", "row", "column")
-        place = cursor.word("page, row or column", choices, "unexpected-token")
-        index.append((place.text, cursor.name(f"the input that is the {place.text}")))
-        if not cursor.accept(","):
-            break
-    wanted = ["page"] * (len(index) - 2) + ["row", "column"][-len(index) :]
-    if [place for place, _ in index] != wanted:
-        raise Fault(
-            Diagnostic(
-                "wrong-index-order",
-                "the index order is any pages, then the row, then the column",
-                cursor.whole,
-                hint=f"with {len(index)} inputs: {', '.join(f'{w} NAME' for w in wanted)}",
-            )
-        )
-    seen: dict[str, Word] = {}
-    for _, name in index:
-        if name.text in seen:
-            _once(seen[name.text].span, name.span, f"input '{name.text}' in the index order")
-        seen[name.text] = name
-    header.index = index
-
-
-def _read_levels(header: Header, cursor: Cursor, span: Span) -> None:
-    _read_numbers(header, header.levels, cursor, "levels")
-
-
-def _read_bins(header: Header, cursor: Cursor, span: Span) -> None:
-    _read_numbers(header, header.bins, cursor, "bins")
-
-
-def _read_numbers(
-    header: Header, into: dict[str | None, Numbers], cursor: Cursor, word: str
-) -> None:
-    names: list[Word] = []
-    if not cursor.at_figure:
-        names.append(cursor.name(f"the {word} as numbers, or the inputs they belong to"))
-        while cursor.accept(","):
-            names.append(cursor.name("the name of an input"))
-        cursor.expect(":", "after the inputs")
-    start = cursor.span
-    values = read_number_list(cursor, word)
-    last = cursor.tokens[cursor.position - 1].span
-    numbers = Numbers(values, start.to(last))
-    for a, b in itertools.pairwise(values):
-        if not a < b:
-            raise Fault(
-                Diagnostic(
-                    "not-increasing", f"the {word} must increase, but {b:g} follows {a:g}",
-                    numbers.span,
-                )
-            )  # fmt: skip
-    header.named += names
-    owners: list[Word | None] = [*names] or [None]
-    for name in owners:
-        key = name.text if name else None
-        before = into.get(key)
-        what = f"the {word} of '{key}'" if name else f"the {word}"
-        _once(before.span if before else None, name.span if name else numbers.span, what)
-        into[key] = numbers
-
-
-def read_number_list(cursor: Cursor, word: str) -> tuple[float, ...]:
-    """Read ``low .. high step s``, ``low .. high count n``, or numbers, maybe ``mirrored``."""
-    start = cursor.span
-    first = cursor.figure(f"the {word} as numbers")
-    if cursor.accept(".."):
-        last = cursor.figure("the last level")
-        form = cursor.word("'step' or 'count'", ("step", "count"), "unexpected-token").text
-        third = cursor.figure("the distance of the levels, or how many there are")
-        return _even(first, last, form, third, start.to(third.span))
-    values = [first.value]
-    while cursor.at_figure:
-        values.append(cursor.figure("a number").value)
-    end = cursor.tokens[cursor.position - 1].span
-    if not cursor.accept("mirrored"):
-        return tuple(values)
-    if values[0] < 0.0 or not all(a < b for a, b in itertools.pairwise(values)):
-        message = f"the {word} before 'mirrored' must increase and not be negative"
-        raise Fault(Diagnostic("not-increasing", message, start.to(end)))
-    return mirror(values)
-
-
-def _even(first: Figure, last: Figure, form: str, third: Figure, span: Span) -> tuple[float, ...]:
-    low, high = first.value, last.value
-    width = high - low
-    if form == "count":
-        intervals = third.value - 1.0
-    else:
-        intervals = width / third.value if third.value > 0 else 0.0
-    if intervals > MAX_LEVELS:
-        message = f"an input has at most {MAX_LEVELS:,} levels"
-        raise Fault(Diagnostic("too-many-levels", message, span))
-    if not (width > 0 and intervals >= 1 and abs(intervals - round(intervals)) < 1e-6):
-        message = f"the {form} {third.value:g} does not divide the levels {low:g} .. {high:g}"
-        raise Fault(Diagnostic("bad-levels", message, span))
-    return evenly(low, high, round(intervals) + 1)
-
-
-def _read_round(header: Header, cursor: Cursor, span: Span) -> None:
-    _once(header.rounding.span if header.rounding else None, span, "the rounding")
-    figure = cursor.figure("the step of the rounding")
-    if figure.value <= 0:
-        raise Fault(
-            Diagnostic("bad-step", "the step of the rounding must be positive", figure.span)
-        )
-    header.rounding = figure
-
-
-def _read_mode(header: Header, cursor: Cursor, span: Span) -> None:
-    _once(header.mode.span if header.mode else None, span, "the lookup mode")
-    header.mode = cursor.word(f"one of {', '.join(MODES)}", MODES, "unknown-choice")
-
-
-def _read_origin(header: Header, cursor: Cursor, span: Span) -> None:
-    token = cursor.peek()
-    if token is None or token.kind not in ("name", "quoted"):
-        cursor.fail("a key, such as source")
-    key = cursor.take()
-    value = cursor.string()
-    if value is None:
-        cursor.fail(f"what is known of '{key.text}', in double quotes")
-    header.origin.append((key.text, value or ""))
-
-
-def _once(before: Span | None, span: Span, what: str) -> None:
-    if before is not None:
-        raise Fault(
-            Diagnostic(
-                "duplicate-statement",
-                f"{what} has been given already in line {before.line}",
-                span,
-                related=(Related("first given here", before),),
-            )
-        )
-
-
-_READERS: dict[str, Callable[[Header, Cursor, Span], None]] = {
-    "fuzzyarm-table": _read_format,
-    "input": _read_input,
-    "output": _read_output,
-    "index": _read_index,
-    "levels": _read_levels,
-    "bins": _read_bins,
-    "round": _read_round,
-    "mode": _read_mode,
-    "origin": _read_origin,
-}
-
-
-def check_names(header: Header, diagnostics: list[Diagnostic]) -> None:
-    """Report inputs that the index order does not name."""
-    known = [name.text for _, name in header.index]
-    for name in [*(line.name for line in header.inputs.values()), *header.named]:
-        if name.text not in known:
-            hint, replacement = near_hint(name.text, known)
-            diagnostics.append(
-                Diagnostic(
-                    "unknown-variable",
-                    f"'{name.text}' is no input of the index order ({', '.join(known)})",
-                    name.span,
-                    hint=hint,
-                    replacement=replacement,
-                )
-            )
-
-
-# --- Reading the whole text ---
+# --- The whole text ---
 
 MAX_CHARACTERS = 64_000_000
 """Longest table text that is read at all."""
@@ -364,14 +86,11 @@ def finish(
     path: str,
 ) -> ParsedTable:
     """Sort the findings, name their file, and make the table if none is an error."""
-    from dataclasses import replace
-
     unique = dict.fromkeys(sorted(diagnostics, key=lambda d: d.span))
     findings = tuple(replace(d, path=path) for d in list(unique)[:MAX_DIAGNOSTICS])
     if head is None or values is None or any(d.is_error for d in findings):
         return ParsedTable(None, findings, head)
-    fields = {name: getattr(head, name) for name in TableHeader.__dataclass_fields__}
-    return ParsedTable(PlainTable(**fields, values=tuple(values)), findings, head)
+    return ParsedTable(PlainTable(**head.head(), values=tuple(values)), findings, head)
 
 
 def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[Grid]]:
@@ -399,19 +118,8 @@ def _scan(text: str, diagnostics: list[Diagnostic]) -> tuple[Header, list[Grid]]
 
 
 def line_tokens(number: int, line: str, diagnostics: list[Diagnostic]) -> tuple[Token, ...]:
-    """Return the tokens of one line, with their place in the whole text."""
-    found: list[Diagnostic] = []
-    lines = tokenize(line, found)
-    diagnostics += [_moved(fault, number) for fault in found]
-    tokens = lines[0].tokens if lines else ()
-    return tuple(token._replace(line=number) for token in tokens)
-
-
-def _moved(diagnostic: Diagnostic, number: int) -> Diagnostic:
-    from dataclasses import replace
-
-    span = diagnostic.span
-    return replace(diagnostic, span=Span(number, span.column, number, span.end_column))
+    """Return the tokens of one line, the `number`-th of the text."""
+    return tokenize_line(number, line, diagnostics).tokens
 
 
 def _unknown_word(tokens: tuple[Token, ...]) -> Diagnostic:
@@ -429,89 +137,379 @@ def _unknown_word(tokens: tuple[Token, ...]) -> Diagnostic:
 def _no_format(text: str) -> Diagnostic:
     return Diagnostic(
         "missing-format",
-        "this is no table: the line 'fuzzyarm-table 1' is missing",
+        "not a lookup table: its first line must be 'fuzzyarm-table 1'",
         Span(1, 1, 1, 2),
-        hint="it stands at the top of every .lut file",
     )
 
 
-def resolve(header: Header, diagnostics: list[Diagnostic]) -> TableHeader | None:
-    """Turn the lines of a header into axes and an output; report what is missing."""
-    end = header.version or Span(1, 1, 1, 2)
-    complete = True
-    if header.output is None:
-        diagnostics.append(Diagnostic("missing-output", "no line names the output", end))
-        complete = False
-    if header.index_span is None:
-        diagnostics.append(
-            Diagnostic(
-                "missing-index-order",
-                "no line names the index order, so rows and columns could be swapped",
-                end,
-                hint="write, for instance: index row e, column ce",
-            )
-        )
-    if not header.index:
-        return None
-    check_names(header, diagnostics)
-    axes = [_axis(header, name.text, diagnostics) for _, name in header.index]
-    if not complete or header.output is None or any(axis is None for axis in axes):
-        return None
-    output = header.output
-    return TableHeader(
-        tuple(axis for axis in axes if axis is not None),
-        output.name.text,
-        low=output.low,
-        high=output.high,
-        description=output.description,
-        rounding=header.rounding.value if header.rounding else None,
-        mode=header.mode.text if header.mode else None,
-        provenance=tuple(header.origin),
-    )
+# --- The grids, read against the axes that the header promises ---
+
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?\Z")
+_WORD = re.compile(r"[^\s]+")
 
 
-def _axis(header: Header, name: str, diagnostics: list[Diagnostic]) -> Axis | None:
-    levels = header.levels.get(name) or header.levels.get(None)
-    bins = header.bins.get(name) or header.bins.get(None)
-    line = header.inputs.get(name)
-    if levels is None:
-        diagnostics.append(
-            Diagnostic(
-                "missing-levels",
-                f"no line gives the levels of '{name}'",
-                header.index_span or Span(1, 1, 1, 2),
-                hint=f"write, for instance: levels {name}: -6 .. 6 step 1",
-            )
-        )
+@dataclass(slots=True)
+class Grid:
+    """The ``grid`` line and the lines below it."""
+
+    tokens: tuple[Token, ...]
+    lines: list[tuple[int, str]] = field(default_factory=list)
+
+    @property
+    def span(self) -> Span:
+        """The span of the ``grid`` line."""
+        return self.tokens[0].span.to(self.tokens[-1].span)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One cell of text and where it stands."""
+
+    text: str
+    span: Span
+
+
+def read_grids(
+    head: TableHeader, grids: Sequence[Grid], diagnostics: list[Diagnostic]
+) -> list[float] | None:
+    """Return the values, the last axis fastest; None if any is missing or at fault."""
+    pages = head.shape[:-2]
+    size = math.prod(head.shape[-2:])
+    count = math.prod(pages)
+    filled: dict[int, Span] = {}
+    values: dict[int, list[float]] = {}
+    for grid in grids:
+        page = _page_index(head, grid, diagnostics)
+        if page is not None and page in filled:
+            message = f"this grid has been given already in line {filled[page].line}"
+            diagnostics.append(Diagnostic("duplicate-grid", message, grid.span))
+        elif page is not None:
+            filled[page] = grid.span
+        block = _Block(head, grid, diagnostics).read()
+        if page is not None and block is not None and len(block) == size:
+            values[page] = block
+    if len(filled) < count:
+        _report_missing_pages(head, filled, count, grids, diagnostics)
+    if len(values) < count:
         return None
-    if bins is not None and len(bins.values) != len(levels.values) - 1:
-        diagnostics.append(
-            Diagnostic(
-                "wrong-bin-count",
-                f"'{name}' has {len(levels.values)} levels and so needs "
-                f"{len(levels.values) - 1} bins, not {len(bins.values)}",
-                bins.span,
-            )
-        )
-        return None
+    return [x for page in range(count) for x in values[page]]
+
+
+def _report_missing_pages(
+    head: TableHeader,
+    filled: dict[int, Span],
+    count: int,
+    grids: Sequence[Grid],
+    diagnostics: list[Diagnostic],
+) -> None:
+    where = grids[-1].span if grids else Span(1, 1, 1, 2)
+    missing = count - len(filled)
+    condition = next(c for k, c in enumerate(page_conditions(head)) if k not in filled)
+    more = f" and {missing - 1} more" if missing > 1 else ""
+    diagnostics.append(Diagnostic("missing-grid", f"there is no 'grid{condition}'{more}", where))
+
+
+def _page_index(head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) -> int | None:
+    """Return which of the pages the ``when`` of a grid means."""
+    pages = {axis.name: axis for axis in head.axes[:-2]}
+    given: dict[str, int] = {}
+    cursor = Cursor(grid.tokens)
+    cursor.take()
     try:
-        return Axis(
-            name,
-            levels.values,
-            None if bins is None else bins.values,
-            low=levels.values[0] if line is None or line.low is None else line.low,
-            high=levels.values[-1] if line is None or line.high is None else line.high,
-            description="" if line is None else line.description,
-        )
-    except TableError as error:
-        diagnostics.append(Diagnostic("bad-levels", error.message, levels.span))
+        if cursor.accept("when"):
+            while True:
+                name, index = _page_level(cursor, pages)
+                given[name] = index
+                if not cursor.accept(","):
+                    break
+        cursor.finish()
+    except Fault as fault:
+        diagnostics.append(fault.diagnostic)
         return None
+    missing = [name for name in pages if name not in given]
+    if missing:
+        diagnostics.append(
+            Diagnostic(
+                "incomplete-page",
+                f"the grid does not say for which '{missing[0]}' it is",
+                grid.span,
+                hint=f"write: grid when {', '.join(f'{name} = …' for name in pages)}",
+            )
+        )
+        return None
+    index = 0
+    for name, axis in pages.items():
+        index = index * len(axis.levels) + given[name]
+    return index
+
+
+def _page_level(cursor: Cursor, pages: dict[str, Axis]) -> tuple[str, int]:
+    name = cursor.name("the name of a page input")
+    if name.text not in pages:
+        hint, replacement = near_hint(name.text, pages)
+        raise Fault(
+            Diagnostic(
+                "unknown-variable",
+                f"'{name.text}' is not a page of the index order",
+                name.span,
+                hint=hint,
+                replacement=replacement,
+            )
+        )
+    cursor.expect("=", "before the level")
+    figure = cursor.figure("a level")
+    levels = pages[name.text].levels
+    if figure.value not in levels:
+        message = f"{figure.value:g} is not a level of '{name.text}'"
+        raise Fault(Diagnostic("wrong-label", message, figure.span))
+    return name.text, levels.index(figure.value)
+
+
+class _Block:
+    """The reading of one grid."""
+
+    def __init__(self, head: TableHeader, grid: Grid, diagnostics: list[Diagnostic]) -> None:
+        self.head = head
+        self.grid = grid
+        self.diagnostics = diagnostics
+        self.column = head.axes[-1]
+        self.row = head.axes[-2] if len(head.axes) > 1 else None
+
+    def read(self) -> list[float] | None:
+        """Return the values of the grid row by row, or None."""
+        if not self.grid.lines:
+            self._report("missing-rows", "the grid has no lines", self.grid.span)
+            return None
+        number, line = self.grid.lines[0]
+        sound = self._read_head(number, line)
+        rows = self.grid.lines[1:]
+        if self.row is None:
+            return self._read_single(rows) if sound else None
+        labels: list[float | None] = []
+        values: list[float] = []
+        for row_number, text in rows:
+            label, cells = self._read_row(row_number, text)
+            labels.append(label)
+            values += cells
+        fits = self._check_labels(labels, rows)
+        return values if sound and fits else None
+
+    def _read_head(self, number: int, line: str) -> bool:
+        """Check the line with the names and the column levels."""
+        names, rest = _names_and_rest(number, line)
+        wanted = [self.column.name] if self.row is None else [self.row.name, self.column.name]
+        if names is None or [token.text for token in names] != wanted:
+            self._report_corner(names, wanted, number, line)
+            return False
+        cells = _cells(number, line, rest)
+        return self._check_levels(cells, self.column, number, line)
+
+    def _report_corner(
+        self, names: list[Token] | None, wanted: list[str], number: int, line: str
+    ) -> None:
+        spell = " \\ ".join(wanted)
+        if not names:
+            span = Span(number, 1, number, len(line) + 1)
+            message = f"the first line of a grid starts with '{spell}'"
+            self._report("missing-corner", message, span)
+            return
+        span = names[0].span.to(names[-1].span)
+        found = [token.text for token in names]
+        read = " \\ ".join(found)
+        if found == wanted[::-1] and len(wanted) > 1:
+            self._report(
+                "transposed-labels",
+                f"the corner '{read}' contradicts the index order "
+                f"(row {wanted[0]}, column {wanted[1]})",
+                span,
+                hint="is the table transposed? change the index order or the corner, not both",
+            )
+            return
+        self._report(
+            "wrong-corner",
+            f"the grid is headed '{read}', the index order asks for '{spell}'",
+            span,
+        )
+
+    def _check_levels(self, cells: list[Cell], axis: Axis, number: int, line: str) -> bool:
+        found = [self._number(cell) for cell in cells]
+        if None in found:
+            return False
+        if found == list(axis.levels):
+            return True
+        span = cells[0].span.to(cells[-1].span) if cells else _line_end(number, line)
+        if self.row is not None and found == list(self.row.levels):
+            self._report(
+                "transposed-labels",
+                f"the columns are labelled with the levels of '{self.row.name}', "
+                f"the index order says column {axis.name}",
+                span,
+                hint="is the table transposed?",
+            )
+        elif len(found) != len(axis.levels):
+            self._report(
+                "wrong-cell-count",
+                f"{_counted(len(found), 'column')}, but '{axis.name}' has "
+                f"{_counted(len(axis.levels), 'level')}",
+                span,
+            )
+        else:
+            k = next(k for k, x in enumerate(found) if x != axis.levels[k])
+            self._report(
+                "wrong-label",
+                f"column {k + 1} is labelled {found[k]:g}, the level of '{axis.name}' "
+                f"is {axis.levels[k]:g}",
+                cells[k].span,
+            )
+        return False
+
+    def _read_row(self, number: int, line: str) -> tuple[float | None, list[float]]:
+        words = line.split("#", 1)[0].split()
+        if len(words) == len(self.column.levels) + 1 and all(map(_NUMBER.match, words)):
+            numbers = [float(word) for word in words]
+            if all(map(math.isfinite, numbers)):
+                return numbers[0], numbers[1:]
+        cells = _cells(number, line, 0)
+        numbers_or_none = [self._number(cell) for cell in cells]
+        self._check_count(cells, number, line)
+        return next(iter(numbers_or_none), None), []
+
+    def _check_count(self, cells: list[Cell], number: int, line: str) -> None:
+        count, wanted = max(0, len(cells) - 1), len(self.column.levels)
+        if count == wanted:
+            return
+        extra = cells[wanted + 1 :]
+        span = extra[0].span.to(extra[-1].span) if extra else _line_end(number, line)
+        self._report(
+            "wrong-cell-count",
+            f"the row has {_counted(count, 'cell')}, '{self.column.name}' has "
+            f"{_counted(wanted, 'level')}",
+            span,
+        )
+
+    def _check_labels(self, labels: list[float | None], rows: list[tuple[int, str]]) -> bool:
+        assert self.row is not None
+        levels = self.row.levels
+        if labels == list(levels):
+            return True
+        sound = [label for label in labels if label is not None]
+        first, last = rows[0] if rows else (0, ""), rows[-1] if rows else (0, "")
+        whole = Span(first[0], 1, last[0], len(last[1]) + 1) if rows else self.grid.span
+        if sound == list(self.column.levels) and levels != self.column.levels:
+            self._report(
+                "transposed-labels",
+                f"the rows are labelled with the levels of '{self.column.name}', "
+                f"the index order says row {self.row.name}",
+                whole,
+                hint="is the table transposed?",
+            )
+            return False
+        for label, level, (number, line) in zip(labels, levels, rows, strict=False):
+            if label is not None and label != level:
+                self._report(
+                    "wrong-label",
+                    f"the row is labelled {label:g}, the level of '{self.row.name}' is {level:g}",
+                    _cells(number, line, 0)[0].span,
+                )
+                break
+        if len(labels) != len(levels):
+            name = "missing-row" if len(labels) < len(levels) else "extra-row"
+            extra = rows[len(levels)] if len(labels) > len(levels) else None
+            self._report(
+                name,
+                f"the grid has {_counted(len(labels), 'row')}, '{self.row.name}' has "
+                f"{_counted(len(levels), 'level')}",
+                Span(extra[0], 1, extra[0], len(extra[1]) + 1) if extra else self.grid.span,
+            )
+        return False
+
+    def _read_single(self, rows: list[tuple[int, str]]) -> list[float] | None:
+        """Read the one row of a table with one input: the output's name and the values."""
+        if len(rows) != 1:
+            name = "missing-row" if not rows else "extra-row"
+            span = Span(rows[1][0], 1, rows[1][0], len(rows[1][1]) + 1) if rows else self.grid.span
+            message = f"a table of one input has one row, not {len(rows)}"
+            self._report(name, message, span)
+            return None
+        number, line = rows[0]
+        names, rest = _names_and_rest(number, line)
+        if names is None or [token.text for token in names] != [self.head.output]:
+            message = f"the row of values starts with the output '{self.head.output}'"
+            cells = _cells(number, line, 0)
+            span = cells[0].span if cells else _line_end(number, line)
+            self._report("wrong-label", message, span)
+            return None
+        cells = _cells(number, line, rest)
+        values = [self._number(cell) for cell in cells]
+        self._check_count([Cell("", self.grid.span), *cells], number, line)
+        return [x for x in values if x is not None]
+
+    def _number(self, cell: Cell) -> float | None:
+        if _NUMBER.match(cell.text):
+            value = float(cell.text)
+            if math.isfinite(value):
+                return value
+            self._report("not-a-number", f"'{cell.text[:40]}' is too large for a number", cell.span)
+            return None
+        hint, replacement = "", None
+        mended = cell.text.replace("\u2212", "-").replace(",", ".")
+        if mended != cell.text and _NUMBER.match(mended):
+            hint, replacement = f"did you mean '{mended}'?", mended
+        message = f"'{cell.text[:40]}' is not a number"
+        self._report("not-a-number", message, cell.span, hint, replacement)
+        return None
+
+    def _report(
+        self, name: str, message: str, span: Span, hint: str = "", replacement: str | None = None
+    ) -> None:
+        self.diagnostics.append(Diagnostic(name, message, span, hint=hint, replacement=replacement))
+
+
+def _names_and_rest(number: int, line: str) -> tuple[list[Token] | None, int]:
+    r"""Return the names that a line starts with (``e`` or ``e \ ce``) and where they end."""
+    tokens = line_tokens(number, line, [])
+    names: list[Token] = []
+    end = 0
+    for k, token in enumerate(tokens):
+        if k % 2 == 0:
+            if token.kind not in ("name", "quoted"):
+                return None, 0
+            names.append(token)
+            end = token.end - 1
+        elif not (token.kind == "mark" and token.text == "\\"):
+            break
+    return names, end
+
+
+def _cells(number: int, line: str, start: int) -> list[Cell]:
+    """Return the words of `line` from offset `start` to a comment."""
+    stop = line.find("#", start)
+    return [
+        Cell(m.group(), Span(number, m.start() + 1, number, m.end() + 1))
+        for m in _WORD.finditer(line, start, len(line) if stop < 0 else stop)
+    ]
+
+
+def _line_end(number: int, line: str) -> Span:
+    end = len(line.split("#", 1)[0].rstrip()) + 1
+    return Span(number, end, number, end + 1)
+
+
+def _counted(count: int, word: str) -> str:
+    return f"{count} {word}" if count == 1 else f"{count} {word}s"
+
+
+def page_conditions(table: TableHeader) -> Iterator[str]:
+    """Yield `` when a = 1, b = 2`` for every combination of the page levels, in order."""
+    pages = table.axes[:-2]
+    for levels in product(*(axis.levels for axis in pages)):
+        parts = [
+            f"{spelled(a.name)} = {number_text(x)}" for a, x in zip(pages, levels, strict=True)
+        ]
+        yield f" when {', '.join(parts)}" if parts else ""
 
 
 # --- Writing: a header and aligned grids, one row of cells to a line ---
-
-FORMAT = "fuzzyarm-table"
-VERSION = 1
 
 _WIDTH = 78
 
@@ -537,67 +535,6 @@ def write_lut(table: PlainTable) -> str:
         cells += [page[i * columns : (i + 1) * columns] for i in range(rows)]
         blocks.append("\n".join([f"grid{condition}", *_aligned(labels, cells)]))
     return "\n".join([*lines, "\n\n".join(blocks), ""])
-
-
-def header_lines(table: TableHeader) -> list[str]:
-    """Return the lines of the header, from the format to the provenance."""
-    lines = [f"{FORMAT} {VERSION}", ""]
-    lines += _variable_lines(table)
-    lines += ["", f"index   {', '.join(index_words(table))}"]
-    lines += _axis_lines("levels", [(a.name, short_levels(a.levels)) for a in table.axes])
-    binned = [(a.name, short_bins(a.bins)) for a in table.axes if a.bins]
-    lines += _axis_lines("bins", binned, len(table.axes))
-    if table.rounding is not None:
-        lines.append(f"round   {number_text(table.rounding)}")
-    if table.mode is not None:
-        lines.append(f"mode    {table.mode}")
-    if table.provenance:
-        keys = [k if is_plain_name(k) else quote(k, "'") for k, _ in table.provenance]
-        widest = max(map(len, keys))
-        lines.append("")
-        for key, (_, value) in zip(keys, table.provenance, strict=True):
-            lines.append(f"origin  {key:<{widest}}  {quote(value, chr(34))}")
-    return lines
-
-
-def index_words(table: TableHeader) -> list[str]:
-    """Return ``page a``, ``row e``, ``column ce``: the order of the indices by name."""
-    names = [spelled(name) for name in table.names]
-    places = ["page"] * max(0, len(names) - 2) + ["row", "column"][-len(names) :]
-    return [f"{place} {name}" for place, name in zip(places, names, strict=True)]
-
-
-def _variable_lines(table: TableHeader) -> list[str]:
-    rows = [("input", spelled(a.name), _span(a.low, a.high), a.description) for a in table.axes]
-    rows.append(("output", spelled(table.output), _span(table.low, table.high), table.description))
-    names = max(len(name) for _, name, _, _ in rows)
-    spans = max(len(span) for _, _, span, _ in rows)
-    lines = []
-    for word, name, span, description in rows:
-        text = quote(description, chr(34)) if description else ""
-        lines.append(f"{word:<6}  {name:<{names}}  {span:<{spans}}  {text}".rstrip())
-    return lines
-
-
-def _span(low: float | None, high: float | None) -> str:
-    if low is None or high is None:
-        return ""
-    return f"{number_or_inf(low)} .. {number_or_inf(high)}"
-
-
-def number_or_inf(x: float) -> str:
-    """Return `x` as the language writes it."""
-    return number_text(x) if abs(x) != float("inf") else ("inf" if x > 0 else "-inf")
-
-
-def _axis_lines(word: str, texts: list[tuple[str, str]], count: int | None = None) -> list[str]:
-    """Return one line for each distinct text, without names where it holds for every axis."""
-    groups: dict[str, list[str]] = {}
-    for name, text in texts:
-        groups.setdefault(text, []).append(spelled(name))
-    if len(groups) == 1 and len(texts) == (count or len(texts)):
-        return [f"{word:<6}  {text}" for text in groups]
-    return [f"{word:<6}  {', '.join(names)}: {text}" for text, names in groups.items()]
 
 
 def _aligned(labels: list[str], cells: list[list[str]]) -> list[str]:

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.inference.defuzzify.aggregate import Fired, fold_at_point
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
@@ -70,59 +71,18 @@ def weighted_over_arrays(
 # --- The place where a monotonic set reaches the firing strength (Tsukamoto's consequents) ---
 
 
-def _ramp(w: float, zero: float, one: float) -> float:
-    return zero + w * (one - zero)
-
-
-def _sigmoid(w: float, inflection: float, slope: float) -> float:
-    if w <= 0.0 or w >= 1.0:
-        return math.copysign(math.inf, slope if w >= 1.0 else -slope)
-    return inflection + math.log(w / (1.0 - w)) / slope
-
-
-def _s(w: float, zero: float, one: float) -> float:
-    if w <= 0.5:
-        return zero + (one - zero) * math.sqrt(0.5 * w)
-    return one - (one - zero) * math.sqrt(0.5 * (1.0 - w))
-
-
-def _z(w: float, one: float, zero: float) -> float:
-    return _s(w, zero, one)
-
-
-def _concave(w: float, inflection: float, end: float) -> float:
-    if w <= 0.0:
-        return -math.inf if inflection <= end else math.inf
-    return 2.0 * end - inflection - (end - inflection) / w
-
-
-def _arc(w: float, zero: float, one: float) -> float:
-    return one + (zero - one) * math.sqrt(1.0 - w * w)
-
-
-INVERSES: dict[str, Callable[..., float]] = {
-    "ramp": _ramp,
-    "sigmoid": _sigmoid,
-    "s": _s,
-    "z": _z,
-    "concave": _concave,
-    "arc": _arc,
-}
-"""Place at which a shape has the degree w, called as ``inverse(w, *parameters)``."""
-
-
 def tsukamoto_at_point(plan: OutputPlan, member: Member, strength: float) -> float:
     """Return where the set of `member` reaches `strength`; the nearest it has otherwise."""
     shape = member.term.shape
-    if shape.kind in INVERSES and not member.hedges:
-        degree = min(1.0, strength / shape.height)
-        place = INVERSES[shape.kind](degree, *shape.parameters)
-        return place if math.isfinite(place) else _end(plan, place)
+    inverse = SHAPES[shape.kind].inverse
+    if inverse is not None and not member.hedges:
+        position = inverse(min(1.0, strength / shape.height), *shape.parameters)
+        return position if math.isfinite(position) else _end(plan, position)
     return _on_pieces(plan, member, strength)
 
 
-def _end(plan: OutputPlan, place: float) -> float:
-    return plan.output.high if place > 0.0 else plan.output.low
+def _end(plan: OutputPlan, position: float) -> float:
+    return plan.output.high if position > 0.0 else plan.output.low
 
 
 def is_rising(plan: OutputPlan, member: Member) -> bool:

@@ -451,11 +451,13 @@ class _OutputWriter:
             self._write_layers(floats)
         elif self.defuzzifier is at.sampled_centroid:
             detail = self._write_samples()
+        elif self.defuzzifier is at.enveloped_centroid:
+            self._write_pieces()
         else:
             detail = self._write_values()
         is_mean = output.defuzzifier.method != "weighted-sum"
         fold = norm_address(SNORMS[output.aggregation], "S", compiled=base.compiled)
-        address = address_of(self.defuzzifier, 1, compiled=base.compiled)
+        address = address_of(self.defuzzifier, 1, compiled=base.compiled, inline=True)
         whole[head : head + at.OUTPUT_HEAD] = [
             address, floats, fold, mode, detail, int(is_mean),
         ]  # fmt: skip
@@ -496,6 +498,17 @@ class _OutputWriter:
             self.base.whole += [begin, end, len(floats), cut]
             floats += degrees[begin:end]
         return count
+
+    def _write_pieces(self) -> None:
+        pieces = 0
+        for i, member in enumerate(self.plan.members):
+            self.consequents[i] = len(self.base.whole)
+            scaled = int(member.implication == "product")
+            self.base.whole += [len(member.pieces), len(self.base.floats), scaled]
+            self.base.floats += [end for piece in member.pieces for end in piece[:4]]
+            pieces += len(member.pieces)
+        # Cutting may split a piece in two; each end is an event. There are two rows of samples.
+        self.samples = (2 * at.PIECE * pieces + 4 * pieces) // 2 + 1
 
     def _write_values(self) -> int:
         linear = any(member.value is None for member in self.plan.members)
@@ -573,8 +586,19 @@ def sampled_degrees(member: Member, where: Sequence[float]) -> Sequence[float]:
 def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
     if plan.discrete:
         return at.weighted
-    exact = plan.output.defuzzifier.resolution is None
-    return at.closed_centroid if exact else at.sampled_centroid
+    if plan.output.defuzzifier.resolution is not None:
+        return at.sampled_centroid
+    return at.enveloped_centroid if _has_envelope(plan) else at.closed_centroid
+
+
+def _has_envelope(plan: OutputPlan) -> bool:
+    """Whether the sets have no closed form, but are straight under min or product, and max."""
+    return (
+        plan.closed is None
+        and plan.output.aggregation == "max"
+        and all(member.implication in {"min", "product"} for member in plan.members)
+        and all(piece.straight for member in plan.members for piece in member.pieces)
+    )
 
 
 def _check_output(plan: OutputPlan) -> None:
@@ -587,5 +611,6 @@ def _check_output(plan: OutputPlan) -> None:
         return
     if method != "centroid" or plan.discrete:
         raise NotCoveredError(f"the {method} of '{output.name}'")
-    if output.defuzzifier.resolution is None and plan.closed is None and plan.members:
+    exact = output.defuzzifier.resolution is None and plan.members
+    if exact and plan.closed is None and not _has_envelope(plan):
         raise NotCoveredError(f"the exact centroid of '{output.name}' has no closed form")

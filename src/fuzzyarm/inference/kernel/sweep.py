@@ -485,9 +485,135 @@ def sampled_centroid(block: Any) -> None:
                 implication = k[consequent + 3]
                 so_far = aggregate[begin:end]
                 cut_in(implication, fold, height, degrees, so_far, cut[: end - begin])
+        area = torque = 0.0  # in registers: a sum in a row waits for its own store
         for i in range(first, last):
-            total[point] += weights[i] * aggregate[i]
-            moment[point] += weights[i] * aggregate[i] * positions[i]
+            part = weights[i] * aggregate[i]
+            area += part
+            torque += part * positions[i]
+        total[point] = area
+        moment[point] = torque
+
+
+PIECE = 4
+"""Floats of a straight piece of a set: its two ends, x and height each."""
+
+
+@kernel
+def enveloped_centroid(block: Any) -> None:
+    """Integrate the upper envelope of cut or scaled sets, piece by piece, point by point.
+
+    For straight sets without a closed form. A consequent is: its pieces (how many, and where
+    they are in f), and whether its implication is the product rather than the minimum.
+    """
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    room = block[k[ROOM] : k[COLUMNS]]
+    width = k[WIDTH]
+    total = room[(k[WORK] + TOTAL) * width :][: k[COUNT]]
+    moment = room[(k[WORK] + MOMENT) * width :][: k[COUNT]]
+    heap = room[(k[WORK] + WORK_ROWS) * width :]  # the lines, behind them where they begin or end
+    for point in range(total.shape[0]):
+        events = 0
+        at = k[GROUPS] + 1
+        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+            consequent = k[at + 1]
+            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+            height = room[group * width + point]
+            pieces = f[k[consequent + 1] :][: PIECE * k[consequent]]
+            if height > 0.0:
+                events = cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
+        count = 0
+        for line in range(0, events, PIECE):
+            count = insert(heap, events, count, heap[line])
+            count = insert(heap, events, count, heap[line + 2])
+        area = torque = 0.0
+        for event in range(events, events + count - 1):
+            left = heap[event]
+            slope = -math.inf
+            while left < heap[event + 1]:
+                best, slope, right = highest(heap, events, left, heap[event + 1], slope)
+                run_of = right - left
+                last = best + slope * run_of
+                part = 0.5 * run_of * (best + last)
+                area += part
+                torque += left * part + run_of * run_of * (best + 2.0 * last) / 6.0
+                left = right
+        total[point] = area
+        moment[point] = torque
+
+
+@kernel
+def cut_pieces(pieces: Any, height: float, scaled: bool, heap: Any, end: int) -> int:
+    """Write the pieces of a set down, cut at a height or scaled by it; return their new end."""
+    for piece in range(0, pieces.shape[0], PIECE):
+        x_0, y_0, x_1, y_1 = pieces[piece], pieces[piece + 1], pieces[piece + 2], pieces[piece + 3]
+        if scaled:
+            end = put(heap, end, x_0, height * y_0, x_1, height * y_1)
+        elif max(y_0, y_1) <= height:
+            end = put(heap, end, x_0, y_0, x_1, y_1)
+        elif min(y_0, y_1) >= height:
+            end = put(heap, end, x_0, height, x_1, height)
+        else:
+            x = x_0 + (height - y_0) * (x_1 - x_0) / (y_1 - y_0)
+            end = put(heap, end, x_0, min(y_0, height), x, height)
+            end = put(heap, end, x, height, x_1, min(y_1, height))
+    return end
+
+
+@kernel
+def put(heap: Any, end: int, x_0: float, y_0: float, x_1: float, y_1: float) -> int:
+    """Append a piece unless it has no width or no height; return the index behind it."""
+    if x_1 <= x_0 or (y_0 <= 0.0 and y_1 <= 0.0):
+        return end
+    heap[end] = x_0
+    heap[end + 1] = y_0
+    heap[end + 2] = x_1
+    heap[end + 3] = y_1
+    return end + PIECE
+
+
+@kernel
+def insert(heap: Any, events: int, count: int, x: float) -> int:
+    """Insert a number into the sorted ones unless it is there; return how many there are."""
+    index = events + count
+    while index > events and heap[index - 1] > x:
+        index -= 1
+    if index > events and heap[index - 1] == x:
+        return count
+    for other in range(events + count, index, -1):
+        heap[other] = heap[other - 1]
+    heap[index] = x
+    return count + 1
+
+
+@kernel
+def highest(
+    heap: Any, events: int, left: float, right: float, past: float
+) -> tuple[float, float, float]:
+    """Return height and slope of the envelope from `left` on, and up to where they hold.
+
+    From one crossing to the next an envelope of lines gets steeper: only lines steeper
+    than `past` count, so that rounding at a crossing does not bring the old line back.
+    """
+    best = 0.0
+    steep = 0.0
+    for line in range(0, events, PIECE):
+        if heap[line] <= left and heap[line + 2] >= right:
+            slope = (heap[line + 3] - heap[line + 1]) / (heap[line + 2] - heap[line])
+            y = heap[line + 1] + slope * (left - heap[line])
+            if slope > past and (y > best or (y == best and slope > steep)):
+                best = y
+                steep = slope
+    until = right
+    for line in range(0, events, PIECE):
+        if heap[line] <= left and heap[line + 2] >= right:
+            slope = (heap[line + 3] - heap[line + 1]) / (heap[line + 2] - heap[line])
+            if slope > steep:
+                y = heap[line + 1] + slope * (left - heap[line])
+                x = left + (best - y) / (slope - steep)
+                if left < x < until:
+                    until = x
+    return best, steep, until
 
 
 @kernel

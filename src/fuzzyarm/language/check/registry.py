@@ -1,9 +1,13 @@
-"""The checks by name, the run of all of them, and the comments that silence them."""
+"""The checks, a record each; the run of all of them; the comments that silence them.
+
+To add a check: write its function in :mod:`.terms` or :mod:`.rules`, and its record here.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 from fuzzyarm.language.check.rules import (
     broken_symmetries,
@@ -13,117 +17,131 @@ from fuzzyarm.language.check.rules import (
     points_without_rule,
 )
 from fuzzyarm.language.check.terms import Subject, coverage_gaps, unfit_defuzzifiers, unused_names
-from fuzzyarm.language.nodes import Document
+from fuzzyarm.language.document import Document
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 from fuzzyarm.text.names import near_hint
 
-# --- `# allow NAME` comments: what they silence, and those that silence nothing ---
 
-
-def apply_allowances(
-    findings: Iterable[Diagnostic], document: Document, known: Iterable[str]
-) -> list[Diagnostic]:
-    """Return `findings` without the allowed ones, and with what is wrong with the comments.
-
-    Parameters
-    ----------
-    findings : iterable of Diagnostic
-        What the checks found.
-    document : Document
-        Has the comments.
-    known : iterable of str
-        Names of all checks.
-    """
-    used: set[tuple[int, str]] = set()
-    kept = []
-    for finding in findings:
-        if finding.name in document.allowed.get(finding.line, ()):
-            used.add((finding.line, finding.name))
-        else:
-            kept.append(finding)
-    names = list(known)
-    for line, allowed in document.allowed.items():
-        for name in sorted(allowed):
-            if name not in names:
-                kept.append(_unknown(name, line, names))
-            elif (line, name) not in used:
-                kept.append(
-                    Diagnostic(
-                        "useless-allow",
-                        f"there is no {name} on this line to allow",
-                        Span(line, 1, line, 2),
-                        Severity.INFO,
-                    )
-                )
-    return kept
-
-
-def _unknown(name: str, line: int, names: list[str]) -> Diagnostic:
-    hint, _ = near_hint(name, names)
-    return Diagnostic(
-        "unknown-allow",
-        f"no check is called '{name}'",
-        Span(line, 1, line, 2),
-        Severity.WARNING,
-        hint=hint,
-    )
-
-
-# --- The checks by name, and the run of all of them ---
-
-
-@dataclass(frozen=True, slots=True)
-class Check:
-    """One thing that can be found.
+class Check(NamedTuple):
+    """A record: one thing that can be found.
 
     Attributes
     ----------
+    name : str
+        What ``# allow`` silences.
     severity : Severity
         An error fails ``fuzzyarm check``; a warning does with ``--strict``.
-    summary : str
-        One line.
+    doc : str
+        What it means, as in the reference.
+    find : callable or None
+        Yields the findings, maybe of several names; None for what is found elsewhere.
     """
 
+    name: str
     severity: Severity
-    summary: str
+    doc: str
+    find: Callable[[Subject], Iterator[Diagnostic]] | None = None
 
 
 CHECKS: dict[str, Check] = {
-    "contradictory-rules": Check(
-        Severity.ERROR, "two rules with the same antecedent say different things"
-    ),
-    "failed-expectation": Check(Severity.ERROR, "an `expect` line does not hold"),
-    "defuzzifier-does-not-fit": Check(
-        Severity.ERROR, "the defuzzifier cannot work on the terms of the output"
-    ),
-    "mixed-output-terms": Check(
-        Severity.ERROR, "singletons beside sets with an area in one output"
-    ),
-    "duplicate-rule": Check(Severity.WARNING, "a rule is said twice"),
-    "missing-rule": Check(Severity.WARNING, "a combination of terms has no rule"),
-    "no-rule-fires": Check(Severity.WARNING, "there is an input at which no rule fires"),
-    "coverage-gap": Check(Severity.WARNING, "no term covers a stretch of an input"),
-    "unused-variable": Check(Severity.WARNING, "no rule uses a variable"),
-    "unused-term": Check(Severity.WARNING, "no rule uses a term"),
-    "jump": Check(Severity.WARNING, "neighbouring grid cells lie more than two terms apart"),
-    "broken-antisymmetry": Check(Severity.WARNING, "a grid is antisymmetric but for a few cells"),
-    "broken-symmetry": Check(Severity.WARNING, "a grid is symmetric but for a few cells"),
-    "unknown-allow": Check(Severity.WARNING, "an `allow` comment names no check"),
-    "useless-allow": Check(Severity.INFO, "an `allow` comment silences nothing"),
+    check.name: check
+    for check in (
+        Check(
+            "contradictory-rules",
+            Severity.ERROR,
+            "Two rules of a block have the same antecedent and say different things of one output.",
+            conflicting_rules,
+        ),
+        Check(
+            "failed-expectation",
+            Severity.ERROR,
+            "An `expect` line does not hold; the message has the value that came out.",
+        ),
+        Check(
+            "defuzzifier-does-not-fit",
+            Severity.ERROR,
+            "The defuzzifier cannot work on the terms of its output: a centroid of plain values, "
+            "Tsukamoto's method on terms that rise and fall.",
+            unfit_defuzzifiers,
+        ),
+        Check(
+            "mixed-output-terms",
+            Severity.ERROR,
+            "An output has singletons beside sets with an area; the singletons would carry no "
+            "weight in an integral.",
+            unfit_defuzzifiers,
+        ),
+        Check(
+            "duplicate-rule",
+            Severity.WARNING,
+            "A rule is said twice.",
+            conflicting_rules,
+        ),
+        Check(
+            "missing-rule",
+            Severity.WARNING,
+            "A combination of terms has no rule: an empty cell, an absent row or column, an "
+            "uncovered combination.",
+            missing_rules,
+        ),
+        Check(
+            "no-rule-fires",
+            Severity.WARNING,
+            "There is an input (it is given) at which no rule of an output fires. Only an info "
+            "where `no-rule` says what happens then.",
+            points_without_rule,
+        ),
+        Check(
+            "coverage-gap",
+            Severity.WARNING,
+            "No term of an input covers a stretch of its range.",
+            coverage_gaps,
+        ),
+        Check(
+            "unused-variable",
+            Severity.WARNING,
+            "No rule uses a variable.",
+            unused_names,
+        ),
+        Check(
+            "unused-term",
+            Severity.WARNING,
+            "No rule uses a term of a variable.",
+            unused_names,
+        ),
+        Check(
+            "jump",
+            Severity.WARNING,
+            "Two neighbouring cells of a grid are more than two terms apart: the control surface "
+            "has a cliff.",
+            jumps,
+        ),
+        Check(
+            "broken-antisymmetry",
+            Severity.WARNING,
+            "A grid is antisymmetric (opposite inputs give opposite outputs) but for a few cells.",
+            broken_symmetries,
+        ),
+        Check(
+            "broken-symmetry",
+            Severity.WARNING,
+            "A grid is symmetric (opposite inputs give equal outputs) but for a few cells.",
+            broken_symmetries,
+        ),
+        Check(
+            "unknown-allow",
+            Severity.WARNING,
+            "An `allow` comment names no check.",
+        ),
+        Check(
+            "useless-allow",
+            Severity.INFO,
+            "An `allow` comment silences nothing on its line.",
+        ),
+    )
 }
-"""Every check by its name."""
-
-_FINDERS: tuple[Callable[[Subject], Iterator[Diagnostic]], ...] = (
-    conflicting_rules,
-    missing_rules,
-    unused_names,
-    coverage_gaps,
-    points_without_rule,
-    jumps,
-    broken_symmetries,
-    unfit_defuzzifiers,
-)
+"""Every check by its name, the gravest first."""
 
 
 def check(
@@ -153,10 +171,13 @@ def check(
     """
     tree = document or Document(())
     subject = Subject(rulebase, tree)
-    findings = [finding for find in _FINDERS for finding in find(subject)] + list(more)
-    judged = [replace(finding, severity=_severity(finding), path=path) for finding in findings]
-    kept = apply_allowances(judged, tree, CHECKS)
-    return sorted((replace(d, path=path) for d in kept), key=lambda d: (d.span, d.name))
+    finders = dict.fromkeys(record.find for record in CHECKS.values() if record.find)
+    findings = [finding for find in finders for finding in find(subject)] + list(more)
+    judged = [replace(finding, severity=_severity(finding)) for finding in findings]
+    return sorted(
+        (replace(finding, path=path) for finding in _without_allowed(judged, tree)),
+        key=lambda finding: (finding.span, finding.name),
+    )
 
 
 def _severity(finding: Diagnostic) -> Severity:
@@ -164,3 +185,23 @@ def _severity(finding: Diagnostic) -> Severity:
     if finding.severity is Severity.INFO or finding.name not in CHECKS:
         return finding.severity
     return CHECKS[finding.name].severity
+
+
+def _without_allowed(findings: list[Diagnostic], document: Document) -> Iterator[Diagnostic]:
+    """Yield what no ``# allow`` comment silences, and what is wrong with the comments."""
+    used: set[tuple[int, str]] = set()
+    for finding in findings:
+        if finding.name in document.allowed.get(finding.line, ()):
+            used.add((finding.line, finding.name))
+        else:
+            yield finding
+    for line, allowed in document.allowed.items():
+        span = Span(line, 1, line, 2)
+        for name in sorted(allowed):
+            if name not in CHECKS:
+                hint, _ = near_hint(name, CHECKS)
+                message = f"no check is called '{name}'"
+                yield Diagnostic("unknown-allow", message, span, Severity.WARNING, hint=hint)
+            elif (line, name) not in used:
+                message = f"there is no {name} on this line to allow"
+                yield Diagnostic("useless-allow", message, span, Severity.INFO)

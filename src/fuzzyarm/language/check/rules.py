@@ -11,8 +11,7 @@ from itertools import combinations, islice, product
 from math import prod
 
 from fuzzyarm.language.check.terms import FAINT, Subject
-from fuzzyarm.language.nodes import CellNode, GridNode
-from fuzzyarm.language.printer import expression_text
+from fuzzyarm.language.statements import CellNode, GridNode
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -85,7 +84,7 @@ def _covered_elsewhere(grid: GridNode, subject: Subject) -> bool:
 
 
 def _condition(grid: GridNode) -> str:
-    return expression_text(grid.condition) if grid.condition else ""
+    return str(grid.condition) if grid.condition else ""
 
 
 def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:

@@ -6,11 +6,11 @@ Each check is a function from a :class:`Subject`, which is defined here, to its 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
-from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.language.nodes import Document, EvenTermsNode, GridNode
+from fuzzyarm.language.document import Document
+from fuzzyarm.language.statements import EvenTermsNode, GridNode
 from fuzzyarm.model.rulebase import Input, Output, RuleBase, Variable, propositions
 from fuzzyarm.model.shapes import corners, membership, probe_points
 from fuzzyarm.text.diagnostic import Diagnostic, Span
@@ -18,8 +18,7 @@ from fuzzyarm.text.diagnostic import Diagnostic, Span
 # --- What a check looks at ---
 
 
-@dataclass(frozen=True, slots=True)
-class Subject:
+class Subject(NamedTuple):
     """A rule base and, where it came from a text, its syntax tree."""
 
     rulebase: RuleBase
@@ -171,6 +170,8 @@ def _used_in_values(rulebase: RuleBase) -> set[str]:
                 pairs = zip(rulebase.inputs, shape.parameters, strict=False)
                 found |= {variable.name for variable, factor in pairs if factor != 0.0}
             elif shape.kind == "formula":
+                from fuzzyarm.expression.formulas import FormulaError, read_formula
+
                 try:
                     found |= set(read_formula(shape.formula).names)
                 except FormulaError:

@@ -4,6 +4,7 @@ Pure functions over a :class:`Reading`, without numerics and without any protoco
 language server, the studio and the tests share them. Lines and columns count from 1.
 """
 
+from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.queries.completion import Candidate, complete
 from fuzzyarm.language.queries.fixes import Edit, Fix, apply_edits, fixes
 from fuzzyarm.language.queries.hover import Hover, hover
@@ -16,7 +17,7 @@ from fuzzyarm.language.queries.outline import (
     folds,
     symbols,
 )
-from fuzzyarm.language.queries.reading import Kind, Occurrence, Reading, read
+from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.queries.references import (
     RenameError,
     definitions,

@@ -1,26 +1,33 @@
-"""What could stand at a position, told by the words before it: a broken line does not matter."""
+"""What could stand at a position, told by the words before it: a broken line does not matter.
+
+The reader of the statement is run over the words before the position by a cursor that never
+finds fault. Where they end, whatever the reader asks for is what could stand there.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
+from typing import Any, NoReturn
 
-from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.expression.kinds import Shape as ShapeKind
-from fuzzyarm.language.parser import CHOICES
-from fuzzyarm.language.printer import name_text
-from fuzzyarm.language.queries.reading import Reading
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
+from fuzzyarm.language.phrases import SETTINGS, Setting, parameter_names
+from fuzzyarm.language.queries.reading import Reading, asked_variable
+from fuzzyarm.language.statements import STATEMENTS, GridNode, LookupItem, RowNode
 from fuzzyarm.language.tokens import (
-    HEDGE_WORDS,
-    LOOKUP_ITEMS,
-    SETTINGS,
-    STATEMENTS,
+    Cursor,
+    Fault,
+    Figure,
     Token,
+    Trivia,
+    Word,
+    is_reserved,
+    name_text,
     tokenize_line,
 )
-from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS, RuleBase, Variable
+from fuzzyarm.model.rulebase import RuleBase, Variable
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.names import nearest
@@ -28,22 +35,10 @@ from fuzzyarm.text.numbers import number_text
 
 # --- Candidates: words of the language, names, shapes with their numbers ---
 
-HEDGE_EFFECTS: dict[str, str] = {
-    "not": "1 − d",
-    "very": "d²",
-    "somewhat": "√d",
-    "extremely": "d³",
-    "intensify": "2d² up to one half, then 1 − 2(1 − d)²",
-    "seldom": "√(d/2) up to one half, then 1 − √((1 − d)/2)",
-    "any": "1",
-    "power": "dᵖ",
-}
-"""What each hedge makes of a degree d."""
-
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """One thing that could stand at a place.
+    """One thing that could stand at a position.
 
     Attributes
     ----------
@@ -56,7 +51,7 @@ class Candidate:
     detail : str
         A few words beside the label.
     snippet : str
-        The same text with places to fill in, as ``${1:left}``; empty where there are none.
+        The same text with parts to fill in, as ``${1:left}``; empty where there are none.
     span : Span or None
         The text that has been typed already and is replaced; set by `complete`.
     """
@@ -69,21 +64,8 @@ class Candidate:
     span: Span | None = None
 
 
-def keywords(words: Iterable[str], details: dict[str, str] | None = None) -> list[Candidate]:
-    """Return words of the language."""
-    return [Candidate(word, "keyword", word, (details or {}).get(word, "")) for word in words]
-
-
-def values(words: Iterable[str]) -> list[Candidate]:
-    """Return the values of a setting."""
-    return [Candidate(word, "value", word) for word in words]
-
-
-def variables(them: Iterable[Variable], follow: str = "") -> list[Candidate]:
-    """Return names of variables with `follow` behind each."""
-    return [
-        Candidate(v.name, "variable", name_text(v.name) + follow, variable_detail(v)) for v in them
-    ]
+def _words(words: Iterable[str], kind: str = "keyword") -> list[Candidate]:
+    return [Candidate(word, kind, word) for word in words]
 
 
 def variable_detail(variable: Variable) -> str:
@@ -92,8 +74,7 @@ def variable_detail(variable: Variable) -> str:
     return f"{text}  {variable.description}".rstrip()
 
 
-def terms(variable: Variable | None, without: Iterable[str] = ()) -> list[Candidate]:
-    """Return the terms of a variable in their order."""
+def _terms(variable: Variable | None, without: Iterable[str] = ()) -> list[Candidate]:
     if variable is None:
         return []
     left_out = set(without)
@@ -112,308 +93,234 @@ def term_detail(variable: Variable, name: str) -> str:
     return " ".join([shape.kind, *(f"{x:.6g}" for x in shape.parameters)])
 
 
-def hedges() -> list[Candidate]:
-    """Return the hedges."""
-    return [
-        Candidate(
-            word,
-            "hedge",
-            "power(2)" if word == "power" else word,
-            HEDGE_EFFECTS[meaning],
-            "power(${1:2})" if word == "power" else "",
+def _hedge(word: str) -> Candidate:
+    record = HEDGES[HEDGES.words[word]]
+    if not record.parameters:
+        return Candidate(word, "hedge", word, record.doc)
+    return Candidate(word, "hedge", f"{word}(2)", record.doc, f"{word}(${{1:2}})")
+
+
+_SNIPPETS = {
+    "points": "points (${1:0}, ${2:0}) (${3:1}, ${4:1})",
+    "linear": "linear ${1:0}",
+    "formula": 'formula "${1:0}"',
+}
+
+
+def _shape(kind: Shape) -> Candidate:
+    names = parameter_names(kind.name)
+    numbers = " ".join(f"${{{i}:{name}}}" for i, name in enumerate(names, start=1))
+    snippet = _SNIPPETS.get(kind.name) or f"{kind.name} {numbers}"
+    detail = f"{' '.join(names)} — {kind.doc}" if names else kind.doc
+    return Candidate(kind.name, "shape", kind.name, detail, snippet)
+
+
+# --- The cursor that is asked at the end of the words ---
+
+
+class _Nothing(Exception):  # noqa: N818 - it never leaves this module
+    """The reader has asked for everything that could come next."""
+
+
+class _AskingCursor(Cursor):
+    """Takes what it finds for what it should be; where nothing is left, notes what is asked for.
+
+    What may be left out (``accept``, ``suggest``) is noted and reading goes on; what must
+    come (``expect``, a name, a word, a number) is noted last.
+    """
+
+    def __init__(self, tokens: Sequence[Token], model: RuleBase) -> None:
+        super().__init__(tuple(tokens))
+        self.model = model
+        self.offered: list[Candidate] = []
+        self._stalled = -1
+
+    def variable_called(self, name: str) -> Variable | None:
+        """Return the declared variable of that name."""
+        found = (v for v in (*self.model.inputs, *self.model.outputs) if v.name == name)
+        return next(found, None)
+
+    def _variables(self, role: str, follow: str = "") -> list[Candidate]:
+        inputs = self.model.inputs if role != "output" else ()
+        outputs = self.model.outputs if role != "input" else ()
+        # A list of variables does not name one twice.
+        listed = {token.text for token in self.tokens} if self._in_a_list() else set()
+        return [
+            Candidate(v.name, "variable", name_text(v.name) + follow, variable_detail(v))
+            for v in (*inputs, *outputs)
+            if v.name not in listed
+        ]
+
+    def _in_a_list(self) -> bool:
+        texts = [token.text for token in self.tokens]
+        named_once = texts[:1] in (["terms"], ["expect"]) or "\\" in texts
+        return named_once and "->" not in texts
+
+    def _last(self, found: list[Candidate]) -> NoReturn:
+        self.offered += found
+        raise _Nothing
+
+    # What must come.
+
+    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
+        raise _Nothing
+
+    def finish(self) -> None:
+        if self.at_end:
+            raise _Nothing
+
+    def expect(self, text: str, where: str) -> Token:
+        if self.at_end:
+            self._last(_words((text,)) if text not in (")", ",") else [])
+        token = self.tokens[self.position]
+        if token.text == text or (text.isalpha() and nearest(token.text, (text,))):
+            self.position += 1
+        return token
+
+    def name(self, what: str) -> Word:
+        if self.at_end:
+            raise _Nothing
+        token = self.tokens[self.position]
+        # A reserved word is left to whom it belongs, unless the reader would not get on.
+        name = token.kind == "quoted" or (token.kind == "name" and not is_reserved(token.text))
+        if name or self._stalled == self.position:
+            self.position += 1
+        else:
+            self._stalled = self.position
+        return Word(token.text if name else "", token.span)
+
+    def variable(self, what: str, role: str = "", follow: str = "") -> Word:
+        if self.at_end:
+            self._last(self._variables(role, follow))
+        return self.name(what)
+
+    def term(self, what: str, variable: Word) -> Word:
+        if self.at_end:
+            self._last(_terms(self.variable_called(variable.text)))
+        return self.name(what)
+
+    def word(self, what: str, choices: Collection[str], name: str) -> Word:
+        if self.at_end:
+            kind = "value" if name in ("unknown-choice", "unknown-defuzzifier") else "keyword"
+            self._last([] if self.offered else _words(choices, kind))
+        token = self.tokens[self.position]
+        if token.text not in choices:
+            raise _Nothing
+        self.position += 1
+        return Word(token.text, token.span)
+
+    def figure(self, what: str, *, finite: bool = True) -> Figure:
+        if self.at_end or not self.at_figure:
+            raise _Nothing
+        return super().figure(what, finite=finite)
+
+    # What may come.
+
+    def accept(self, text: str, *, likely: bool = False) -> Token | None:
+        if self.at_end and (likely or text.isalpha()):
+            self.offered += _words((text,))
+        return super().accept(text)
+
+    def suggest(self, what: str, *about: Any) -> None:
+        if self.at_end:
+            self.offered += getattr(self, f"_suggest_{what.replace(' ', '_')}")(*about)
+
+    def _suggest_hedges(self) -> list[Candidate]:
+        return list(map(_hedge, HEDGES.words))
+
+    def _suggest_shapes(self) -> list[Candidate]:
+        return list(map(_shape, SHAPES.values()))
+
+    def _suggest_families(self) -> list[Candidate]:
+        return [Candidate(name, "shape", name, what) for name, what in EVEN_SHAPES.items()]
+
+    def _suggest_range(self) -> list[Candidate]:
+        snippet = '${1:-1} .. ${2:1}  "${3:description}"'
+        return [Candidate("range", "value", "-1 .. 1", "low .. high", snippet)]
+
+    def _suggest_term_names(self) -> list[Candidate]:
+        return _words(
+            ("NB NM NS ZE PS PM PB", "NB NS ZE PS PB", "N ZE P", "LOW MIDDLE HIGH"), "row"
         )
-        for word, meaning in HEDGE_WORDS.items()
-    ]
 
+    def _suggest_settings(self, of: str) -> list[Candidate]:
+        used = {token.text for token in self.tokens}
+        return _words(s.word for s in SETTINGS.values() if s.word not in used and of in ("", s.of))
 
-def shapes() -> list[Candidate]:
-    """Return every shape with its numbers as places to fill in."""
-    return [_shape(kind) for kind in SHAPES.values()]
+    def _suggest_targets(self, role: str) -> list[Candidate]:
+        return self._variables(role, ":")
 
+    def _suggest_values(self, setting: Setting) -> list[Candidate]:
+        return _words((*setting.values, "0"), "value")
 
-def _shape(kind: ShapeKind) -> Candidate:
-    special = {
-        "points": "points (${1:0}, ${2:0}) (${3:1}, ${4:1})",
-        "linear": "linear ${1:0}",
-        "formula": 'formula "${1:0}"',
-    }
-    numbers = " ".join(f"${{{i}:{name}}}" for i, name in enumerate(kind.parameters, start=1))
-    snippet = special.get(kind.name) or f"{kind.name} {numbers}"
-    parameters = " ".join(kind.parameters)
-    detail = f"{parameters} — {kind.doc}" if kind.fuzzy else kind.doc
-    return Candidate(kind.name, "shape", kind.name, detail.lstrip(" —"), snippet)
+    def _suggest_samples(self) -> list[Candidate]:
+        return [Candidate("(101, endpoints)", "value", "(101, endpoints)", "a number of samples")]
 
+    def _suggest_comma(self) -> list[Candidate]:
+        missing = [v for v in self.model.inputs if all(v.name != t.text for t in self.tokens)]
+        if missing:
+            self._last(_words((",",)))
+        return []
 
-# --- In a line below `rules`: header, row labels and cells ---
+    # In the lines of a grid.
+
+    def _suggest_headers(self) -> list[Candidate]:
+        inputs = [v for v in self.model.inputs if v.terms]
+        if len(inputs) == 1:
+            text = f"{name_text(inputs[0].name)}  {_names(inputs[0])}"
+            return [Candidate(text, "row", text, "one input")]
+        rows = []
+        for down, across in list(permutations(inputs, 2))[:_MOST_HEADERS]:
+            text = f"{name_text(down.name)} \\ {name_text(across.name)}  {_names(across)}"
+            rows.append(Candidate(text, "row", text, f"{down.name} down, {across.name} across"))
+        return rows
+
+    def _suggest_backslash(self) -> list[Candidate]:
+        return [Candidate("\\", "keyword", "\\ ", "then the variable across")]
+
+    def _suggest_columns(self, column: Word, named: Sequence[Word] = ()) -> NoReturn:
+        found = _terms(self.variable_called(column.text), without=[word.text for word in named])
+        if len(found) > 1:
+            rest = "  ".join(candidate.insert for candidate in found)
+            found.insert(0, Candidate(rest, "row", rest, "the header row"))
+        self._last(found)
+
+    def _suggest_labels(self, grid: GridNode) -> NoReturn:
+        if grid.row is None:
+            output = self.variable_called(grid.output.text)
+            self._last([c for c in self._variables("output") if output and c.label == output.name])
+        used = [row.label.text for row in grid.rows]
+        self._last(_terms(self.variable_called(grid.row.text), without=used))
+
+    def _suggest_cells(self, grid: GridNode, count: int = 0) -> NoReturn:
+        if count >= len(grid.columns):
+            raise _Nothing
+        found = _terms(self.variable_called(grid.output.text))
+        self._last([*found, Candidate(".", "value", ".", "no rule for this cell")])
+
 
 _MOST_HEADERS = 12
-
-
-def complete_grid_line(
-    reading: Reading, line: int, first_line: int, tokens: tuple[Token, ...]
-) -> list[Candidate]:
-    """Return what could follow `tokens` in line `line` of the grid that starts at `first_line`."""
-    header_line = next(
-        (n for n in range(first_line + 1, line) if reading.tokens_of(n)), None
-    )  # fmt: skip
-    if header_line is None:
-        return _header(reading, tokens)
-    row, column, columns = _read_header(reading, reading.tokens_of(header_line))
-    output = _output(reading, first_line)
-    if not tokens:
-        return _labels(reading, row, output, header_line, line)
-    if len(tokens) - 1 >= len(columns) or column is None:
-        return []
-    if tokens[-1].text == "*":
-        return []
-    return [*terms(output), Candidate(".", "value", ".", "no rule for this cell")]
-
-
-def _output(reading: Reading, first_line: int) -> Variable | None:
-    tokens = reading.tokens_of(first_line)
-    return reading.variable(tokens[1].text) if len(tokens) > 1 else None
-
-
-def _read_header(
-    reading: Reading, tokens: tuple[Token, ...]
-) -> tuple[Variable | None, Variable | None, list[str]]:
-    names = [token.text for token in tokens if token.kind in ("name", "quoted")]
-    if len(tokens) > 2 and tokens[1].text == "\\":
-        return reading.variable(names[0]), reading.variable(tokens[2].text), names[2:]
-    return None, reading.variable(names[0]) if names else None, names[1:]
-
-
-def _header(reading: Reading, tokens: tuple[Token, ...]) -> list[Candidate]:
-    inputs = reading.model.inputs
-    if not tokens:
-        return [*_whole_headers(reading), *variables(inputs)]
-    if tokens[-1].text == "\\":
-        return variables([v for v in inputs if v.name != tokens[0].text])
-    names = [token.text for token in tokens if token.kind in ("name", "quoted")]
-    with_rows = len(tokens) > 1 and tokens[1].text == "\\"
-    across = reading.variable(names[1] if with_rows and len(names) > 1 else names[0])
-    used = names[2:] if with_rows else names[1:]
-    offered = terms(across, without=used)
-    if len(offered) > 1:
-        rest = "  ".join(candidate.insert for candidate in offered)
-        offered.insert(0, Candidate(rest, "row", rest, "the header row"))
-    if len(tokens) == 1:
-        offered.insert(0, Candidate("\\", "keyword", "\\ ", "then the variable across"))
-    return offered
-
-
-def _whole_headers(reading: Reading) -> list[Candidate]:
-    inputs = [v for v in reading.model.inputs if v.terms]
-    pairs = list(permutations(inputs, 2))[:_MOST_HEADERS]
-    rows = [
-        (f"{name_text(down.name)} \\ {name_text(across.name)}  {_names(across)}",
-         f"{down.name} down, {across.name} across")
-        for down, across in pairs
-    ]  # fmt: skip
-    if len(inputs) == 1:
-        rows = [(f"{name_text(inputs[0].name)}  {_names(inputs[0])}", "one input")]
-    return [Candidate(text, "row", text, detail) for text, detail in rows]
 
 
 def _names(variable: Variable) -> str:
     return "  ".join(name_text(term.name) for term in variable.terms)
 
 
-def _labels(
-    reading: Reading, row: Variable | None, output: Variable | None, header_line: int, line: int
-) -> list[Candidate]:
-    if row is None:
-        return variables([output]) if output is not None else []
-    extent = reading.statement_at(header_line)
-    last = extent[2] if extent else line
-    used = {
-        reading.tokens_of(n)[0].text
-        for n in range(header_line + 1, last + 1)
-        if n != line and reading.tokens_of(n)
-    }
-    return terms(row, without=used)
+def _asked(read: Any, tokens: Sequence[Token], model: RuleBase, *about: Any) -> list[Candidate]:
+    """Return what `read` asks for behind `tokens`."""
+    cursor = _AskingCursor(tokens, model)
+    try:
+        read(cursor, *about)
+    except (_Nothing, Fault):
+        variable = None if cursor.at_end else asked_variable(tokens)
+        if variable is not None:  # the reader stuck before, but so much is certain
+            return [*_terms(cursor.variable_called(variable)), *map(_hedge, HEDGES.words)]
+    return sorted(cursor.offered, key=_rank)
 
 
-# --- In a statement ---
-
-Tokens = tuple[Token, ...]
-
-
-def complete_statement(model: RuleBase, keyword: str, tokens: Tokens) -> list[Candidate]:
-    """Return what could stand behind `keyword` and `tokens`."""
-    return _COMPLETERS[keyword](model, tokens) if keyword in _COMPLETERS else []
-
-
-def _all(model: RuleBase) -> tuple[Variable, ...]:
-    return (*model.inputs, *model.outputs)
-
-
-def _find(model: RuleBase, name: str) -> Variable | None:
-    return next((v for v in _all(model) if v.name == name), None)
-
-
-def _range(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    if len(tokens) != 1:
-        return []
-    snippet = '${1:-1} .. ${2:1}  "${3:description}"'
-    return [Candidate("range", "value", "-1 .. 1", "low .. high", snippet)]
-
-
-def _even_terms(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    texts = [token.text for token in tokens]
-    if ":" not in texts:
-        if not texts or texts[-1] == ",":
-            return variables(v for v in _all(model) if v.name not in texts)
-        return keywords((":",))
-    after = texts[texts.index(":") + 1 :]
-    if not after:
-        return [Candidate(name, "shape", name, what) for name, what in EVEN_SHAPES.items()]
-    if len(after) == 1:
-        sets = ("NB NM NS ZE PS PM PB", "NB NS ZE PS PB", "N ZE P", "LOW MIDDLE HIGH")
-        return [Candidate(names, "row", names) for names in sets]
-    return []
-
-
-def _term(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    texts = [token.text for token in tokens]
-    if not texts:
-        return variables(_all(model))
-    if ":" not in texts:
-        return keywords((":",)) if len(texts) == 2 else []
-    after = texts[texts.index(":") + 1 :]
-    if not after:
-        return shapes()
-    if after[0] == "linear" and after[-1] in ("linear", "*", "+", "-"):
-        return variables(model.inputs)
-    if tokens[-1].kind in ("number", "string") or after[-1] in (")", "inf"):
-        return keywords(("height",)) if "height" not in after else []
-    return []
-
-
-def _inference(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    if not tokens:
-        return [*keywords(SETTINGS), *variables(_all(model), ":")]
-    return _settings(tokens, SETTINGS)
-
-
-def _block(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    texts = [token.text for token in tokens]
-    if ":" not in texts:
-        return keywords((":",)) if texts else []
-    return _settings(tokens, ("and", "or", "implication"))
-
-
-def _settings(tokens: Tokens, keys: tuple[str, ...]) -> list[Candidate]:
-    last = tokens[-1].text
-    texts = [token.text for token in tokens]
-    if last == "," and _inside_parenthesis(texts):
-        return values(SAMPLINGS)
-    if last in (":", ","):
-        return keywords(key for key in keys if key not in texts)
-    if last in DEFUZZIFIERS:
-        samples = Candidate("(101, endpoints)", "value", "(101, endpoints)", "a number of samples")
-        return [*keywords(("exact",)), samples]
-    return values(_VALUES.get(last, ()))
-
-
-_VALUES = {**CHOICES, "defuzzifier": DEFUZZIFIERS, "no-rule": ("error", "hold", "0")}
-
-
-def _inside_parenthesis(texts: list[str]) -> bool:
-    return texts.count("(") > texts.count(")")
-
-
-def _rules(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    texts = [token.text for token in tokens]
-    if not texts:
-        return variables(model.outputs)
-    if "when" not in texts:
-        return keywords(("when",)) if len(texts) == 1 else []
-    return _expression(model, tokens[texts.index("when") + 1 :], ("and", "or"))
-
-
-def _rule(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    texts = [token.text for token in tokens]
-    if not texts:
-        return keywords(("if",))
-    if "then" not in texts:
-        return _expression(model, tokens[1:], ("and", "or", "then"))
-    after = tokens[texts.index("then") + 1 :]
-    if not after or after[-1].text in ("and", ","):
-        return variables(model.outputs, " is")
-    if any(token.text == "with" for token in after):
-        return []
-    return _proposition(model, after, ("and", "with"))
-
-
-def _expression(model: RuleBase, tokens: Tokens, follow: tuple[str, ...]) -> list[Candidate]:
-    if not tokens or tokens[-1].text in ("and", "or", "("):
-        return [*variables(_all(model), " is"), *hedges()]
-    if _asked(tokens) is None and tokens[-1].text in HEDGE_WORDS:
-        return [*keywords(("(",)), *hedges()]
-    return _proposition(model, tokens, follow)
-
-
-def _proposition(model: RuleBase, tokens: Tokens, follow: tuple[str, ...]) -> list[Candidate]:
-    asked = _asked(tokens)
-    if asked is not None:
-        return [*terms(_find(model, asked)), *hedges()]
-    starts = tokens[-1].text == ")" or _asked(tokens[:-1]) is not None
-    return keywords(follow) if starts else keywords(("is",))
-
-
-def _asked(tokens: Tokens) -> str | None:
-    """Return the variable whose term comes next; None where no term does."""
-    index = len(tokens) - 1
-    while index >= 0:
-        text = tokens[index].text
-        if text == ")" and index >= 3 and tokens[index - 3].text == "power":
-            index -= 4
-        elif text in HEDGE_WORDS and tokens[index].kind == "name":
-            index -= 1
-        else:
-            break
-    if index < 1 or tokens[index].text != "is":
-        return None
-    return tokens[index - 1].text
-
-
-def _expect(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    texts = [token.text for token in tokens]
-    if "->" in texts:
-        return _outcome(model, tokens[texts.index("->") + 1 :])
-    if not texts or texts[-1] == ",":
-        return variables((v for v in model.inputs if v.name not in texts), " =")
-    if tokens[-1].kind == "number":
-        named = all(v.name in texts for v in model.inputs)
-        return keywords(("->",) if named else (",",))
-    return keywords(("=",)) if texts[-1] not in ("=", "-") else []
-
-
-def _outcome(model: RuleBase, tokens: Tokens) -> list[Candidate]:
-    if not tokens or tokens[-1].text == ",":
-        return variables(model.outputs)
-    last = tokens[-1]
-    if last.kind == "number":
-        texts = [token.text for token in tokens]
-        words = {"=": "within", "in": ".."}
-        return keywords(word for relation, word in words.items() if relation in texts)
-    if last.kind in ("name", "quoted") and last.text not in ("in", "within"):
-        return keywords(("=", "<", "<=", ">", ">=", "in"))
-    return []
-
-
-_COMPLETERS: dict[str, Callable[[RuleBase, Tokens], list[Candidate]]] = {
-    "input": _range,
-    "output": _range,
-    "terms": _even_terms,
-    "term": _term,
-    "inference": _inference,
-    "block": _block,
-    "rules": _rules,
-    "rule": _rule,
-    "expect": _expect,
-}
+def _rank(candidate: Candidate) -> int:
+    # Hedges may stand almost everywhere, and settings mostly belong to no single variable.
+    return 2 if candidate.kind == "hedge" else 1 if candidate.insert.endswith(":") else 0
 
 
 # --- What could stand at a position ---
@@ -422,34 +329,15 @@ _PARTIAL = re.compile(r"(?:'[^']*|[^\W\d][\w-]*)\Z")
 _ALLOW = re.compile(r"#\s*allow\s+(?:[\w-]+\s*,\s*)*([\w-]*)\Z")
 
 
-@dataclass(frozen=True, slots=True)
-class Before:
-    """What stands before a place.
-
-    Attributes
-    ----------
-    keyword : str
-        The word that starts the statement, empty where none has been started.
-    tokens : tuple of Token
-        Of the statement's line, or of the line below ``rules`` and ``lookup``.
-    first_line : int
-        Where the statement starts.
-    """
-
-    keyword: str
-    tokens: tuple[Token, ...]
-    first_line: int
-
-
 def complete(reading: Reading, line: int, column: int) -> list[Candidate]:
-    """Return what could stand at a place, the likeliest first.
+    """Return what could stand at a position, the likeliest first.
 
     Parameters
     ----------
     reading : Reading
         The text, however broken.
     line, column : int
-        The place of the cursor, from 1.
+        Where the cursor stands, from 1.
     """
     text = reading.raw_line(line)[: column - 1]
     column = len(text) + 1
@@ -463,14 +351,12 @@ def complete(reading: Reading, line: int, column: int) -> list[Candidate]:
     match = _PARTIAL.search(text)
     # A letter behind a digit belongs to no name: `1e` is on its way to a number.
     start = match.start() + 1 if match else column
-    if match and text[: start - 1][-1:].isdigit():
+    if text[: start - 1][-1:].isdigit():
         return []
-    partial = text[start - 1 :]
+    wanted = text[start - 1 :].strip("'").casefold()
     span = Span(line, start, line, column)
     tokens = tokenize_line(line, text[: start - 1], []).tokens
-    before = _before(reading, line, tokens, indented=text[:1].isspace())
-    offered = _offered(reading, line, before, indented=text[:1].isspace())
-    wanted = partial.strip("'").casefold()
+    offered = _offered(reading, line, tokens, indented=text[:1].isspace())
     ranked = sorted(offered, key=lambda c: not c.label.casefold().startswith(wanted))
     return [replace(candidate, span=span) for candidate in ranked]
 
@@ -484,60 +370,60 @@ def _in_comment(text: str, line: int, column: int) -> list[Candidate] | None:
     from fuzzyarm.language.check import CHECKS
 
     span = Span(line, match.start(1) + 1, line, column)
-    return [Candidate(n, "value", n, c.summary, span=span) for n, c in CHECKS.items()]
+    return [Candidate(c.name, "value", c.name, c.doc, span=span) for c in CHECKS.values()]
 
 
-def _before(
+def _offered(
     reading: Reading, line: int, tokens: tuple[Token, ...], *, indented: bool
-) -> Before | None:
-    if tokens and _starts_statement(tokens):
-        return Before(tokens[0].text, tokens[1:], line)
-    if not indented:
+) -> list[Candidate]:
+    if not tokens and not indented:
+        return [Candidate(r.word, "keyword", r.word, r.doc) for r in STATEMENTS.values()]
+    if not indented or _starts_statement(tokens):
         # The line starts a statement, though its word may be misspelt.
-        meant = nearest(tokens[0].text, STATEMENTS) if tokens else None
+        meant = nearest(tokens[0].text, STATEMENTS)
         if meant is not None:
-            return Before(meant, tokens[1:], line)
-        if not tokens:
-            return None
+            return _asked(STATEMENTS[meant].node.read, tokens, reading.model)
     above: list[tuple[Token, ...]] = []
     for number in range(line - 1, 0, -1):
         earlier = reading.tokens_of(number)
         if not earlier:
             continue
-        above.append(earlier)
+        above.insert(0, earlier)
         if _starts_statement(earlier):
-            keyword = earlier[0].text
-            if keyword in ("rules", "lookup"):
-                return Before(keyword, tokens, number)
-            joined = [token for part in reversed(above) for token in part]
-            return Before(keyword, (*joined[1:], *tokens), number)
-    return None
+            record = STATEMENTS[earlier[0].text]
+            if record.takes_lines:
+                return _below(reading, record.word, above, tokens, line)
+            joined = [token for part in above for token in part]
+            return _asked(record.node.read, (*joined, *tokens), reading.model)
+    return []
 
 
 def _starts_statement(tokens: Sequence[Token]) -> bool:
-    return tokens[0].kind == "name" and tokens[0].text in STATEMENTS
+    return bool(tokens) and tokens[0].kind == "name" and tokens[0].text in STATEMENTS
 
 
-def _offered(
-    reading: Reading, line: int, before: Before | None, *, indented: bool
+def _below(
+    reading: Reading,
+    word: str,
+    above: list[tuple[Token, ...]],
+    tokens: tuple[Token, ...],
+    line: int,
 ) -> list[Candidate]:
-    if before is None:
-        return [] if indented else keywords(STATEMENTS, STATEMENTS)
-    if before.first_line < line and before.keyword == "rules":
-        return complete_grid_line(reading, line, before.first_line, before.tokens)
-    if before.first_line < line and before.keyword == "lookup":
-        return _lookup_item(reading, before.tokens)
-    return complete_statement(reading.model, before.keyword, before.tokens)
-
-
-def _lookup_item(reading: Reading, tokens: tuple[Token, ...]) -> list[Candidate]:
-    if not tokens:
-        return keywords(LOOKUP_ITEMS)
-    item, last = tokens[0].text, tokens[-1]
-    if item in ("levels", "bins") and len(tokens) == 1:
-        return variables(reading.model.inputs, ":")
-    if last.kind != "number":
+    """Return what could stand in a line below a grid or ``lookup``; `above` starts with that."""
+    model = reading.model
+    if word == "lookup":
+        return _asked(LookupItem.read, tokens, model, Trivia())
+    if len(above) == 1:
+        return _asked(GridNode.read_header, tokens, model)
+    if len(above[0]) < 2:
         return []
-    if item == "levels" and any(token.text == ".." for token in tokens):
-        return [] if {"step", "count"} & {t.text for t in tokens} else keywords(("step", "count"))
-    return keywords(("mirrored",)) if item == "bins" else []
+    try:
+        row, column, columns = GridNode.read_header(Cursor(above[1]))
+    except Fault:
+        return []
+    extent = reading.statement_at(above[1][0].line)
+    last = extent[2] if extent else line
+    rows = [reading.tokens_of(n) for n in range(above[1][0].line + 1, last + 1) if n != line]
+    labels = tuple(RowNode(Word(row[0].text), ()) for row in rows if row)
+    grid = GridNode(Word(above[0][1].text), None, row, column, columns, labels)
+    return _asked(RowNode.read, tokens, model, grid, Trivia())

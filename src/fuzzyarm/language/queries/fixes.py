@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fuzzyarm.language.nodes import GridNode, RowNode
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.statements import GridNode, RowNode
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.text.diagnostic import Diagnostic, Span, split_lines
 
 

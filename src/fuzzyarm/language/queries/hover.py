@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.check.terms import gaps_of
-from fuzzyarm.language.nodes import CellNode, GridNode
-from fuzzyarm.language.printer import expression_text, figure_text, name_text, proposition_text
-from fuzzyarm.language.queries.completion import HEDGE_EFFECTS, term_detail
-from fuzzyarm.language.queries.reading import Kind, Occurrence, Reading, contains
+from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_names
+from fuzzyarm.language.queries.completion import term_detail
+from fuzzyarm.language.queries.reading import Reading, contains
 from fuzzyarm.language.queries.references import occurrence_at, references
-from fuzzyarm.language.tokens import HEDGE_WORDS, STATEMENTS
+from fuzzyarm.language.statements import STATEMENTS, WORDS, CellNode, GridNode
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.model.rulebase import Input, Rule, Shape, Variable
 from fuzzyarm.model.shapes import EVEN_SHAPES, corner_points, membership
@@ -67,31 +67,10 @@ def shown_range(variable: Variable) -> tuple[float, float]:
 
 def rule_sentence(rule: Rule) -> str:
     """Return a rule as one ``if … then …`` sentence, wherever it stood."""
-    node = rule_node(rule)
-    consequents = " and ".join(map(proposition_text, node.consequents))
-    weight = f" with {figure_text(node.weight)}" if node.weight else ""
-    return f"if {expression_text(node.antecedent)} then {consequents}{weight}"
+    return " ".join(rule_node(rule).parts)
 
 
 # --- What a word means, in Markdown ---
-
-_SETTING_HELP = {
-    "and": "how the parts of an antecedent that are joined by `and` become one degree",
-    "or": "how the parts of an antecedent that are joined by `or` become one degree",
-    "implication": "how the strength of a rule cuts the set of its consequent",
-    "aggregation": "how the cut sets of several rules become one",
-    "defuzzifier": "how the aggregated set becomes a number",
-    "outside": "what happens to a value outside the range: clamp, extend or error",
-    "no-rule": "the value where no rule fires: error, hold or a number",
-    "exact": "the integral itself, without samples",
-    "levels": "the sample points of the lookup table",
-    "bins": "thresholds between neighbouring levels",
-    "round": "the step that the values of the lookup table are rounded to",
-    "mirrored": "the same numbers with a minus sign too",
-    "when": "a condition that is added to every rule of the grid",
-    "with": "the weight of the rule",
-    "within": "the tolerance of an expectation",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +171,7 @@ def _term_markdown(variable: Variable, name: str) -> str:
         numbers = f'formula "{shape.formula}"'
     height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
     text = f"`{name_text(name)}` of `{name_text(variable.name)}`: `{numbers}{height}`"
-    named = SHAPES[shape.kind].parameters
+    named = parameter_names(shape.kind)
     if named and len(named) == len(shape.parameters):
         pairs = zip(named, shape.parameters, strict=True)
         text += "  \n" + ", ".join(f"{key.replace('_', ' ')} {x:.6g}" for key, x in pairs)
@@ -220,19 +199,24 @@ def _of_word(reading: Reading, line: int, column: int) -> Hover | None:
     if token is None or token.kind != "name":
         return None
     text = token.text
-    first = reading.tokens_of(line)[0] is token
+    words = _help(text, first=reading.tokens_of(line)[0] is token)
+    return Hover(f"**{text}**: {words}", token.span) if words else None
+
+
+def _help(text: str, *, first: bool) -> str:
+    """Return what a word of the language means; empty where nobody needs to be told."""
     if first and text in STATEMENTS:
-        words = STATEMENTS[text]
-    elif text in SHAPES:
-        kind = SHAPES[text]
-        numbers = " ".join(kind.parameters)
-        words = f"`{text} {numbers}`  \n{kind.doc}" if numbers else kind.doc
-    elif text in EVEN_SHAPES:
-        words = f"evenly spread terms: {EVEN_SHAPES[text]}"
-    elif text in HEDGE_WORDS:
-        words = f"hedge: {HEDGE_EFFECTS[HEDGE_WORDS[text]]}"
-    elif text in _SETTING_HELP:
-        words = _SETTING_HELP[text]
-    else:
-        return None
-    return Hover(f"**{text}**: {words}", token.span)
+        return STATEMENTS[text].doc
+    if text in SHAPES.words:
+        numbers = " ".join(parameter_names(text))
+        return f"`{text} {numbers}`  \n{SHAPES[text].doc}" if numbers else SHAPES[text].doc
+    if text in HEDGES.words:
+        return f"hedge: {HEDGES[HEDGES.words[text]].doc}"
+    if text in EVEN_SHAPES:
+        return f"evenly spread terms: {EVEN_SHAPES[text]}"
+    norms = [f"{sort}: {kinds[text].doc}" for sort, kinds in _NORMS if text in kinds.words]
+    setting = SETTINGS[text].doc if text in SETTINGS else ""
+    return setting or WORDS.get(text, "") or "; ".join(norms)
+
+
+_NORMS = (("T-norm", TNORMS), ("S-norm", SNORMS))

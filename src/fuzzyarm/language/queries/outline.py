@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
-from fuzzyarm.language.nodes import (
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.language.phrases import SETTINGS, Kind
+from fuzzyarm.language.queries.completion import variable_detail
+from fuzzyarm.language.queries.reading import Reading
+from fuzzyarm.language.statements import (
+    STATEMENTS,
+    WORDS,
     BlockNode,
-    ExpectNode,
     GridNode,
-    Heading,
-    LookupNode,
-    RuleNode,
+    StatementNode,
     VariableNode,
 )
-from fuzzyarm.language.parser import OUTSIDE
-from fuzzyarm.language.queries.completion import variable_detail
-from fuzzyarm.language.queries.reading import Kind, Reading
-from fuzzyarm.language.tokens import (
-    CONNECTIVES,
-    HEDGE_WORDS,
-    LOOKUP_ITEMS,
-    RESERVED,
-    SETTINGS,
-    STATEMENTS,
-    Token,
-)
+from fuzzyarm.language.tokens import RESERVED, Token
 from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Span
@@ -46,20 +37,15 @@ _NAMES = {
     Kind.VARIABLE: "variable",
     Kind.TERM: "enumMember",
 }
-_TYPES = {
-    *SHAPES, *EVEN_SHAPES, *TNORMS, *SNORMS, *DEFUZZIFIERS, *SAMPLINGS, *OUTSIDE,
-    "exact", "hold",
-}  # fmt: skip
-_KEYWORDS = {
-    *RESERVED, *CONNECTIVES, *LOOKUP_ITEMS, "step", "count", "mirrored", "within", "in", "height",
-}  # fmt: skip
+_VALUES = {*EVEN_SHAPES, *DEFUZZIFIERS, *SAMPLINGS, *SETTINGS["outside"].values, "exact", "hold"}
 _WORDS: tuple[tuple[Container[str], str], ...] = (
-    (HEDGE_WORDS, "modifier"),
+    (HEDGES.words, "modifier"),
     (("inf", "nan"), "number"),
-    (_TYPES, "type"),
-    (frozenset(SETTINGS) - {"and", "or"}, "property"),
-    (_KEYWORDS, "keyword"),
+    *((words, "type") for words in (_VALUES, SHAPES.words, TNORMS.words, SNORMS.words)),
+    (SETTINGS.keys() - RESERVED, "property"),
+    ({*RESERVED, *WORDS}, "keyword"),
 )
+"""What a word that is not a name is coloured as: the first that has it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,46 +177,43 @@ def symbols(reading: Reading) -> list[Symbol]:
     """Return the parts of a file in its order; the terms of a variable below it."""
     found: list[Symbol] = []
     for node, first, last in reading.extents:
+        record = STATEMENTS.get(reading.tokens_of(first)[0].text)
+        if record is None or not record.outline or not isinstance(node, record.node):
+            continue
         whole = Span(first, node.span.column, last, len(reading.raw_line(last)) + 1)
-        if isinstance(node, Heading):
-            found.append(
-                _named(node.name.text, node.description, "rulebase", whole, node.name.span)
-            )
-        elif isinstance(node, VariableNode):
+        if isinstance(node, VariableNode):
             found.append(_variable(reading, node, whole))
-        elif isinstance(node, BlockNode):
-            found.append(_named(node.name.text, "", "block", whole, node.name.span))
-        elif isinstance(node, GridNode):
-            size = f"{len(node.rows)} × {len(node.columns)}"
-            name = f"rules {node.output.text}"
-            found.append(_named(name, size, "grid", whole, node.output.span))
-        elif isinstance(node, RuleNode):
-            text = " ".join(reading.raw_line(first).split())
-            found.append(_named(text[:60] or "rule", "", "rule", whole, node.span))
-        elif isinstance(node, LookupNode):
-            found.append(_named("lookup", "", "lookup", whole, node.span))
-        elif isinstance(node, ExpectNode):
-            text = " ".join(reading.raw_line(first).split())
-            found.append(_named(text[:60] or "expect", "", "expect", whole, node.span))
+        else:
+            found.append(_named(*_title(reading, node, first), record.outline, whole))
     return found
 
 
-def _named(name: str, detail: str | None, kind: str, span: Span, selection: Span) -> Symbol:
+def _title(reading: Reading, node: StatementNode, line: int) -> tuple[str, str, Span]:
+    """Return name and detail of a statement, and the part that stands for it."""
+    if isinstance(node, GridNode):
+        size = f"{len(node.rows)} × {len(node.columns)}"
+        return f"rules {node.output.text}", size, node.output.span
+    name = next((o for o in node.mentions() if o.is_definition), None)
+    if name is not None:
+        return name.name, getattr(node, "description", None) or "", name.span
+    tokens = reading.tokens_of(line)
+    text = " ".join(reading.raw_line(line).split()) if len(tokens) > 1 else tokens[0].text
+    return text[:60], "", node.span
+
+
+def _named(name: str, detail: str, selection: Span, kind: str, span: Span) -> Symbol:
     end = min((selection.end_line, selection.end_column), (span.end_line, span.end_column))
-    return Symbol(
-        name or "?", detail or "", kind, span, Span(selection.line, selection.column, *end)
-    )
+    return Symbol(name or "?", detail, kind, span, Span(selection.line, selection.column, *end))
 
 
 def _variable(reading: Reading, node: VariableNode, span: Span) -> Symbol:
     variable = reading.variable(node.name.text)
+    home = node.name.span
     if variable is None:
-        return _named(node.name.text, "", node.role, span, node.name.span)
+        return _named(node.name.text, "", home, node.role, span)
     # A child must lie within its parent, but terms are declared elsewhere: they point home.
     children = tuple(
-        _named(term.name, term.shape.kind, "term", node.name.span, node.name.span)
-        for term in variable.terms
+        _named(term.name, term.shape.kind, home, "term", home) for term in variable.terms
     )
-    return Symbol(
-        node.name.text or "?", variable_detail(variable), node.role, span, node.name.span, children
-    )
+    symbol = _named(node.name.text, variable_detail(variable), home, node.role, span)
+    return replace(symbol, children=children)

@@ -1,74 +1,19 @@
-"""A text with everything that reading it brought to light, and each position of each name."""
+"""A text with everything that reading it brought to light, and every mention of every name."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import cached_property
-from typing import Any
 
-from fuzzyarm.expression.formulas import FormulaError, read_formula
-from fuzzyarm.language.nodes import (
-    BlockNode,
-    Broken,
-    Document,
-    EvenTermsNode,
-    ExpectNode,
-    ExpressionNode,
-    GridNode,
-    Heading,
-    InferenceNode,
-    LookupNode,
-    RuleNode,
-    ShapeNode,
-    StatementNode,
-    TermNode,
-    VariableNode,
-    Word,
-    proposition_nodes,
-)
-from fuzzyarm.language.parser import ParseMemory
+from fuzzyarm.expression.kinds import HEDGES
+from fuzzyarm.language.document import Document, ParseMemory
+from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.reading import Parsed, parse
-from fuzzyarm.language.tokens import HEDGE_WORDS, RESERVED, Line, Token
+from fuzzyarm.language.statements import Broken, StatementNode
+from fuzzyarm.language.tokens import Line, Token, is_reserved
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.text.diagnostic import Span, split_lines
-
-# --- Every place at which a text names something: a variable, a term, a block ---
-
-
-class Kind(StrEnum):
-    """What a name stands for."""
-
-    RULEBASE = "rulebase"
-    VARIABLE = "variable"
-    TERM = "term"
-    BLOCK = "block"
-
-
-@dataclass(frozen=True, slots=True)
-class Occurrence:
-    """A name at its place.
-
-    Attributes
-    ----------
-    kind : Kind
-        What it stands for.
-    name : str
-        Without quotes.
-    span : Span
-        As written, quotes included.
-    owners : tuple of str
-        The variables of a term: one, or several where ``terms`` declares them together.
-    is_definition : bool
-        Whether the name is declared here.
-    """
-
-    kind: Kind
-    name: str
-    span: Span
-    owners: tuple[str, ...] = ()
-    is_definition: bool = False
 
 
 def find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurrence, ...]:
@@ -78,115 +23,12 @@ def find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurre
     the words behind their ``is``.
     """
     nodes = [statement.node for statement in document.statements]
-    found = [each for node in nodes for each in _of_node(node)]
+    found = [each for node in nodes for each in node.mentions()]
     declared = {o.name for o in found if o.kind is Kind.VARIABLE and o.is_definition}
     for node in nodes:
         if isinstance(node, Broken):
             found += _of_broken(node, lines, declared)
     return tuple(sorted(found, key=lambda o: o.span))
-
-
-def _of_node(node: StatementNode) -> Iterator[Occurrence]:
-    walk = _WALKS.get(type(node))
-    if walk is not None:
-        yield from walk(node)
-
-
-def _of_heading(node: Heading) -> Iterator[Occurrence]:
-    yield Occurrence(Kind.RULEBASE, node.name.text, node.name.span, is_definition=True)
-
-
-def _of_declaration(node: VariableNode) -> Iterator[Occurrence]:
-    yield _variable(node.name, definition=True)
-
-
-def _of_even_terms(node: EvenTermsNode) -> Iterator[Occurrence]:
-    owners = tuple(word.text for word in node.variables)
-    yield from map(_variable, node.variables)
-    for word in node.names:
-        yield Occurrence(Kind.TERM, word.text, word.span, owners, is_definition=True)
-
-
-def _of_term(node: TermNode) -> Iterator[Occurrence]:
-    yield _variable(node.variable)
-    owner = (node.variable.text,)
-    yield Occurrence(Kind.TERM, node.name.text, node.name.span, owner, is_definition=True)
-    if node.shape is not None:
-        yield from _of_shape(node.shape)
-
-
-def _of_inference(node: InferenceNode) -> Iterator[Occurrence]:
-    if node.target is not None:
-        yield _variable(node.target)
-
-
-def _of_block(node: BlockNode) -> Iterator[Occurrence]:
-    yield Occurrence(Kind.BLOCK, node.name.text, node.name.span, is_definition=True)
-
-
-def _of_rule(node: RuleNode) -> Iterator[Occurrence]:
-    yield from _of_expression(node.antecedent)
-    for consequent in node.consequents:
-        yield from _of_expression(consequent)
-
-
-def _of_lookup(node: LookupNode) -> Iterator[Occurrence]:
-    yield from (_variable(item.variable) for item in node.items if item.variable is not None)
-
-
-def _of_expect(node: ExpectNode) -> Iterator[Occurrence]:
-    yield from (_variable(word) for word, _ in node.inputs)
-    yield from (_variable(outcome.variable) for outcome in node.outcomes)
-
-
-def _variable(word: Word, *, definition: bool = False) -> Occurrence:
-    return Occurrence(Kind.VARIABLE, word.text, word.span, is_definition=definition)
-
-
-def _term(owner: str, word: Word) -> Occurrence:
-    return Occurrence(Kind.TERM, word.text, word.span, (owner,))
-
-
-def _of_expression(node: ExpressionNode) -> Iterator[Occurrence]:
-    for proposition in proposition_nodes(node):
-        yield _variable(proposition.variable)
-        yield _term(proposition.variable.text, proposition.term)
-
-
-def _of_shape(shape: ShapeNode) -> Iterator[Occurrence]:
-    for part in shape.parts:
-        if part.variable is not None:
-            yield _variable(part.variable)
-    if shape.formula:
-        yield from _of_formula(shape.formula, shape.formula_span)
-
-
-def _of_formula(text: str, span: Span) -> Iterator[Occurrence]:
-    try:
-        formula = read_formula(text)
-    except FormulaError:
-        return
-    # Where the text has escapes, positions within it are not those of the file.
-    if span.end_column - span.column != len(text) + 2:
-        return
-    for name, position in formula.mentions:
-        quoted = text[position - 1 : position] == "'"
-        start = span.column + 1 + position - quoted
-        end = start + len(name) + 2 * quoted
-        yield Occurrence(Kind.VARIABLE, name, Span(span.line, start, span.line, end))
-
-
-def _of_grid(node: GridNode) -> Iterator[Occurrence]:
-    yield _variable(node.output)
-    if node.condition is not None:
-        yield from _of_expression(node.condition)
-    if node.row is not None:
-        yield _variable(node.row)
-    yield _variable(node.column)
-    yield from (_term(node.column.text, word) for word in node.columns)
-    for row in node.rows:
-        yield _variable(row.label) if node.row is None else _term(node.row.text, row.label)
-        yield from (_term(node.output.text, c.term) for c in row.cells if c.term is not None)
 
 
 def _of_broken(node: Broken, lines: Sequence[Line], declared: set[str]) -> Iterator[Occurrence]:
@@ -201,7 +43,7 @@ def _of_broken(node: Broken, lines: Sequence[Line], declared: set[str]) -> Itera
     for index, token in enumerate(tokens):
         if not _is_name(token):
             continue
-        owner = _asked_variable(tokens, index)
+        owner = asked_variable(tokens[:index])
         if owner is not None:
             yield Occurrence(Kind.TERM, token.text, token.span, (owner,))
         elif token.text in declared:
@@ -209,34 +51,17 @@ def _of_broken(node: Broken, lines: Sequence[Line], declared: set[str]) -> Itera
 
 
 def _is_name(token: Token) -> bool:
-    return token.kind == "quoted" or (token.kind == "name" and token.text not in RESERVED)
+    return token.kind == "quoted" or (token.kind == "name" and not is_reserved(token.text))
 
 
-def _asked_variable(tokens: list[Token], index: int) -> str | None:
-    """Return the variable before the ``is`` that the token at `index` follows, hedges between."""
-    index -= 1
-    while index >= 0 and tokens[index].kind == "name" and tokens[index].text in HEDGE_WORDS:
+def asked_variable(tokens: Sequence[Token]) -> str | None:
+    """Return the variable of which a term comes behind ``is`` and hedges; None where none does."""
+    index = len(tokens) - 1
+    while index >= 0 and tokens[index].kind == "name" and tokens[index].text in HEDGES.words:
         index -= 1
     if index < 1 or tokens[index].text != "is" or tokens[index].kind != "name":
         return None
     return tokens[index - 1].text if _is_name(tokens[index - 1]) else None
-
-
-_WALKS: dict[type[StatementNode], Callable[[Any], Iterator[Occurrence]]] = {
-    Heading: _of_heading,
-    VariableNode: _of_declaration,
-    EvenTermsNode: _of_even_terms,
-    TermNode: _of_term,
-    InferenceNode: _of_inference,
-    BlockNode: _of_block,
-    GridNode: _of_grid,
-    RuleNode: _of_rule,
-    LookupNode: _of_lookup,
-    ExpectNode: _of_expect,
-}
-
-
-# --- A text with everything that reading it brought to light ---
 
 
 @dataclass(frozen=True)

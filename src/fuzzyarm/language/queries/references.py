@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language.printer import name_text
+from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.queries.fixes import Edit
-from fuzzyarm.language.queries.reading import Kind, Occurrence, Reading, contains
+from fuzzyarm.language.queries.reading import Reading, contains
+from fuzzyarm.language.tokens import name_text
 
 # --- Where a name is declared and where it is used ---
 

@@ -5,14 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.model.rulebase import Input, Output, RuleBase, Term, Variable
+from fuzzyarm.model.rulebase import RuleBase, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
-from fuzzyarm.show.figures.style import COLOURS, axis_label, line_style, new_figure, safe, tidy
+from fuzzyarm.show.drawing import number_words
+from fuzzyarm.show.figures.style import (
+    COLOURS,
+    axis_label,
+    line_style,
+    new_figure,
+    safe,
+    set_range,
+    tidy,
+)
 from fuzzyarm.show.figures.surface import draw_response
-from fuzzyarm.show.rulebase import number_words, shape_words, visible_range
+from fuzzyarm.show.terms import is_set, shape_words, visible_range
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,22 +36,22 @@ _POINTS = 401
 
 def memberships_figure(rulebase: RuleBase) -> Figure:
     """Return one panel for each variable of `rulebase`, inputs first."""
-    variables: tuple[Input | Output, ...] = (*rulebase.inputs, *rulebase.outputs)
+    variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     figure = new_figure(7.0, 0.6 + 1.9 * len(variables))
     panels = figure.subplots(len(variables), 1, squeeze=False)
     for axes, variable in zip(panels[:, 0], variables, strict=True):
-        draw_memberships(axes, variable, rulebase)
+        _draw_memberships(axes, variable, rulebase)
     figure.suptitle(safe(rulebase.name), fontweight="bold")
     return figure
 
 
-def draw_memberships(axes: Axes, variable: Variable, rulebase: RuleBase | None = None) -> None:
+def _draw_memberships(axes: Axes, variable: Variable, rulebase: RuleBase | None = None) -> None:
     """Draw the terms of one variable, each named at its peak."""
     low, high = visible_range(variable)
     words: list[str] = []
     drawn = 0
     for k, term in enumerate(variable.terms):
-        if not SHAPES[term.shape.kind].fuzzy:
+        if not is_set(term.shape):
             words.append(f"{term.name}: {shape_words(term.shape, rulebase, digits=4)}")
             continue
         style = line_style(k)
@@ -62,8 +70,7 @@ def draw_memberships(axes: Axes, variable: Variable, rulebase: RuleBase | None =
             family="monospace",
         )  # fmt: skip
     tidy(axes)
-    margin = 0.02 * (high - low)
-    axes.set_xlim(low - margin, high + margin)
+    set_range(axes, low, high)
     axes.set_ylim(0, 1.22)
     axes.set_yticks([0, 0.5, 1] if drawn else [])
     axes.set_xlabel(axis_label(variable.name, variable.description), fontsize=9)
@@ -84,7 +91,7 @@ def _curve(term: Term, low: float, high: float) -> tuple[list[float], list[float
 
 def _name_terms(axes: Axes, variable: Variable, low: float, high: float) -> None:
     """Write the names above the peaks; names that would run into each other are turned."""
-    places: list[tuple[float, float, str, str]] = []
+    tops: list[tuple[float, float, str, str]] = []
     for k, term in enumerate(variable.terms):
         middle = centre(term.shape, low, high)
         if middle is None:
@@ -93,13 +100,13 @@ def _name_terms(axes: Axes, variable: Variable, low: float, high: float) -> None
             a, b = max(term.shape.parameters[1], low), min(term.shape.parameters[2], high)
             middle = 0.5 * (a + b) if a <= b else middle
         top = min(1.0, membership(term.shape, middle))
-        places.append((middle, top, term.name, str(line_style(k)["color"])))
-    places.sort()
-    gaps = [b[0] - a[0] for a, b in pairwise(places)]
+        tops.append((middle, top, term.name, str(line_style(k)["color"])))
+    tops.sort()
+    gaps = [b[0] - a[0] for a, b in pairwise(tops)]
     room = min(gaps, default=high - low) / (high - low)
-    longest = max((len(name) for _, _, name, _ in places), default=0)
+    longest = max((len(name) for _, _, name, _ in tops), default=0)
     angle = 0 if longest * 0.016 <= room else 30
-    for x, y, name, colour in places:
+    for x, y, name, colour in tops:
         align = "left" if angle else "center"
         if not angle and x <= low + 0.01 * (high - low):
             align = "left"
@@ -138,16 +145,22 @@ def rulebase_figure(
     heights = [2.1 * rows, *([3.2 if one else 4.0] * len(outputs))]
     figure = new_figure(max(3.5 * columns, 9.0), sum(heights) + 0.4)
     parts = figure.subfigures(1 + len(outputs), 1, height_ratios=heights, squeeze=False)[:, 0]
-    panels = parts[0].subplots(rows, columns, squeeze=False).ravel()
-    for axes, variable in zip(panels, variables, strict=False):
-        draw_memberships(axes, variable, rulebase)
-    for axes in panels[len(variables) :]:
-        axes.set_visible(False)
+    panels = _panels(parts[0], rows, columns, len(variables))
+    for axes, variable in zip(panels, variables, strict=True):
+        _draw_memberships(axes, variable, rulebase)
     for part, target in zip(parts[1:], outputs, strict=True):
         draw_response(part, rulebase, target, at or {})
     title = f"{rulebase.name}: {rulebase.description}" if rulebase.description else rulebase.name
     figure.suptitle(safe(title), fontweight="bold", fontsize=11)
     return figure
+
+
+def _panels(part: Any, rows: int, columns: int, count: int) -> list[Axes]:
+    """Return `count` axes in rows and columns; the rest of the last row stays empty."""
+    panels = list(part.subplots(rows, columns, squeeze=False).ravel())
+    for axes in panels[count:]:
+        axes.set_visible(False)
+    return panels[:count]
 
 
 # --- One inference as the classic picture: fuzzified inputs, clipped sets, the value ---
@@ -169,28 +182,26 @@ def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
     heights = [2.2 * max(rows, 1), *([2.9] * len(trace.outputs))]
     figure = new_figure(max(4.2 * columns, 7.0), sum(heights) + 0.4)
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
-    panels = parts[0].subplots(max(rows, 1), columns, squeeze=False).ravel()
-    for axes, value in zip(panels, inputs, strict=False):
+    panels = _panels(parts[0], max(rows, 1), columns, len(inputs))
+    for axes, value in zip(panels, inputs, strict=True):
         variable = rulebase.variable(value.name)
-        draw_memberships(axes, variable, rulebase)
+        _draw_memberships(axes, variable, rulebase)
         axes.vlines(value.value, 0, 1, colors="#111111", linewidth=1.2)
         for k, term in enumerate(variable.terms):
-            if SHAPES[term.shape.kind].fuzzy:
+            if is_set(term.shape):
                 degree = membership(term.shape, value.value)
                 if degree > 0.0:
                     axes.plot(value.value, degree, "o", color=line_style(k)["color"], markersize=5)
         axes.set_title(safe(f"{value.name} = {number_words(value.given, 5)}"), fontsize=9)
-    for axes in panels[len(inputs) :]:
-        axes.set_visible(False)
     for part, output in zip(parts[1:], trace.outputs, strict=True):
-        draw_output(part.subplots(), rulebase, output)
+        _draw_output(part.subplots(), rulebase, output)
     count = len(trace.fired)
     title = f"{trace.rulebase}: {count} of {len(trace.rules)} rules fire"
     figure.suptitle(safe(title), fontweight="bold", fontsize=11)
     return figure
 
 
-def draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
+def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     """Draw the clipped sets of an output, their union and the value."""
     variable = rulebase.output(output.name)
     order = {term.name: k for k, term in enumerate(variable.terms)}
@@ -209,8 +220,7 @@ def draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     axes.axvline(output.value, color=COLOURS[3], linewidth=1.8)
     axes.plot(output.value, 0, "^", color=COLOURS[3], markersize=9, clip_on=False, zorder=5)
     tidy(axes)
-    margin = 0.02 * (output.high - output.low)
-    axes.set_xlim(output.low - margin, output.high + margin)
+    set_range(axes, output.low, output.high)
     axes.set_ylim(0, 1.05)
     axes.set_xlabel(axis_label(output.name, variable.description), fontsize=9)
     axes.set_ylabel("membership", fontsize=8)

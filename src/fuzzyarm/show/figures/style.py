@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# --- The look that all figures share. Colours by Okabe and Ito, safe for colour-blind eyes ---
-
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7A6A00", "#333333")
 DASHES = ("-", "--", "-.")
 
@@ -50,7 +48,7 @@ def colour_map(scale: Scale) -> Any:
 
 
 def tidy(axes: Axes) -> None:
-    """Take away what is no information."""
+    """Take away lines that tell nothing; draw a faint grid."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8)
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
@@ -68,6 +66,27 @@ def axis_label(name: str, description: str) -> str:
 
     label = f"{name}: {description}" if description else name
     return safe("\n".join(textwrap.wrap(label, 42)))
+
+
+def label_axes(axes: Axes, across: str, up: str, title: str = "") -> None:
+    """Write what goes across and what goes up, both as :func:`axis_label` gives them."""
+    axes.set_xlabel(across, fontsize=9)
+    axes.set_ylabel(up, fontsize=9)
+    axes.set_title(safe(title), fontsize=9)
+
+
+def set_range(axes: Axes, low: float, high: float) -> None:
+    """Show a range across, with a little room at its ends."""
+    margin = 0.02 * (high - low)
+    axes.set_xlim(low - margin, high + margin)
+
+
+def colour_bar(part: Any, image: Any, axes: Axes, label: str, *, shrink: float) -> Any:
+    """Return a colour bar beside `axes`."""
+    bar = part.colorbar(image, ax=axes, shrink=shrink)
+    bar.set_label(label, fontsize=9)
+    bar.ax.tick_params(labelsize=8)
+    return bar
 
 
 # --- Write a figure whole or not at all ---

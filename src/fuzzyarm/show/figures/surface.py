@@ -8,9 +8,19 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
-from fuzzyarm.show.drawing import scale_of
-from fuzzyarm.show.figures.style import COLOURS, axis_label, colour_map, new_figure, safe, tidy
-from fuzzyarm.show.rulebase import number_words, visible_range
+from fuzzyarm.show.drawing import number_words, scale_of
+from fuzzyarm.show.figures.style import (
+    COLOURS,
+    axis_label,
+    colour_bar,
+    colour_map,
+    label_axes,
+    new_figure,
+    safe,
+    set_range,
+    tidy,
+)
+from fuzzyarm.show.terms import visible_range
 from fuzzyarm.text.numbers import column_of_numbers
 
 if TYPE_CHECKING:
@@ -25,7 +35,7 @@ _PLANE = 121
 
 
 @dataclass(frozen=True, slots=True)
-class Side:
+class _Side:
     """One input or output of what is drawn: its name, its words and its range."""
 
     name: str
@@ -37,12 +47,6 @@ class Side:
     def label(self) -> str:
         """The words at the axis."""
         return axis_label(self.name, self.description)
-
-
-def side_of(variable: Variable) -> Side:
-    """Return the side that stands for a variable."""
-    low, high = visible_range(variable)
-    return Side(variable.name, variable.description, low, high)
 
 
 def surface_figure(
@@ -74,8 +78,8 @@ def surface_figure(
 def draw_response(part: Any, rulebase: RuleBase, output: Output, at: Mapping[str, float]) -> None:
     """Draw one output of `rulebase` into a figure or a part of one."""
     free, fixed = _free_and_fixed(rulebase, at)
-    sides = [side_of(variable) for variable in free]
-    target = Side(output.name, output.description, output.low, output.high)
+    sides = [_Side(v.name, v.description, *visible_range(v)) for v in free]
+    target = _Side(output.name, output.description, output.low, output.high)
     import numpy as np
 
     counts = _LINE if len(sides) == 1 else _PLANE
@@ -136,11 +140,11 @@ def table_figure(table: LookupTable, at: Mapping[str, float] | None = None) -> F
         A point to mark.
     """
     at = at or {}
-    sides = [Side(a.name, a.description, a.low, a.high) for a in table.axes]
+    sides = [_Side(a.name, a.description, a.low, a.high) for a in table.axes]
     reach = [float(table.values.min()), float(table.values.max())]
     low = table.low if table.low is not None and math.isfinite(table.low) else reach[0]
     high = table.high if table.high is not None and math.isfinite(table.high) else reach[1]
-    target = Side(table.output, table.description, low, high)
+    target = _Side(table.output, table.description, low, high)
     if len(sides) == 1:
         return _table_line(table, sides[0], target, at)
     pages = table.axes[:-2]
@@ -153,7 +157,7 @@ def table_figure(table: LookupTable, at: Mapping[str, float] | None = None) -> F
     return figure
 
 
-def _table_line(table: LookupTable, side: Side, target: Side, at: Mapping[str, float]) -> Figure:
+def _table_line(table: LookupTable, side: _Side, target: _Side, at: Mapping[str, float]) -> Figure:
     import numpy as np
 
     figure = new_figure(6.4, 3.9)
@@ -169,20 +173,17 @@ def _table_line(table: LookupTable, side: Side, target: Side, at: Mapping[str, f
     return figure
 
 
-def _line(axes: Axes, side: Side, target: Side, xs: Any, values: Any, title: str) -> None:
+def _line(axes: Axes, side: _Side, target: _Side, xs: Any, values: Any, title: str) -> None:
     axes.plot(xs, values, color=COLOURS[0], linewidth=1.8)
     tidy(axes)
-    axes.set_xlabel(side.label, fontsize=9)
-    axes.set_ylabel(target.label, fontsize=9)
-    axes.set_title(safe(title), fontsize=9)
-    margin = 0.02 * (side.high - side.low)
-    axes.set_xlim(side.low - margin, side.high + margin)
+    label_axes(axes, side.label, target.label, title)
+    set_range(axes, side.low, side.high)
 
 
 def _plane(
     part: Any,
-    sides: list[Side],
-    target: Side,
+    sides: list[_Side],
+    target: _Side,
     points: list[Any],
     values: Any,
     title: str,
@@ -203,8 +204,7 @@ def _plane(
         antialiased=True, **limits,
     )  # fmt: skip
     space.view_init(elev=28, azim=-128)
-    space.set_xlabel(safe(sides[0].name), fontsize=9)
-    space.set_ylabel(safe(sides[1].name), fontsize=9)
+    label_axes(space, safe(sides[0].name), safe(sides[1].name))
     space.set_zlabel(safe(target.name), fontsize=9)
     space.tick_params(labelsize=7, pad=0)
     for axis in (space.xaxis, space.yaxis, space.zaxis):
@@ -224,13 +224,9 @@ def _plane(
         flat.clabel(lines, fontsize=7, inline_spacing=2)
     if len(at) == 2:
         flat.plot(at[1], at[0], "o", markersize=8, color="white", markeredgecolor="black")
-    flat.set_xlabel(sides[1].label, fontsize=9)
-    flat.set_ylabel(sides[0].label, fontsize=9)
     flat.tick_params(labelsize=8)
-    bar = part.colorbar(image, ax=flat, shrink=0.95)
-    bar.set_label(target.label, fontsize=9)
-    bar.ax.tick_params(labelsize=8)
-    flat.set_title(safe(title), fontsize=9)
+    colour_bar(part, image, flat, target.label, shrink=0.95)
+    label_axes(flat, sides[1].label, sides[0].label, title)
 
 
 def _has_gaps(values: Any) -> bool:
@@ -250,8 +246,8 @@ def _ends(values: Any) -> tuple[float, float]:
 def _cells(
     figure: Figure,
     table: LookupTable,
-    sides: list[Side],
-    target: Side,
+    sides: list[_Side],
+    target: _Side,
     values: Any,
     title: str,
     at: list[float],
@@ -262,10 +258,10 @@ def _cells(
     image = axes.imshow(
         values, cmap=colour_map(scale), vmin=scale.low, vmax=scale.high, aspect="auto"
     )
-    for axis, place in ((table.axes[-2], axes.yaxis), (table.axes[-1], axes.xaxis)):
+    for axis, drawn in ((table.axes[-2], axes.yaxis), (table.axes[-1], axes.xaxis)):
         step = max(1, math.ceil(len(axis.levels) / 16))
         chosen = range(0, len(axis.levels), step)
-        place.set_ticks(list(chosen), [number_words(axis.levels[i], 4) for i in chosen])
+        drawn.set_ticks(list(chosen), [number_words(axis.levels[i], 4) for i in chosen])
     if max(values.shape) <= 17:
         flat = [float(x) for x in values.ravel()]
         texts = column_of_numbers([float(number_words(x, 4)) for x in flat])
@@ -276,15 +272,10 @@ def _cells(
     if len(at) == 2:
         i, j = (a.cell(x, table.default_mode) for a, x in zip(table.axes[-2:], at, strict=True))
         axes.plot(j, i, "s", markersize=22, fillstyle="none", color="black", markeredgewidth=2)
-    axes.set_xlabel(sides[1].label, fontsize=9)
-    axes.set_ylabel(sides[0].label, fontsize=9)
+    label_axes(axes, sides[1].label, sides[0].label, title)
     axes.xaxis.set_label_position("top")
     axes.xaxis.tick_top()
     axes.tick_params(labelsize=8, length=0)
     axes.spines[:].set_visible(False)
-    bar = figure.colorbar(image, ax=axes, shrink=0.9)
-    bar.set_label(target.label, fontsize=9)
-    bar.ax.tick_params(labelsize=8)
+    bar = colour_bar(figure, image, axes, target.label, shrink=0.9)
     bar.outline.set_visible(False)
-    if title:
-        axes.set_title(safe(title), fontsize=9)

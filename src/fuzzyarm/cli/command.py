@@ -1,0 +1,357 @@
+"""What every command shares: its record, arguments, words like ``e=1.3``, and what it prints."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TextIO
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.diagnostic import Diagnostic, render_all
+from fuzzyarm.text.names import near_hint
+
+if TYPE_CHECKING:
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.table import LookupTable
+
+
+# --- The record of a command ---
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument: its names and options as `add_argument` takes them, and where it stands.
+
+    `group` is a title on the help page; arguments of a group with the same word in `either`
+    exclude each other.
+    """
+
+    names: tuple[str, ...]
+    options: dict[str, Any]
+    group: str = ""
+    either: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command: the word behind ``fuzzyarm``, its help page, what it does, its arguments.
+
+    `run` takes the parsed arguments and returns the exit status. The line on the page of all
+    commands stands in `main.COMMANDS`, so that no module of a command is needed for it.
+    """
+
+    name: str
+    description: str | None
+    run: Callable[[argparse.Namespace], int]
+    arguments: Sequence[Argument]
+
+    def parser(self) -> argparse.ArgumentParser:
+        """Return the parser of its words."""
+        parser = argparse.ArgumentParser(
+            prog=f"fuzzyarm {self.name}",
+            description=self.description,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        # A list of numbers with a sign, such as the way point -30,45, is not an option.
+        parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
+        groups: dict[tuple[str, str], Any] = {("", ""): parser}
+        for each in self.arguments:
+            if (each.group, "") not in groups:
+                groups[each.group, ""] = parser.add_argument_group(each.group)
+            home = groups[each.group, ""]
+            if each.either:
+                if (each.group, each.either) not in groups:
+                    groups[each.group, each.either] = home.add_mutually_exclusive_group()
+                home = groups[each.group, each.either]
+            home.add_argument(*each.names, **each.options)
+        return parser
+
+
+def command(
+    name: str,
+    description: str | None,
+    run: Callable[[argparse.Namespace], int],
+    *arguments: Argument,
+) -> Command:
+    """Return the record of a command."""
+    return Command(name, description, run, arguments)
+
+
+def argument(words: str, text: str | None = None, *, either: str = "", **options: Any) -> Argument:
+    """Return an argument whose `words` are as on the help page, and `text` its line there.
+
+    The spellings of an option or the name of a positional argument stand first, then what
+    its values are called: ``-o --out FILE``, ``--angles A1 A2``, ``file FILE``.
+    """
+    first, *others = words.split()
+    names = [first, *(word for word in others if word.startswith("-"))]
+    values = others[len(names) - 1 :]
+    if len(values) > 1:
+        options |= {"nargs": len(values), "metavar": tuple(values)}
+    elif values:
+        options["metavar"] = values[0]
+    return Argument(tuple(names), {**options, "help": text}, either=either)
+
+
+def flag(words: str, text: str | None = None, *, either: str = "") -> Argument:
+    """Return an option without a value."""
+    return argument(words, text, either=either, action="store_true")
+
+
+def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
+    """Return the arguments under a title of the help page."""
+    return tuple(replace(each, group=title) for each in arguments)
+
+
+# --- Arguments of several commands ---
+
+MODEL = argument("file FILE", "a rule base or a table")
+MODE = argument("--mode", "how to look a table up", choices=("bins", "nearest", "linear"))
+JSON = flag("--json")
+SET = argument("--set GAIN=V[,V]", "override a gain", action="append", default=[])
+
+
+def json_of(what: str) -> Argument:
+    """Return ``--json`` with what it prints."""
+    return flag("--json", f"print {what} as JSON")
+
+
+def out(metavar: str, what: str, *, required: bool = True) -> Argument:
+    """Return ``-o``."""
+    return argument(f"-o --out {metavar}", what, required=required)
+
+
+def at(what: str) -> Argument:
+    """Return ``--at``, a point in the words of `read_assignments`."""
+    return argument("--at NAME=VALUE,...", what)
+
+
+# --- `name=value` words ---
+
+
+class WordError(FuzzyarmError, ValueError):
+    """A word on the command line that says nothing sensible."""
+
+
+def read_assignments(
+    words: Iterable[str], names: Iterable[str], *, what: str = "input"
+) -> dict[str, float]:
+    """Return the values in words like ``e=1.3`` or ``e=1.3,ce=-2``.
+
+    Parameters
+    ----------
+    words : iterable of str
+        From the command line.
+    names : iterable of str
+        The names that may be given a value.
+    what : str
+        What the names are, for the message.
+
+    Raises
+    ------
+    WordError
+        For an unknown name, a name given twice, or a value that is not a finite number.
+    """
+    known = tuple(names)
+    values: dict[str, float] = {}
+    for name, text in _pairs(words, known):
+        if name not in known:
+            hint, _ = near_hint(name, known)
+            listed = ", ".join(known) or "none"
+            raise WordError(f"unknown {what} '{name}'", hint=hint or f"there are: {listed}")
+        if name in values:
+            raise WordError(f"'{name}' is given twice")
+        values[name] = read_number(text, name)
+    return values
+
+
+def read_point(words: Iterable[str], names: Sequence[str]) -> dict[str, float]:
+    """Return a value for each of `names`; otherwise as :func:`read_assignments`."""
+    values = read_assignments(words, names)
+    missing = [name for name in names if name not in values]
+    if missing:
+        several = "s" if len(missing) > 1 else ""
+        example = " ".join(f"{name}=0" for name in missing)
+        raise WordError(
+            f"no value for input{several} {', '.join(missing)}",
+            hint=f"add, for instance, {example}",
+        )
+    return values
+
+
+def _pairs(words: Iterable[str], known: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    for word in words:
+        # A name may itself have a comma or an equals sign: try the names there are first.
+        rest = word
+        while rest:
+            name = next((n for n in known if rest.startswith(f"{n}=")), None)
+            if name is None:
+                name, equals, _ = rest.partition("=")
+                if not equals or not name:
+                    message = f"'{rest}' is not an assignment"
+                    raise WordError(message, hint="write, for instance, e=1.3")
+            value, _, rest = rest[len(name) + 1 :].partition(",")
+            yield name.strip(), value.strip()
+
+
+def read_number(text: str, name: str) -> float:
+    """Return the finite number in `text`; `name` says whose it is."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise WordError(f"the value of '{name}' is not a number: '{text}'") from None
+    if not math.isfinite(value):
+        raise WordError(f"the value of '{name}' must be finite, not {text}")
+    return value
+
+
+# --- Files ---
+
+
+def require_suffix(path: str, known: Iterable[str]) -> str:
+    """Return the suffix of `path` in small letters.
+
+    Raises
+    ------
+    WordError
+        If it is none of those known.
+    """
+    name = os.path.basename(path)
+    suffix = os.path.splitext(name)[1].lower()
+    if suffix not in known:
+        raise WordError(f"'{name}' does not tell a format", hint=f"known: {', '.join(known)}")
+    return suffix
+
+
+def load_rulebase(path: str, option: str) -> RuleBase:
+    """Return the rule base in a file that was given for `option`."""
+    from fuzzyarm.api import load
+    from fuzzyarm.model.rulebase import RuleBase
+
+    model = load(path)
+    if not isinstance(model, RuleBase):
+        raise WordError(f"{option} takes a rule base, and {path} is a table")
+    return model
+
+
+def load_table(path: str) -> LookupTable:
+    """Return the table in a file; a rule base is compiled at the levels of its file."""
+    from fuzzyarm.api import load
+    from fuzzyarm.model.rulebase import RuleBase
+
+    model = load(path)
+    if isinstance(model, RuleBase):
+        from fuzzyarm.table import compile_table
+
+        return compile_table(model, source=path)
+    return model
+
+
+class MissingExtraError(FuzzyarmError, ImportError):
+    """A command needs an extra that is not installed.
+
+    Attributes
+    ----------
+    extra : str
+        Its name in ``fuzzyarm[...]``.
+    """
+
+    def __init__(self, extra: str, what: str) -> None:
+        super().__init__(f'{what} needs an extra: pip install "fuzzyarm[{extra}]"')
+        self.extra = extra
+
+
+def demand_extra(module: str, extra: str, what: str) -> None:
+    """Raise `MissingExtraError` unless `module`, which the `extra` brings, can be imported."""
+    from importlib.util import find_spec
+
+    if find_spec(module) is None:
+        raise MissingExtraError(extra, what)
+
+
+# --- What is printed ---
+
+
+def print_json(data: Any, indent: int | None = None, *, ascii_only: bool = True) -> None:
+    """Print JSON data to the standard output."""
+    import json
+
+    print(json.dumps(data, indent=indent, ensure_ascii=ascii_only))
+
+
+def print_error(message: object) -> None:
+    """Print one line about what is wrong."""
+    print(f"fuzzyarm: {message}", file=sys.stderr)
+
+
+def print_os_error(error: OSError, path: str | None = None) -> None:
+    """Print why a file could not be read or written."""
+    path = path or error.filename
+    print_error(f"{f'{path}: ' if path else ''}{error.strerror or error}")
+
+
+def print_findings(found: Sequence[Diagnostic], text: str, stream: TextIO) -> None:
+    """Print diagnostics with their source lines, in colours on a terminal."""
+    colour = stream.isatty() and "NO_COLOR" not in os.environ
+    print(render_all(found, text, colour=colour), file=stream)
+
+
+def finding_data(found: Diagnostic) -> dict[str, Any]:
+    """Return a diagnostic as JSON data."""
+    return {
+        "name": found.name,
+        "severity": str(found.severity),
+        "message": found.message,
+        "hint": found.hint,
+        "path": found.path,
+        "line": found.line,
+        "column": found.column,
+        "end_line": found.span.end_line,
+        "end_column": found.span.end_column,
+        "related": [
+            {"message": r.message, "line": r.span.line, "column": r.span.column}
+            for r in found.related
+        ],
+    }
+
+
+def counted(number: int, word: str) -> str:
+    """Return ``1 rule`` or ``2 rules``."""
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+@contextmanager
+def busy(message: str) -> Iterator[Callable[[str], None] | None]:
+    """Show `message` while something runs, on a terminal only; give what changes it."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+
+    from fuzzyarm.kernels import watch_compiling
+
+    with Console(stderr=True).status(message) as status:
+        watch_compiling(
+            lambda name: status.update(f"{message}: compiling {name}, once" if name else message)
+        )
+        yield status.update
+
+
+@contextmanager
+def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Callable[[int], None]]:
+    """Show a bar, on a terminal only; give what moves it on."""
+    if not shown or not sys.stderr.isatty():
+        yield lambda _count: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(title, total=total)
+        yield lambda count: progress.advance(task, count)

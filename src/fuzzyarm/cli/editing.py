@@ -1,0 +1,270 @@
+"""While a file is written: ``fuzzyarm studio``, ``fuzzyarm watch`` and ``fuzzyarm lsp``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fuzzyarm.cli.command import (
+    WordError,
+    argument,
+    at,
+    command,
+    demand_extra,
+    flag,
+    print_error,
+    read_assignments,
+)
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import render_all
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+    from fuzzyarm.studio.document import StudioDocument
+
+
+_STUDIO = """Write a rule base and see what it means, as you type.
+
+The text is on the left; on the right stands what it means: the control surface, the rules,
+the terms, and which rules fire at the crisp inputs, which the arrow keys move. Findings
+stand below. Works in a terminal of 80 × 24, over ssh, with the mouse or without; F1 shows
+the keys. Needs: pip install "fuzzyarm[studio]"
+"""
+
+
+class StudioError(FuzzyarmError, OSError):
+    """The studio cannot be opened."""
+
+
+def _studio(arguments: argparse.Namespace) -> int:
+    demand_extra("textual", "studio", "the studio")
+    if not Path(arguments.file).exists():
+        name = Path(arguments.file).with_suffix("")
+        raise StudioError(
+            f"there is no file {arguments.file}", hint=f"fuzzyarm new {name} writes one"
+        )
+    from fuzzyarm.studio.document import StudioDocument
+
+    document = StudioDocument(arguments.file)
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise StudioError("the studio needs a terminal", hint="fuzzyarm show prints a drawing")
+    from fuzzyarm.studio.app import Studio
+
+    return Studio(document).run() or 0
+
+
+_WATCH = """Draw a file again whenever it is saved, for people who keep their own editor.
+
+Shows the control surface, the rules and the findings of a rule base, or a lookup table.
+While the text has mistakes they are shown above the last good drawing. With --table the
+compiled table is written at each save, with --figure a figure (.png, .svg or .pdf).
+Ctrl-C ends it.
+"""
+
+_VIEWS = ("surface", "rules", "terms", "firing", "numbers")
+_USUAL = ("surface", "rules", "numbers")
+_PAUSE = 0.2
+_WIDEST, _SURFACE_HEIGHT = 76, 16
+
+
+def _watch(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.show.drawing import make_console
+    from fuzzyarm.studio.document import StudioDocument
+
+    _demand_sense(arguments)
+    # Taken before the file is read: a save in between is then seen as one.
+    seen = _stamp(arguments.file)
+    document = StudioDocument(arguments.file)
+    console = make_console()
+    _redraw(console, document, arguments)
+    if arguments.once:
+        return int(document.broken)
+    try:
+        _follow(console, document, arguments, seen)
+    except KeyboardInterrupt:
+        if console.is_terminal:
+            console.print()
+    return 0
+
+
+def _demand_sense(arguments: argparse.Namespace) -> None:
+    if arguments.figure:
+        from fuzzyarm.show.figures.style import require_figure_suffix
+
+        require_figure_suffix(arguments.figure)
+    if arguments.table and Path(arguments.file).suffix.lower() == ".lut":
+        raise WordError(f"{arguments.file} is a table already", hint="leave out --table")
+    for target in (arguments.table, arguments.figure):
+        if target and Path(target).resolve() == Path(arguments.file).resolve():
+            raise WordError(f"{target} is the file that is watched")
+
+
+def _follow(
+    console: Console,
+    document: StudioDocument,
+    arguments: argparse.Namespace,
+    seen: tuple[int, int, int] | None,
+) -> None:
+    while True:
+        time.sleep(_PAUSE)
+        stamp = _stamp(document.path)
+        # An editor that replaces the file takes it away for a moment.
+        if stamp is None or stamp == seen:
+            continue
+        seen = stamp
+        try:
+            from fuzzyarm.language import read_text
+
+            text = read_text(document.path)
+        except FileNotFoundError:
+            seen = None
+            continue
+        except (OSError, FuzzyarmError) as error:
+            console.print(f"fuzzyarm: {error}", style="red")
+            continue
+        document.update(text)
+        _redraw(console, document, arguments)
+
+
+def _stamp(path: str) -> tuple[int, int, int] | None:
+    try:
+        status = Path(path).stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size, status.st_ino
+
+
+def _redraw(console: Console, document: StudioDocument, arguments: argparse.Namespace) -> None:
+    if arguments.at and document.scene is not None:
+        document.scene.point |= read_assignments([arguments.at], list(document.scene.ranges))
+    notes = [] if document.broken else _write_products(document, arguments)
+    if console.is_terminal:
+        console.clear()
+    console.print(_picture(document, min(console.width, _WIDEST), arguments.view or _USUAL))
+    for note in notes:
+        console.print(note)
+    sys.stdout.flush()
+
+
+def _write_products(document: StudioDocument, arguments: argparse.Namespace) -> list[str]:
+    """Write the table and the figure; say so, or why not: watching goes on."""
+    notes = []
+    rulebase = document.session.review().rulebase
+    for target, write in ((arguments.table, _write_table), (arguments.figure, _write_figure)):
+        if not target:
+            continue
+        try:
+            write(document, rulebase, target)
+            notes.append(f"{target}: written")
+        except (FuzzyarmError, OSError) as error:
+            notes.append(f"{target}: not written: {error}")
+    return notes
+
+
+def _write_table(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
+    from fuzzyarm.table import compile_table, write_table
+
+    assert rulebase is not None, "a sound rule base comes with its model"
+    write_table(compile_table(rulebase), target)
+
+
+def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
+    from fuzzyarm.show.figures import rulebase_figure, save_figure, table_figure
+
+    if rulebase is not None:
+        save_figure(rulebase_figure(rulebase), target)
+        return
+    from fuzzyarm.table import read_table
+
+    save_figure(table_figure(read_table(document.path)), target)
+
+
+def _picture(document: StudioDocument, width: int, views: Sequence[str]) -> RenderableType:
+    """Return the findings and, of `views`, the drawings that the file has."""
+    from rich.console import Group
+    from rich.text import Text
+
+    head = Text(document.path, "bold")
+    head.append(f"   {document.summary}   {time.strftime('%H:%M:%S')}", "not bold")
+    parts: list[RenderableType] = [head, Text()]
+    if document.findings:
+        said = render_all(document.findings, document.text)
+        parts += [Text(said, "red" if document.broken else "yellow"), Text()]
+    scene = document.scene
+    if scene is None:
+        return Group(*parts)
+    if not document.is_current:
+        parts += [Text("the drawing shows the last sound text", "yellow"), Text()]
+    for view in (name for name in scene.VIEWS if name in views):
+        parts += [scene.draw(view, width, _SURFACE_HEIGHT), Text()]
+    parts.append(scene.caption(keys=False))
+    return Group(*parts)
+
+
+_LSP = """The language server for editors: diagnostics, completion, hover, rename and more.
+
+Editors start it themselves and talk to it over its standard input and output; with
+`--tcp PORT` (or HOST:PORT) it waits for one connection instead. docs/authoring.md says how
+to set up VS Code, Neovim and Helix. Needs: pip install "fuzzyarm[lsp]"
+"""
+
+_HOST = "127.0.0.1"
+
+
+def _address(text: str) -> tuple[str, int]:
+    host, _, port = text.rpartition(":")
+    if not port.isdigit() or not 0 < int(port) < 65536:
+        raise argparse.ArgumentTypeError(f"'{text}' is neither a port nor a host with a port")
+    return host.strip("[]") or _HOST, int(port)
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    demand_extra("pygls", "lsp", "the language server")
+    from fuzzyarm.lsp.features import make_server
+
+    server = make_server()
+    if arguments.tcp is None:
+        # The server closes its output when it ends; ours stays open for the farewell.
+        server.start_io(stdout=os.fdopen(os.dup(sys.stdout.fileno()), "wb"))
+        return 0
+    host, port = arguments.tcp
+    print_error(f"waiting for an editor on {host}:{port}")
+    server.start_tcp(host, port)
+    return 0
+
+
+_TEXT = argument("file FILE", "a .frb or .lut file")
+
+COMMANDS = (
+    command("studio", _STUDIO, _studio, _TEXT),
+    command(
+        "watch",
+        _WATCH,
+        _watch,
+        _TEXT,
+        argument("--table OUT", "write the compiled table at each save"),
+        argument("--figure FIG", "write a figure at each save"),
+        at("the crisp inputs (the middle)"),
+        argument(
+            "--view",
+            "what to draw, once or several times (surface and rules; of a table its numbers)",
+            action="append",
+            choices=_VIEWS,
+        ),
+        flag("--once", "draw once and end, for scripts"),
+    ),
+    command(
+        "lsp",
+        _LSP,
+        _serve,
+        flag("--stdio", "talk over stdin and stdout (usual)"),
+        argument("--tcp [HOST:]PORT", "wait for a connection instead", type=_address),
+    ),
+)

@@ -1,0 +1,358 @@
+"""A program as the statements of a C function, and what they cost.
+
+Each part that has a name becomes a variable. Straight terms stay conditional expressions;
+what needs a part of its own twice is written with more variables and ``if``, so that
+nothing is computed twice or in vain.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fuzzyarm.export.numbers import C_TYPES, c_number
+from fuzzyarm.export.program import Call, Program
+from fuzzyarm.export.routine import CWriter
+from fuzzyarm.export.samples import SampleSums
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Constant,
+    Node,
+    Symbol,
+    apply,
+    children,
+    postorder,
+    symbol,
+    symbols,
+)
+from fuzzyarm.expression.nodes import replace as substitute
+from fuzzyarm.expression.operations import OPERATIONS, Operation
+from fuzzyarm.expression.printing import (
+    Assign,
+    Language,
+    Statement,
+    c_language,
+    setting,
+    statements,
+    variables,
+)
+
+_DEEPEST = 110
+"""Nesting of one expression before parts of it go into variables (compilers take 127)."""
+
+_HELPERS = {"minimum": ("least", "<"), "maximum": ("greatest", ">")}
+
+_ONE_OF_TWO = """TYPE NAME(TYPE a, TYPE b)
+{
+    return b SIGN a ? b : a; /* the first of equal ones */
+}
+"""
+
+
+def uses_functions(nodes: Iterable[Node]) -> bool:
+    """Return whether there are functions of the mathematical library among some operations."""
+    return any(
+        isinstance(node, Apply) and OPERATIONS[node.operation].sort == "functions" for node in nodes
+    )
+
+
+def needs_math_header(nodes: Sequence[Node]) -> bool:
+    """Return whether operations or numbers need ``math.h``: functions, NaN, infinity."""
+    return uses_functions(nodes) or any(
+        isinstance(node, Constant) and not math.isfinite(node.value) for node in nodes
+    )
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Statements that are run for each sample; the sums are set to 0 before.
+
+    Attributes
+    ----------
+    sums : SampleSums
+        Of which program.
+    body : tuple of Statement
+        In terms of the variables of the program.
+    """
+
+    sums: SampleSums
+    body: tuple[Statement, ...]
+
+
+class Listing:
+    """The statements of a program.
+
+    Attributes
+    ----------
+    body : list of Statement
+        In order; a name that comes again is a variable that is set again.
+    result : Node
+        What the function returns, of these variables.
+    reads : set of str
+        All symbols that are read.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self._calls: dict[str, tuple[Call, Node]] = {}
+        written, result = self._in_variables(program)
+        self.reads = self._symbols(result)
+        needed = []
+        for each in reversed(written):
+            if self.reads.isdisjoint(_sets(each)):
+                continue
+            inner = each.body if isinstance(each, Loop) else (each,)
+            for statement in inner:
+                assert isinstance(statement, Assign)
+                self.reads |= self._symbols(statement.value)
+            needed.append(each)
+        self._taken = {
+            *program.given,
+            *(name for each in program.variables for name in _sets(each)),
+        }
+        self.body: list[Statement | Loop] = []
+        for each in reversed(needed):
+            if isinstance(each, Loop):
+                inner = tuple(s for assign in each.body for s in self._spread_out(assign))
+                self.body.append(replace(each, body=inner))
+            else:
+                self.body += self._spread_out(each)
+        body, self.result = _spread("result", result, self._taken)
+        self.body += body
+
+    # ── parts to variables ───────────────────────────────────────────────────────────
+
+    def _in_variables(self, program: Program) -> tuple[list[Assign | Loop], Node]:
+        """Return the variables and the result, each of the variables before it.
+
+        A variable that is set more than once stands for its last part only: before that,
+        another use of a part is written out.
+        """
+        last = {name: i for i, each in enumerate(program.variables) for name in _sets(each)}
+        known: dict[Node, Node] = {}
+        growing: dict[str, Node] = {}
+        written: list[Assign | Loop] = []
+        for index, each in enumerate(program.variables):
+            if isinstance(each, SampleSums):
+                parts = {
+                    name: self._written(part, program.calls, known, {})
+                    for name, part in each.parts.items()
+                }
+                columns = {name: symbol(_element(each, name)) for name in each.columns}
+                body = (
+                    replace(step, value=substitute(step.value, {**parts, **columns}))
+                    for step in each.body
+                )
+                written.append(Loop(each, tuple(body)))
+                continue
+            before = growing.get(each.name)
+            if each.value is not before:  # else nothing was added: it is closed here
+                own = {} if before is None else {before: symbol(each.name)}
+                value = self._written(each.value, program.calls, known, own)
+                written.append(replace(each, value=value))
+            growing[each.name] = each.value
+            if index == last[each.name]:
+                known[each.value] = symbol(each.name)
+        return written, self._written(program.result, program.calls, known, {})
+
+    def _written(
+        self,
+        root: Node,
+        calls: Mapping[Node, Call],
+        known: Mapping[Node, Node],
+        own: Mapping[Node, Node],
+    ) -> Node:
+        made: dict[Node, Node] = {}
+        waiting = [(root, False)]
+        while waiting:
+            node, ready = waiting.pop()
+            if node in own or node in known:
+                made[node] = own[node] if node in own else known[node]
+                continue
+            call = calls.get(node)
+            parts = children(node) if call is None else (call.argument,)
+            if not ready:
+                waiting += [(node, True), *((part, False) for part in parts if part not in made)]
+            elif call is not None:
+                made[node] = self._called(call, made[call.argument])
+            elif isinstance(node, Apply):
+                made[node] = apply(node.operation, *(made[part] for part in parts))
+            else:
+                made[node] = node
+        return made[root]
+
+    def _called(self, call: Call, argument: Node) -> Node:
+        """Return a symbol that is printed as the call of a function."""
+        name = f"call {len(self._calls)}"
+        self._calls[name] = (call, argument)
+        return symbol(name)
+
+    def _symbols(self, value: Node) -> set[str]:
+        found = set(symbols(value))
+        inner = [self._symbols(self._calls[name][1]) for name in found & set(self._calls)]
+        return found.union(*inner)
+
+    def _spread_out(self, each: Statement) -> tuple[Statement, ...]:
+        assert isinstance(each, Assign)
+        body, value = _spread(each.name, each.value, self._taken)
+        self._taken |= set(variables(body))
+        return setting(each.name, body, value, each.remark)
+
+    # ── cost ─────────────────────────────────────────────────────────────────────────
+
+    @property
+    def variables(self) -> set[str]:
+        """The names of all variables."""
+        found: set[str] = set()
+        for each in self.body:
+            inner = each.body if isinstance(each, Loop) else (each,)
+            found |= {*_sets(each), *variables(inner)}
+        return found
+
+    def operations(self) -> Counter[str]:
+        """Return how many operations of each sort are done at most, never both branches."""
+        return self._count([*self.body, Assign("result", self.result)])
+
+    def _count(self, body: Iterable[Statement | Loop]) -> Counter[str]:
+        total: Counter[str] = Counter()
+        for statement in body:
+            if isinstance(statement, Loop):
+                once = self._count(statement.body)
+                total += Counter({sort: n * statement.sums.count for sort, n in once.items()})
+            elif isinstance(statement, Assign):
+                total += self._count_node(statement.value)
+            else:
+                total += self._count_node(statement.condition)
+                total += self._count(statement.then) | self._count(statement.otherwise)
+        return total
+
+    def _count_node(self, node: Node) -> Counter[str]:
+        if not isinstance(node, Apply):
+            called = self._calls.get(node.name) if isinstance(node, Symbol) else None
+            if called is None:
+                return Counter()
+            function, argument = called
+            return self._count(_function_body(function)) + self._count_node(argument)
+        first, *rest = (self._count_node(child) for child in node.arguments)
+        if node.operation == "where":
+            return first + (rest[0] | rest[1])
+        sort = OPERATIONS[node.operation].sort.removesuffix(" of two")
+        own = Counter() if sort == "logic" else Counter({sort: 1})
+        return sum(rest, first) + own
+
+    # ── text ─────────────────────────────────────────────────────────────────────────
+
+    def lines(self, writer: CWriter, real: type[np.floating]) -> tuple[list[str], str]:
+        """Return the lines of C in a type of number, and the text of the result."""
+        language = _language(writer, real)
+        for name, (call, argument) in self._calls.items():
+            if name in self.reads:
+                function = writer.helper(call.wanted, _function(call, language, C_TYPES[real]))
+                language.rename[name] = f"{function}({language.expression(argument)})"
+        for each in self.body:
+            if isinstance(each, Loop):
+                for name, column in each.sums.columns.items():
+                    literals = [language.number(value) for value in column]
+                    array = writer.constant(C_TYPES[real], literals, each.sums.wanted[name])
+                    language.rename[_element(each.sums, name)] = f"{array}[{each.sums.index}]"
+        return _lines(self.body, language, C_TYPES[real], set()), language.expression(self.result)
+
+
+def _lines(
+    body: Sequence[Statement | Loop], language: Language, real: str, made: set[str]
+) -> list[str]:
+    """Return the lines of some statements; `made` has the names that exist before."""
+    times_set = Counter(name for each in body for name in _sets(each))
+    lines: list[str] = []
+    for each in body:
+        if isinstance(each, Loop):
+            sums = each.sums
+            lines += [
+                f"{real} {name} = {language.number(0.0)};" for name in (sums.area, sums.moment)
+            ]
+            lines.append(
+                f"for (unsigned {sums.index} = 0u; {sums.index} < {sums.count}u; {sums.index}++) {{"
+            )
+            inner = _lines(each.body, language, real, made | {sums.area, sums.moment})
+            lines += [*(f"    {line}" for line in inner), "}"]
+            made |= {sums.area, sums.moment}
+            continue
+        again = isinstance(each, Assign) and times_set[each.name] > 1
+        text = language.lines([each], made={each.name} if again else made)
+        if again and each.name not in made:
+            text[0] = f"{real} {text[0]}"  # not const: it is set again
+        made.add(each.name)
+        lines += text
+    return lines
+
+
+def _sets(each: Statement | SampleSums | Loop) -> tuple[str, ...]:
+    """Return the variables that something sets and others may read."""
+    if isinstance(each, Loop):
+        each = each.sums
+    if isinstance(each, SampleSums):
+        return each.area, each.moment
+    return (each.name,)
+
+
+def _element(sums: SampleSums, column: str) -> str:
+    """Return the symbol that stands for an element of a column; it is printed as one."""
+    return f"{column} of {sums.area}"
+
+
+def _spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
+    """Return statements that set the shared parts of an expression, and what it then is."""
+    if not _needs_variables(root):
+        return (), root
+    return statements(root, prefix=f"{name}_", taken=taken)
+
+
+def _needs_variables(root: Node) -> bool:
+    """Return whether an operation in `root` is needed twice, or it nests too deep."""
+    seen: set[Node] = set()
+    depth: dict[Node, int] = {}
+    for node in postorder(root):
+        operands = [child for child in children(node) if isinstance(child, Apply)]
+        if not seen.isdisjoint(operands) or len(set(operands)) < len(operands):
+            return True
+        seen |= set(operands)
+        depth[node] = 1 + max((depth[child] for child in operands), default=0)
+    return depth[root] > _DEEPEST
+
+
+def _function_body(call: Call) -> list[Statement]:
+    body, result = statements(call.body, prefix="x", taken=("h",))
+    return [*body, Assign("", result)]
+
+
+def _function(call: Call, language: Language, real: str) -> str:
+    """Return the text of a function of ``h``, with NAME for its name."""
+    *body, last = _function_body(call)
+    assert isinstance(last, Assign)
+    lines = [f"    {line}" for line in language.lines(body)]
+    result = language.expression(last.value)
+    return "\n".join([f"{real} NAME({real} h)", "{", *lines, f"    return {result};", "}", ""])
+
+
+def _language(writer: CWriter, real: type[np.floating]) -> Language:
+    """Return C with the helpers of a file and the literals of its tables."""
+    kind = C_TYPES[real]
+    basis = c_language(kind)
+
+    def text(operation: Operation) -> str:
+        if operation.name not in _HELPERS:
+            return basis.text(operation)
+        wanted, sign = _HELPERS[operation.name]
+        return f"{writer.helper(wanted, _ONE_OF_TWO, TYPE=kind, SIGN=sign)}({{0}}, {{1}})"
+
+    def number(value: float) -> str:
+        if math.isfinite(value):
+            return c_number(value, real)
+        name = "NAN" if math.isnan(value) else "INFINITY"
+        sign = "-" if value < 0.0 else ""
+        return f"{sign}{name}" if kind == "float" else f"{sign}({kind}){name}"
+
+    return replace(basis, text=text, number=number, rename={})

@@ -1,0 +1,132 @@
+"""The centroid over samples: sums that C computes in a loop over constant arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.export.names import Names
+from fuzzyarm.expression.evaluation import evaluate_arrays
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.nodes import Node, replace, symbol
+from fuzzyarm.expression.printing import Assign
+from fuzzyarm.inference.defuzzify.aggregate import positions, weights
+from fuzzyarm.inference.plan import OutputPlan
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class SampleSums:
+    """The sums of an output over its samples, from the first to the last.
+
+    At each sample the aggregate is built up step by step; ``area`` is the sum of what it
+    then is, ``moment`` the sum of its products with the positions.
+
+    Attributes
+    ----------
+    area, moment, height, index : str
+        Names of the two sums, of the aggregate at a sample, and of the number of a sample.
+        The program reads the sums as symbols.
+    columns : mapping of str to tuple of float
+        Numbers for each sample, by the symbol that stands for the one at hand.
+    parts : mapping of str to Node
+        Parts of the program, by the symbol that stands for one in `steps`.
+    wanted : mapping of str to str
+        What the arrays of the columns are to be called.
+    steps : tuple of Assign
+        Set `height` again and again, of itself, of columns and of parts.
+    """
+
+    area: str
+    moment: str
+    height: str
+    index: str
+    columns: Mapping[str, tuple[float, ...]]
+    wanted: Mapping[str, str]
+    parts: Mapping[str, Node]
+    steps: tuple[Assign, ...]
+
+    @property
+    def count(self) -> int:
+        """The number of samples."""
+        return len(self.columns["position"])
+
+    @property
+    def body(self) -> tuple[Assign, ...]:
+        """What is done at each sample."""
+        height = symbol(self.height)
+        weighing = (
+            (Assign(self.height, height * symbol("weight")),) if "weight" in self.columns else ()
+        )
+        return (
+            *self.steps,
+            *weighing,
+            Assign(self.area, symbol(self.area) + height),
+            Assign(self.moment, symbol(self.moment) + height * symbol("position")),
+        )
+
+    def over_arrays(self, values: Mapping[str, Array], real: type) -> dict[str, Array]:
+        """Return the sums by name over arrays that broadcast, in the order of the loop."""
+        # The samples have an axis of their own before those of the points.
+        ones = (1,) * max(map(np.ndim, values.values()))
+        columns: dict[str, Array] = {
+            name: np.array(column, real).reshape(-1, *ones) for name, column in self.columns.items()
+        }
+        known: dict[str, Any] = {
+            name: evaluate_arrays(p, values, real) for name, p in self.parts.items()
+        }
+        known |= columns
+        for step in self.body[:-2]:
+            known[self.height] = evaluate_arrays(step.value, known, real)
+        height = known[self.height]
+        terms = {self.area: height, self.moment: height * columns["position"]}
+        # accumulate() adds from first to last; sum() may go about it in another order.
+        return {
+            name: np.add.accumulate(term, axis=0, dtype=real)[-1] for name, term in terms.items()
+        }
+
+
+def sample_sums(
+    output: OutputPlan, fired: Sequence[tuple[int, Node, str]], names: Names
+) -> SampleSums:
+    """Return the sums of an output.
+
+    Parameters
+    ----------
+    output : OutputPlan
+        Its defuzzifier is the centroid over samples.
+    fired : sequence of (int, Node, str)
+        A member, the strength at which it is cut, and a remark, in the order in which the
+        sets are aggregated.
+    names : Names
+        Gives out the names of variables.
+    """
+    model, way = output.output, output.output.defuzzifier
+    assert way.resolution is not None
+    samples = positions(model.low, model.high, way.resolution, way.sampling)
+    columns = {"position": tuple(samples)}
+    wanted = {"position": f"{model.name}_samples", "weight": f"{model.name}_weights"}
+    if way.sampling == "trapezoid":
+        columns["weight"] = tuple(weights(way.resolution, way.sampling))
+    height = names.new("height")
+    parts: dict[str, Node] = {}
+    steps: list[Assign] = []
+    for member, strength, remark in fired:
+        found = output.members[member]
+        degree, cut = f"degree {member}", f"strength {len(parts)}"
+        columns[degree] = tuple(map(found.membership, samples))
+        wanted[degree] = f"{model.name}_{found.term.name}"
+        parts[cut] = strength
+        implied = {"a": symbol(cut), "b": symbol(degree)}
+        value = replace(TNORMS[found.implication].expression, implied)
+        if steps:
+            both = {"a": symbol(height), "b": value}
+            value = replace(SNORMS[model.aggregation].expression, both)
+        steps.append(Assign(height, value, remark))
+    found_names = names.new("area"), names.new("moment"), height, names.new("k")
+    return SampleSums(*found_names, columns, wanted, parts, tuple(steps))

@@ -1,0 +1,218 @@
+"""Dialects: what each program takes for granted in the files it writes, a record for each.
+
+A kind of shape, norm or hedge has its names in its own record (`names` of
+:class:`fuzzyarm.expression.records.Kind`); a dialect says under which key they stand, and
+:func:`spellings` and :func:`words` read them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import chain
+from typing import NamedTuple
+
+from fuzzyarm.expression import formulas
+from fuzzyarm.expression.records import Kind
+
+MACHINE_EPSILON = 1e-6
+"""What the C++ program of fuzzylite takes for zero: a rule that fires less does not fire."""
+
+JFUZZYLOGIC_PAIRS = {
+    "min": "max",
+    "product": "probor",
+    "bounded": "bounded",
+    "drastic": "drastic",
+    "nilpotent": "nilpotent",
+    "hamacher": "einstein",
+}
+"""jFuzzyLogic sets OR by AND and AND by OR: T-norm → the S-norm that goes with it."""
+
+JFUZZYLOGIC_ACCUMULATIONS = ("max", "bounded", "normalized", "probor", "sum")
+"""S-norms that jFuzzyLogic has for ACCU; its other words are for OR."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dialect:
+    """How one program writes and means one format.
+
+    Attributes
+    ----------
+    suffix : str
+        Of the files.
+    producer : str
+        Short name of the program, as the command line takes it.
+    program : str
+        The same for messages.
+    kinds : str
+        Key of the names of shapes, norms and hedges in their records.
+    integral, weighted : mapping of str to str
+        Words for defuzzifiers, of sets and of values, and what the model calls them.
+    samples : tuple of int and str
+        How many samples of an output, and where.
+    threshold : float
+        Firing strength up to which a rule counts as not firing.
+    activates : bool
+        Whether hedges of a conclusion change the activation degree and carry on to the next
+        conclusions, and an output in a condition is its activation so far (fuzzylite).
+    chains : bool
+        Whether a condition may be about an output that its own block has concluded.
+    thresholds : bool
+        Whether the file can say any threshold.
+    clamps : tuple of str
+        Of which variables the file can say that they are clamped to their range:
+        ``inputs``, ``outputs``.
+    formula : fuzzyarm.expression.formulas.Dialect
+        How formulas are written.
+    assumed : str
+        What a reader says it took for granted.
+    equal_precedence : bool
+        Whether *and* and *or* bind alike, from the left.
+    any_case : bool
+        Whether the words of a rule may be in capitals, and names may differ in case.
+    separators : tuple of str
+        What may stand between two conclusions.
+    ties : str
+        Which of two points at one x counts: ``first`` or ``last``.
+    """
+
+    suffix: str
+    producer: str
+    program: str
+    kinds: str
+    integral: Mapping[str, str]
+    weighted: Mapping[str, str]
+    samples: tuple[int, str]
+    threshold: float = 0.0
+    activates: bool = False
+    chains: bool = False
+    thresholds: bool = False
+    clamps: tuple[str, ...] = ()
+    formula: formulas.Dialect = formulas.FUZZYLITE
+    assumed: str = ""
+    equal_precedence: bool = False
+    any_case: bool = False
+    separators: tuple[str, ...] = ("and",)
+    ties: str = "last"
+
+
+_FLL_INTEGRAL = {
+    "Bisector": "bisector",
+    "Centroid": "centroid",
+    "LargestOfMaximum": "largest-of-maximum",
+    "MeanOfMaximum": "mean-of-maximum",
+    "SmallestOfMaximum": "smallest-of-maximum",
+}
+_FCL_INTEGRAL = {
+    "COG": "centroid",
+    "COA": "bisector",
+    "LM": "smallest-of-maximum",
+    "RM": "largest-of-maximum",
+    "MM": "mean-of-maximum",
+}
+_FCL_WEIGHTED = {"COGS": "weighted-average", "COGF": "weighted-average", "COGSS": "weighted-sum"}
+_FIS_INTEGRAL = {
+    "centroid": "centroid",
+    "centroid_integral": "centroid",  # Octave's second method, by the trapezoid rule
+    "bisector": "bisector",
+    "mom": "mean-of-maximum",
+    "som": "smallest-of-maximum",
+    "lom": "largest-of-maximum",
+}
+_FIS_WEIGHTED = {"wtaver": "weighted-average", "wtsum": "weighted-sum"}
+
+FLL = Dialect(
+    suffix=".fll", producer="fuzzylite", program="fuzzylite", kinds="fll",
+    integral=_FLL_INTEGRAL,
+    weighted={"WeightedAverage": "weighted-average", "WeightedSum": "weighted-sum"},
+    samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
+    activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"),
+)  # fmt: skip
+
+FCL = {
+    "jfuzzylogic": Dialect(
+        suffix=".fcl", producer="jfuzzylogic", program="jFuzzyLogic", kinds="jfl",
+        integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "left"),
+        formula=formulas.JFUZZYLOGIC,
+        assumed="read as jFuzzyLogic does: 1000 left samples, ACCU is SUM unless given",
+        equal_precedence=True, any_case=True, separators=(",", "and"), ties="first",
+    ),
+    "fuzzylite": Dialect(
+        suffix=".fcl", producer="fuzzylite", program="fuzzylite", kinds="fcl",
+        integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "midpoints"),
+        threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
+        assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
+        any_case=True, separators=("and", ","),
+    ),
+}  # fmt: skip
+
+FIS = {
+    "matlab": Dialect(
+        suffix=".fis", producer="matlab", program="MATLAB", kinds="matlab",
+        integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(101, "endpoints"),
+        assumed="read with the defaults of MATLAB: sums over 101 points, the middle of the "
+        "range where no rule fires",
+    ),
+    "octave": Dialect(
+        suffix=".fis", producer="octave", program="Octave's toolkit", kinds="octave",
+        integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(101, "endpoints"),
+        assumed="read with the defaults of Octave's toolkit: sums over 101 points, nan "
+        "where no rule fires",
+    ),
+    "fuzzylite": Dialect(
+        suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
+        integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(1000, "midpoints"),
+        threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",),
+        assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
+        "fires",
+    ),
+}  # fmt: skip
+
+
+# --- Names of kinds ---
+
+
+class Spelling(NamedTuple):
+    """What a program calls a kind, and which parameter each number in its text is."""
+
+    kind: str
+    word: str
+    order: tuple[int, ...]
+
+
+@lru_cache(maxsize=1000)
+def spellings(kind: Kind, key: str) -> tuple[Spelling, ...]:
+    """Return the names of a kind under one key, the one to write first."""
+    found = []
+    for text in filter(None, kind.names.get(key, "").split(",")):
+        word, *numbers = text.split()
+        order = map(kind.parameters.index, numbers or kind.parameters)
+        found.append(Spelling(kind.name, word, tuple(order)))
+    return tuple(found)
+
+
+def all_spellings(kinds: Mapping[str, Kind], *keys: str) -> Mapping[str, Spelling]:
+    """Return word → spelling of all kinds of a registry; of equal words the first."""
+    return _table(tuple(kinds.values()), keys)
+
+
+@lru_cache(maxsize=100)
+def _table(kinds: tuple[Kind, ...], keys: tuple[str, ...]) -> Mapping[str, Spelling]:
+    # Of records, not of the registry: a kind of a user's own may be replaced by another.
+    found: dict[str, Spelling] = {}
+    for key in keys:
+        for spelling in chain.from_iterable(spellings(kind, key) for kind in kinds):
+            found.setdefault(spelling.word, spelling)
+    return found
+
+
+def words(kinds: Mapping[str, Kind], *keys: str) -> dict[str, str]:
+    """Return word → kind, for reading."""
+    return {word: spelling.kind for word, spelling in all_spellings(kinds, *keys).items()}
+
+
+def word_of(kinds: Mapping[str, Kind], name: str, key: str) -> str | None:
+    """Return the word to write for a kind, or None where the program does not know it."""
+    found = spellings(kinds[name], key) if name in kinds else []
+    return found[0].word if found else None

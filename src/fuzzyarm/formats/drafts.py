@@ -1,0 +1,255 @@
+"""What readers of all formats begin and end with, and a variable while its file is read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+from fuzzyarm.formats.dialects import Dialect
+from fuzzyarm.formats.findings import (
+    MAX_CHARACTERS,
+    MAX_TERMS,
+    Findings,
+    Imported,
+    Word,
+    number,
+    rounded,
+)
+from fuzzyarm.model.rulebase import (
+    Consequent,
+    Defuzzifier,
+    Input,
+    Output,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+)
+from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, Span
+
+VALUES = frozenset({"singleton", "linear", "formula"})
+"""Kinds of shape that are a number rather than a set."""
+
+MONOTONIC = frozenset({"arc", "concave", "ramp", "sigmoid", "s", "z"})
+"""Kinds of shape that Tsukamoto's method can turn round."""
+
+
+# --- The frame of all readers ---
+
+
+def imported(
+    text: str,
+    path: str,
+    read: Callable[[str, Findings], tuple[RuleBase | None, Dialect]],
+    *,
+    lossy: bool,
+) -> Imported:
+    """Refuse a text of absurd length, else have it read with line ends of one kind."""
+    findings = Findings(path, lossy=lossy)
+    if len(text) > MAX_CHARACTERS:
+        message = (
+            f"the file has {len(text)} characters, more than the {MAX_CHARACTERS} that are read"
+        )
+        findings.error("too-long", message)
+        return Imported(None, findings.all())
+    plain = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    rulebase, dialect = read(plain, findings)
+    if dialect.assumed:
+        findings.info("assumed-producer", dialect.assumed)
+    if findings.failed:
+        rulebase = None
+    return Imported(rulebase, findings.all(), dialect.producer)
+
+
+def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[Word]:
+    """Yield the lines of a text that are not empty, without the space around them."""
+    for row, raw in enumerate(text.split("\n"), 1):
+        content = without_comment(raw)
+        line = content.strip()
+        if line:
+            start = len(content) - len(content.lstrip()) + 1
+            yield Word(line, Span(row, start, row, start + len(line)))
+
+
+def rulebase_of(
+    name: str, drafts: Iterable[Draft], blocks: tuple[RuleBlock, ...], description: str = ""
+) -> RuleBase:
+    """Return the rule base of finished variables and blocks."""
+    drafts = tuple(drafts)
+    inputs = tuple(draft.input() for draft in drafts if not draft.is_output)
+    outputs = tuple(draft.output() for draft in drafts if draft.is_output)
+    return RuleBase(name, inputs, outputs, blocks, description)
+
+
+def note_rounding(text: str, findings: Findings) -> None:
+    """Say where all numbers of a file of fuzzylite have the three decimals it prints."""
+    match = rounded(text)
+    if match is None:
+        return
+    line = text.count("\n", 0, match.start()) + 1
+    column = match.start() - text.rfind("\n", 0, match.start())
+    span = Span(line, column, line, column + len(match.group()))
+    message = "every number of this file has three decimals, so some may have been rounded"
+    findings.info("rounded-number", message, span)
+
+
+# --- A variable ---
+
+
+@dataclass(slots=True)
+class Draft:
+    """A variable in the making.
+
+    The range is infinite until the file says more; `enabled` is False where the file
+    switches the variable off.
+    """
+
+    word: Word
+    is_output: bool
+    low: float = -math.inf
+    high: float = math.inf
+    terms: list[Term] = field(default_factory=list)
+    description: str = ""
+    outside: str = "extend"
+    enabled: bool = True
+    aggregation: str = "sum"
+    defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
+    no_rule: float | str = math.nan
+    _index: dict[str, Term] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The name."""
+        return self.word.text
+
+    def term(self, name: str) -> Term | None:
+        """Return the term called `name`, or None."""
+        return self._index.get(name)
+
+    def add(self, term: Term) -> None:
+        """Add a term."""
+        self.terms.append(term)
+        self._index.setdefault(term.name, term)
+
+    def put(self, index: int, term: Term) -> None:
+        """Put a term in the place of one with the same name."""
+        self.terms[index] = term
+        self._index[term.name] = term
+
+    def input(self) -> Input:
+        """Return the finished input."""
+        return Input(
+            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
+            span=self.word.span,
+        )  # fmt: skip
+
+    def output(self) -> Output:
+        """Return the finished output."""
+        return Output(
+            self.name, self.low, self.high, tuple(self.terms), self.description, self.outside,
+            span=self.word.span, aggregation=self.aggregation, defuzzifier=self.defuzzifier,
+            no_rule=self.no_rule,
+        )  # fmt: skip
+
+    @property
+    def bounded(self) -> bool:
+        """Whether its range is finite."""
+        return math.isfinite(self.low) and math.isfinite(self.high)
+
+    @property
+    def kinds(self) -> set[str]:
+        """The kinds of shape of its terms."""
+        return {term.shape.kind for term in self.terms}
+
+    def set_range(self, words: list[Word], at: Word, findings: Findings, what: str) -> None:
+        """Take the range from two words."""
+        values = [number(word.text) for word in words]
+        if len(values) != 2 or values[0] is None or values[1] is None:
+            message = f"a range is {what}, not '{at.text[:40]}'"
+            findings.error("bad-range", message, at)
+            return
+        self.low, self.high = values[0], values[1]
+
+    def settle_range(self, findings: Findings) -> None:
+        """Widen a range without width, turn one that is the wrong way round."""
+        if math.isnan(self.low) or math.isnan(self.high):
+            findings.error("bad-range", f"the range of '{self.name}' has a nan", self.word)
+            self.low, self.high = -math.inf, math.inf
+        if self.low > self.high:
+            message = f"the range of '{self.name}' runs from {self.low} down to {self.high}"
+            findings.error("bad-range", message, self.word)
+            self.low, self.high = self.high, self.low
+        if self.low == self.high:
+            message = f"the range of '{self.name}' has no width; half a unit is added either side"
+            findings.warn("empty-range", message, self.word)
+            self.low, self.high = self.low - 0.5, self.high + 0.5
+        if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (self.low, self.high)):
+            message = f"the range of '{self.name}' goes beyond {MAX_MAGNITUDE:g}"
+            findings.error("bad-range", message, self.word)
+        if self.low == self.high:  # beyond 2**53 half a unit is nothing
+            self.high = math.nextafter(self.low, math.inf)
+
+
+def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep: str) -> None:
+    """Add a term; of two with one name keep the ``first`` or the ``last``, and say so."""
+    term = Term(word.text, shape, word.span)
+    earlier = draft.term(word.text)
+    if earlier is None:
+        if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
+            draft.add(term)
+        return
+    message = f"'{draft.name}' has two terms called '{word.text}'; the {keep} counts"
+    findings.duplicate("duplicate-term-name", message, word, earlier.span)
+    if keep == "last":
+        draft.put(draft.terms.index(earlier), term)
+
+
+def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequent:
+    """Name the first term with the same value, for programs that aggregate by value."""
+    draft = variables.get(consequent.variable)
+    term = draft.term(consequent.term) if draft is not None else None
+    if draft is None or term is None or term.shape.kind not in VALUES:
+        return consequent
+    first = next(t for t in draft.terms if t.shape == term.shape)
+    return replace(consequent, term=first.name)
+
+
+# --- The defuzzifier of an output ---
+
+
+def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Findings) -> None:
+    """Set fuzzylite's weighted defuzzifier; an ``Automatic`` `kind` is told from the terms."""
+    if kind == "Automatic":
+        monotonic = draft.kinds and draft.kinds <= MONOTONIC
+        kind = "Tsukamoto" if monotonic else "TakagiSugeno"
+    if kind == "Tsukamoto":
+        if not draft.kinds <= MONOTONIC:
+            message = f"'{draft.name}' has terms without an inverse, which Tsukamoto needs"
+            findings.error("not-monotonic", message, at)
+        if method == "weighted-sum":
+            message = "a weighted sum of Tsukamoto terms cannot be carried"
+            findings.loss("weighted-sum-of-tsukamoto", message, at)
+        draft.defuzzifier = Defuzzifier("tsukamoto")
+        return
+    if not draft.kinds <= VALUES:
+        message = (
+            f"'{draft.name}' has sets where values are needed; fuzzylite takes the membership "
+            "of the firing strength, which cannot be carried"
+        )
+        findings.loss("set-as-value", message, at)
+    draft.defuzzifier = Defuzzifier(method)
+
+
+def maximum_of_nothing(output: Draft | Output) -> float:
+    """Return what fuzzylite 7 takes for the maximum of an empty output: all samples are it."""
+    defuzzifier = output.defuzzifier
+    half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
+    match defuzzifier.method:
+        case "mean-of-maximum":
+            return 0.5 * (output.low + output.high)
+        case "smallest-of-maximum":
+            return output.low + half_step
+        case "largest-of-maximum":
+            return output.high - half_step
+    return math.nan

@@ -1,0 +1,598 @@
+"""FCL, the language of IEC 61131-7, as jFuzzyLogic and fuzzylite write it: read."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field, replace
+
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.formats.dialects import (
+    FCL,
+    JFUZZYLOGIC_PAIRS,
+    Dialect,
+    words,
+)
+from fuzzyarm.formats.drafts import (
+    VALUES,
+    Draft,
+    add_term,
+    imported,
+    rulebase_of,
+    settle_weighted,
+)
+from fuzzyarm.formats.fcl_text import SECTIONS, Cursor, fcl_words, read_shape
+from fuzzyarm.formats.findings import (
+    MAX_RULES,
+    MAX_VARIABLES,
+    FaultError,
+    Findings,
+    Imported,
+    Word,
+    number,
+)
+from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
+from fuzzyarm.formats.sentences import RuleText, read_sentences
+from fuzzyarm.formats.shapes import estimated_range
+from fuzzyarm.model.rulebase import Defuzzifier, RuleBase, Shape, Term
+
+# --- Which program a text was written for ---
+
+_ONLY_FUZZYLITE = re.compile(
+    r"[:=]\s*(EPROD|DPROD|HPROD|ESUM|DSUM|HSUM|NMIN|NMAX|COGSS|Triangle|Trapezoid|Bell|Gaussian|"
+    r"Sigmoid|Ramp|Rectangle|ZShape|SShape|PiShape|Linear|Concave|Spike|Discrete)\b"
+    r"|^\s*(ENABLED|LOCK)\s*:",
+    re.MULTILINE,
+)
+
+
+def _detect(text: str) -> str:
+    """Return the dialect of a text: jFuzzyLogic's unless something says fuzzylite."""
+    head = text[:2000].lower()
+    if "fuzzylite" in head:
+        return "fuzzylite"
+    if "jfuzzylogic" in head:
+        return "jfuzzylogic"
+    plain = re.sub(r"//[^\n]*|#[^\n]*", "", text)
+    if _ONLY_FUZZYLITE.search(plain) or _has_accu_in_defuzzify(plain):
+        return "fuzzylite"
+    return "jfuzzylogic"
+
+
+def _has_accu_in_defuzzify(text: str) -> bool:
+    inside = False
+    for match in re.finditer(r"\b(END_DEFUZZIFY|DEFUZZIFY|ACCU)\b", text, re.IGNORECASE):
+        word = match.group().upper()
+        if word == "ACCU" and inside:
+            return True
+        if word != "ACCU":
+            inside = word == "DEFUZZIFY"
+    return False
+
+
+# --- Where jFuzzyLogic takes its samples, to the last bit ---
+#
+# It walks along the range by adding up steps; the model multiplies them. The two differ by
+# some 1e-16, which matters only to a vertical edge that stands exactly on a sample: there
+# the one may see 1 and the other 0.
+
+
+def _settle_edges(draft: Draft, findings: Findings) -> None:
+    """Move vertical edges by one step of the machine where that makes the samples agree."""
+    count = draft.defuzzifier.resolution
+    if count is None:
+        return
+    samples: list[tuple[float, float]] = []
+    for index, term in enumerate(draft.terms):
+        if not any(_edges(term.shape)):
+            continue
+        samples = samples or _samples(draft.low, draft.high, count)
+        moved = _moved(term.shape, samples, draft.low, draft.high)
+        if moved != term.shape:
+            message = (
+                f"an edge of '{term.name}' stands on a sample that jFuzzyLogic takes right "
+                "beside it; it is moved by the smallest step there is"
+            )
+            findings.info("edge-on-sample", message, term.span)
+            draft.put(index, Term(term.name, moved, term.span))
+
+
+def _samples(low: float, high: float, count: int) -> list[tuple[float, float]]:
+    """Return the samples of the model and of jFuzzyLogic, pairwise."""
+    step = (high - low) / count
+    pairs = []
+    x = low
+    for index in range(count):
+        pairs.append((low + index * step, x))
+        x += step
+    return pairs
+
+
+def _edges(shape: Shape) -> tuple[bool, bool]:
+    """Return whether the left and the right flank are vertical."""
+    p = shape.parameters
+    match shape.kind:
+        case "triangle":
+            return p[0] == p[1], p[1] == p[2]
+        case "trapezoid":
+            return p[0] == p[1], p[2] == p[3]
+        case "rectangle" | "singleton":
+            return True, True
+    return False, False
+
+
+def _moved(shape: Shape, samples: list[tuple[float, float]], low: float, high: float) -> Shape:
+    left, right = _edges(shape)
+    p = list(shape.parameters)
+    if left and _seen_from(p[0], samples) < 0:
+        up = math.nextafter(p[0], high)
+        p = [up if value == shape.parameters[0] else value for value in p]
+    if right and _seen_from(p[-1], samples) > 0:
+        down = math.nextafter(p[-1], low)
+        p = [down if value == p[-1] else value for value in p]
+    return replace(shape, parameters=tuple(p))
+
+
+def _seen_from(edge: float, samples: list[tuple[float, float]]) -> int:
+    """Return -1 or 1 where a sample on the edge is taken before or behind it, else 0."""
+    for model, walked in samples:
+        if model == edge:
+            return (walked > edge) - (walked < edge)
+    return 0
+
+
+# --- A function block while it is read ---
+
+
+@dataclass(slots=True)
+class _BlockText:
+    """A rule block as it was written: norms by AND, OR, ACT and ACCU, rules from IF on."""
+
+    word: Word
+    norms: list[tuple[str, Word]] = field(default_factory=list)
+    rules: list[list[Word]] = field(default_factory=list)
+    enabled: bool = True
+
+
+@dataclass(slots=True)
+class _FunctionBlock:
+    """A function block; methods and accumulations by the name of the output."""
+
+    word: Word
+    variables: dict[str, Draft] = field(default_factory=dict)
+    methods: dict[str, Word] = field(default_factory=dict)
+    accumulations: dict[str, str] = field(default_factory=dict)
+    blocks: list[_BlockText] = field(default_factory=list)
+
+
+def _joined_numbers(words: list[Word]) -> list[Word]:
+    """Put the sign of a weight back to its number."""
+    if len(words) > 2 and words[-2].text in ("-", "+"):
+        sign, value = words[-2], words[-1]
+        words[-2:] = [Word(sign.text + value.text, sign.span.to(value.span))]
+    return words
+
+
+# --- Read FCL ---
+
+_END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})
+_S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
+_OPTIONS = {"OPTIONS": "END_OPTIONS", "OPTION": "END_OPTION"}
+
+
+def parse_fcl(
+    text: str,
+    path: str = "<text>",
+    *,
+    dialect: str | None = None,
+    block: str | None = None,
+    lossy: bool = False,
+) -> Imported:
+    """Read a function block: :func:`~fuzzyarm.formats.registry.parse` of ``.fcl``.
+
+    The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
+    """
+
+    def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
+        found = FCL[dialect or _detect(plain)]
+        return _Reader(plain, found, findings).read(block), found
+
+    return imported(text, path, read, lossy=lossy)
+
+
+class _Reader:
+    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
+        self.findings = findings
+        self.dialect = dialect
+        self.cursor = Cursor(fcl_words(text, findings))
+        self.blocks: list[_FunctionBlock] = []
+        self.block = _FunctionBlock(Word(""))  # the one that is read or settled
+
+    def read(self, wanted: str | None) -> RuleBase | None:
+        while not self.cursor.ended:
+            try:
+                self._section()
+            except FaultError as fault:
+                self.findings.fault(fault)
+                self._to_next_section()
+        block = self._chosen(wanted)
+        if block is None:
+            return None
+        self.block = block
+        return self._rulebase()
+
+    def _chosen(self, wanted: str | None) -> _FunctionBlock | None:
+        if not self.blocks:
+            if not self.findings.failed:
+                self.findings.error("no-engine", "there is no FUNCTION_BLOCK in this file")
+            return None
+        names = [block.word.text for block in self.blocks]
+        if wanted is not None and wanted not in names:
+            self.findings.unknown("unknown-block", "the function block", Word(wanted), names)
+            return None
+        chosen = self.blocks[names.index(wanted) if wanted is not None else 0]
+        for other in self.blocks:
+            if other is not chosen:
+                message = f"the function block '{other.word.text}' is left out"
+                self.findings.warn("several-blocks", message, other.word)
+        return chosen
+
+    def _section(self) -> None:
+        cursor = self.cursor
+        key = cursor.key()
+        if key == "FUNCTION_BLOCK":
+            cursor.take()
+            is_name = not cursor.ended and cursor.key() not in SECTIONS
+            word = cursor.take() if is_name else Word("", cursor.word.span)
+            self.blocks.append(_FunctionBlock(word))
+        elif key == "END_FUNCTION_BLOCK":
+            cursor.take()
+            cursor.skip(";")
+        elif key in SECTIONS:
+            self._inner(key)
+        elif key in _OPTIONS:
+            word = cursor.take()
+            while not cursor.ended and not cursor.skip(_OPTIONS[key]):
+                cursor.take()
+            self.findings.info("dropped-options", "the options are left out", word)
+        else:
+            found = cursor.word.text[:40]
+            message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{found}'"
+            raise FaultError(message, cursor.word)
+
+    def _inner(self, key: str) -> None:
+        if not self.blocks:
+            self.blocks.append(_FunctionBlock(Word("", self.cursor.word.span)))
+        self.block = self.blocks[-1]
+        self.cursor.take()
+        if key in ("VAR_INPUT", "VAR_OUTPUT"):
+            self._declarations(is_output=key == "VAR_OUTPUT")
+        elif key in ("FUZZIFY", "DEFUZZIFY"):
+            self._fuzzify(is_output=key == "DEFUZZIFY")
+        else:
+            text = self._rule_block()
+            count = len(self.block.blocks)
+            if self.findings.room(count, MAX_VARIABLES, "rule blocks", text.word):
+                self.block.blocks.append(text)
+
+    def _to_next_section(self) -> None:
+        cursor = self.cursor
+        cursor.at += not cursor.ended
+        while not cursor.ended:
+            if cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
+                return
+            cursor.take()
+
+    # --- Variables ---
+
+    def _declarations(self, *, is_output: bool) -> None:
+        """Read from behind VAR_INPUT or VAR_OUTPUT to behind END_VAR."""
+        cursor = self.cursor
+        last: Draft | None = None
+        while not cursor.skip("END_VAR"):
+            if cursor.key() == "RANGE" and last is not None:
+                self._range(last)
+                continue
+            word = cursor.name("a variable")
+            if word.text in self.block.variables:
+                message = f"there are two variables called '{word.text}'"
+                self.findings.error("duplicate-variable", message, word)
+            last = Draft(word, is_output)
+            if self.findings.room(len(self.block.variables), MAX_VARIABLES, "variables", word):
+                last = self.block.variables.setdefault(word.text, last)
+            cursor.expect(":")
+            while not cursor.ended and cursor.word.text != ";" and cursor.key() != "END_VAR":
+                if cursor.word.span.line != word.span.line:
+                    break
+                cursor.take()
+            cursor.skip(";")
+
+    def _fuzzify(self, *, is_output: bool) -> None:
+        """Read from behind FUZZIFY or DEFUZZIFY to behind its end."""
+        cursor = self.cursor
+        end = "END_DEFUZZIFY" if is_output else "END_FUZZIFY"
+        draft = self._variable(is_output=is_output)
+        while not cursor.skip(end):
+            if cursor.ended or cursor.key() in SECTIONS:
+                raise FaultError(f"'{end}' is missing", cursor.word)
+            try:
+                self._statement(draft)
+            except FaultError as fault:
+                self.findings.fault(fault)
+                cursor.at += cursor.key() not in (end, *SECTIONS)
+                cursor.to_next_statement()
+
+    def _variable(self, *, is_output: bool) -> Draft:
+        word = self.cursor.name("a variable")
+        draft = self.block.variables.get(word.text)
+        if draft is None:
+            kind = "VAR_OUTPUT" if is_output else "VAR_INPUT"
+            message = f"'{word.text}' is not declared in {kind}"
+            self.findings.warn("undeclared-variable", message, word)
+            draft = Draft(word, is_output)
+            if self.findings.room(len(self.block.variables), MAX_VARIABLES, "variables", word):
+                self.block.variables[word.text] = draft
+        if draft.is_output != is_output:
+            kind = "output" if draft.is_output else "input"
+            message = f"'{word.text}' is declared as an {kind}"
+            self.findings.error("wrong-section", message, word)
+        return draft
+
+    def _statement(self, draft: Draft) -> None:
+        cursor = self.cursor
+        inputs = sum(not d.is_output for d in self.block.variables.values())
+        match cursor.key():
+            case "TERM":
+                cursor.take()
+                word = cursor.name("a term")
+                cursor.skip(":=", "=", ":")
+                shape = read_shape(cursor, self.dialect, inputs, self.findings)
+                if shape is not None:
+                    keep = "last" if self.dialect.producer == "jfuzzylogic" else "first"
+                    add_term(draft, word, shape, self.findings, keep=keep)
+            case "RANGE":
+                self._range(draft)
+            case "ENABLED":
+                cursor.end_key()
+                draft.enabled = cursor.take().text.upper() != "FALSE"
+            case "METHOD" if draft.is_output:
+                cursor.end_key()
+                self.block.methods[draft.name] = cursor.name("a method")
+            case "ACCU" if draft.is_output:
+                self._accumulation(draft)
+            case "DEFAULT" if draft.is_output:
+                self._default(draft)
+            case "LOCK" if draft.is_output:
+                self._lock(draft)
+            case _:
+                found = cursor.word.text[:40]
+                message = f"TERM, RANGE and the like are expected here, not '{found}'"
+                raise FaultError(message, cursor.word)
+        if not cursor.skip(";") and cursor.word.text not in ("", ";"):
+            self._after_statement()
+
+    def _after_statement(self) -> None:
+        """Complain where a statement goes on after its end."""
+        cursor = self.cursor
+        if cursor.at and cursor.word.span.line == cursor.words[cursor.at - 1].span.line:
+            word = cursor.word
+            if not cursor.key().startswith(("END_", "TERM", "RANGE", "METHOD")):
+                raise FaultError(f"';' is expected before '{word.text[:40]}'", word)
+
+    def _range(self, draft: Draft) -> None:
+        cursor = self.cursor
+        cursor.end_key()
+        cursor.expect("(")
+        draft.low = cursor.number()
+        cursor.expect("..", ",")
+        draft.high = cursor.number()
+        cursor.expect(")")
+        cursor.skip(";")
+
+    def _accumulation(self, draft: Draft) -> None:
+        cursor = self.cursor
+        cursor.end_key()
+        word = cursor.name("a norm")
+        if word.text.upper() == "NONE":
+            return
+        table = words(SNORMS, "fcl", "jfl")
+        norm = self.findings.norm("the accumulation", word, table, word.text.upper())
+        if norm is not None:
+            self.block.accumulations[draft.name] = norm
+
+    def _default(self, draft: Draft) -> None:
+        cursor = self.cursor
+        cursor.end_key()
+        if cursor.skip("NC"):
+            draft.no_rule = "hold"
+            return
+        if cursor.key() in ("NAN", "INF"):
+            draft.no_rule = number(cursor.take().text) or math.nan
+        else:
+            draft.no_rule = cursor.number()
+        if cursor.skip("|") and cursor.skip("NC"):
+            message = "the value is held; the default counts only before the first value"
+            self.findings.info("default-with-hold", message, draft.word)
+            draft.no_rule = "hold"
+
+    def _lock(self, draft: Draft) -> None:
+        cursor = self.cursor
+        cursor.end_key()
+        while cursor.key() in ("PREVIOUS", "RANGE", "NONE", "|"):
+            word = cursor.take().text.upper()
+            if word == "PREVIOUS":
+                draft.no_rule = "hold"
+            elif word == "RANGE":
+                draft.outside = "clamp"
+
+    # --- Rule blocks ---
+
+    def _rule_block(self) -> _BlockText:
+        """Read from behind RULEBLOCK to behind END_RULEBLOCK."""
+        cursor = self.cursor
+        unnamed = cursor.key() in ("AND", "OR", "ACT", "ACCU", "RULE", "ENABLED", "END_RULEBLOCK")
+        block = _BlockText(Word("", cursor.word.span) if unnamed or cursor.ended else cursor.take())
+        while not cursor.skip("END_RULEBLOCK"):
+            if cursor.ended or cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
+                raise FaultError("'END_RULEBLOCK' is missing", cursor.word)
+            try:
+                self._block_statement(block)
+            except FaultError as fault:
+                self.findings.fault(fault)
+                cursor.at += cursor.key() not in _END_OF_RULE
+                cursor.to_next_statement()
+        return block
+
+    def _block_statement(self, block: _BlockText) -> None:
+        cursor = self.cursor
+        key = cursor.key()
+        if key in ("AND", "OR", "ACT", "ACCU"):
+            cursor.end_key()
+            block.norms.append((key, cursor.name("a norm")))
+            cursor.skip(";")
+        elif key == "ENABLED":
+            cursor.end_key()
+            block.enabled = cursor.take().text.upper() != "FALSE"
+            cursor.skip(";")
+        elif key == "RULE":
+            start = cursor.take()
+            words = self._rule_words(start)
+            if self.findings.room(len(block.rules), MAX_RULES, "rules", start):
+                block.rules.append(words)
+        else:
+            message = f"RULE, AND and the like are expected here, not '{cursor.word.text[:40]}'"
+            raise FaultError(message, cursor.word)
+
+    def _rule_words(self, start: Word) -> list[Word]:
+        cursor = self.cursor
+        while not cursor.ended and cursor.key() not in ("IF", *_END_OF_RULE):
+            cursor.take()
+        words: list[Word] = []
+        while not cursor.ended and cursor.key() not in _END_OF_RULE:
+            words.append(cursor.take())
+        cursor.skip(";")
+        if not words:
+            raise FaultError("the rule has no IF", start)
+        return _joined_numbers(words)
+
+    def _norms(self, text: _BlockText) -> dict[str, str]:
+        """Return the norms that a block names, by AND, OR, ACT and ACCU."""
+        found: dict[str, str] = {}
+        for key, word in text.norms:
+            table = words(TNORMS if key in ("AND", "ACT") else SNORMS, "fcl", "jfl")
+            name = word.text.upper()
+            if name == "NONE":
+                continue
+            norm = self.findings.norm(f"the norm for {key}", word, table, name)
+            if norm is None:
+                continue
+            if self.dialect.producer == "jfuzzylogic" and key in ("AND", "OR"):
+                self._pair(found, key, norm, word)
+            found[key] = norm
+        return found
+
+    def _pair(self, found: dict[str, str], key: str, norm: str, word: Word) -> None:
+        """Set OR with AND and AND with OR, as jFuzzyLogic does."""
+        other = "OR" if key == "AND" else "AND"
+        table = JFUZZYLOGIC_PAIRS if key == "AND" else _S_TO_T
+        partner = table.get(norm)
+        if partner is None:
+            return
+        if other in found and found[other] != partner:
+            message = f"to jFuzzyLogic this sets {other} to {partner} too, whatever stood there"
+            self.findings.warn("paired-norms", message, word)
+        found[other] = partner
+
+    def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
+        """Set the aggregation of the outputs that rules conclude from ACCU in their block."""
+        if accumulation is None and self.dialect.producer == "fuzzylite":
+            return
+        norm = accumulation or "sum"
+        for rule in rules:
+            for conclusion in rule.conclusions:
+                draft = self.block.variables.get(conclusion.variable)
+                if draft is None or not draft.is_output:
+                    continue
+                draft.aggregation = self.block.accumulations.setdefault(draft.name, norm)
+                if draft.aggregation != norm and self.dialect.producer == "jfuzzylogic":
+                    message = f"two blocks accumulate '{draft.name}' by different norms"
+                    self.findings.loss("mixed-accumulation", message, conclusion.span)
+
+    # --- From the text to the model ---
+
+    def _rulebase(self) -> RuleBase:
+        block = self.block
+        for draft in block.variables.values():
+            self._settle(draft)
+        blocks = [each for text in block.blocks if is_on(each := self._block(text), self.findings)]
+        in_model = blocks_in_model(blocks, block.variables, self.dialect, self.findings)
+        if not any(each.rules for each in in_model):
+            self.findings.warn("no-rules", "the function block has no rules", block.word)
+        return rulebase_of(block.word.text, block.variables.values(), in_model)
+
+    def _block(self, text: _BlockText) -> Block:
+        block = Block(text.word.text, text.word.span, text.enabled)
+        if not block.enabled:
+            return block
+        norms = self._norms(text)
+        block.conjunction, block.disjunction = norms.get("AND"), norms.get("OR")
+        block.implication, block.threshold = norms.get("ACT"), self.dialect.threshold
+        variables = self.block.variables
+        block.rules = read_sentences(text.rules, variables, self.findings, self.dialect)
+        self._accumulate(block.rules, norms.get("ACCU"))
+        return block
+
+    def _settle(self, draft: Draft) -> None:
+        if draft.is_output:
+            draft.aggregation = self.block.accumulations.get(draft.name, "sum")
+            self._finish_output(draft, self.block.methods.get(draft.name))
+        if math.isinf(draft.low) and math.isinf(draft.high):
+            self._estimate(draft)
+        draft.settle_range(self.findings)
+        if draft.is_output and self.dialect.producer == "jfuzzylogic":
+            _settle_edges(draft, self.findings)
+
+    def _finish_output(self, draft: Draft, method: Word | None) -> None:
+        """Set the defuzzifier of an output from its ``METHOD``."""
+        dialect, findings = self.dialect, self.findings
+        name = method.text.upper() if method is not None else "COG"
+        at = method if method is not None else draft.word
+        if name in dialect.weighted:
+            if dialect.producer == "fuzzylite":
+                settle_weighted(draft, dialect.weighted[name], "Automatic", at, findings)
+                return
+            if not draft.kinds <= VALUES:
+                message = f"'{draft.name}' has sets where {name} needs singletons or functions"
+                findings.error("set-as-value", message, at)
+            draft.defuzzifier = Defuzzifier(dialect.weighted[name])
+            return
+        if name not in dialect.integral:
+            methods = (*dialect.integral, *dialect.weighted)
+            findings.unknown("unknown-defuzzifier", "the method", Word(name, at.span), methods)
+            return
+        draft.defuzzifier = Defuzzifier(dialect.integral[name], *dialect.samples)
+        if name == "COA" and dialect.producer == "jfuzzylogic":
+            message = "jFuzzyLogic finds the middle of the area one sample coarser than the model"
+            findings.info("bisector-rule", message, at)
+        if draft.kinds & VALUES:
+            message = f"'{draft.name}' has values for terms but integrates sets"
+            singletons = dialect.producer == "jfuzzylogic" and draft.kinds == {"singleton"}
+            report = findings.warn if singletons else findings.loss
+            report("value-as-set", message, at, "METHOD : COGS is for singletons")
+
+    def _estimate(self, draft: Draft) -> None:
+        integrated = draft.is_output and draft.defuzzifier.resolution is not None
+        estimate = estimated_range([term.shape for term in draft.terms])
+        if estimate is not None and all(map(math.isfinite, estimate)):
+            draft.low, draft.high = estimate
+            if integrated:
+                message = (
+                    f"'{draft.name}' has no RANGE; its terms reach from {estimate[0]} to "
+                    f"{estimate[1]}"
+                )
+                self.findings.info("estimated-range", message, draft.word)
+        elif integrated and draft.terms:
+            message = f"the output '{draft.name}' needs a RANGE to be integrated over"
+            self.findings.error("bad-range", message, draft.word)
+        elif integrated:
+            draft.low, draft.high = -0.5, 0.5

@@ -1,0 +1,275 @@
+"""The text of FCL: words without comments, a cursor among them, membership functions."""
+
+from __future__ import annotations
+
+import re
+
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.formats.dialects import Dialect, Spelling, all_spellings
+from fuzzyarm.formats.findings import FaultError, Findings, Word, number
+from fuzzyarm.formats.shapes import formula_shape, make_shape, spelled_shape
+from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+_TOKEN = re.compile(
+    r"(?P<space>[^\S\n]+)|(?P<newline>\n)"
+    r"|(?P<line>(?://|#)[^\n]*)|(?P<block>/\*.*?\*/|\(\*.*?\*\))"
+    r"|(?P<open>/\*|\(\*)"
+    r"|(?P<number>(?:\d+(?:\.(?!\.)\d*)?|\.\d+)(?:[eE][+-]?\d+)?(?!\w))"
+    r"|(?P<word>\w+)|(?P<sign>:=|\.\.|\*\*|\S)",
+    re.DOTALL,
+)
+_PERCENT_LINE = re.compile(r"^[^\S\n]*%[^\n]*", re.MULTILINE)
+
+SECTIONS = ("FUNCTION_BLOCK", "VAR_INPUT", "VAR_OUTPUT", "FUZZIFY", "DEFUZZIFY", "RULEBLOCK")
+
+KEYWORDS = frozenset(
+    f"VAR OPTIONS OPTION {' '.join(SECTIONS)} END_FUNCTION_BLOCK END_VAR END_FUZZIFY "
+    "END_DEFUZZIFY END_RULEBLOCK END_OPTIONS END_OPTION TERM RANGE METHOD DEFAULT ACCU ACT AND "
+    "OR RULE ENABLED LOCK".split()
+)
+"""Words that begin a statement or end a section, in capitals."""
+
+
+def fcl_words(text: str, findings: Findings) -> list[Word]:
+    """Return the words of a text, without its three kinds of comment."""
+    text = _PERCENT_LINE.sub(lambda m: " " * len(m.group()), text)
+    words: list[Word] = []
+    line, line_start, position = 1, 0, 0
+    while position < len(text):
+        match = _TOKEN.match(text, position)
+        if match is None:  # cannot be: the last alternative takes any character
+            break
+        kind, piece = match.lastgroup, match.group()
+        column = position - line_start + 1
+        position = match.end()
+        if kind == "newline":
+            line, line_start = line + 1, position
+        elif kind == "block":
+            line += piece.count("\n")
+            if "\n" in piece:
+                line_start = match.start() + piece.rfind("\n") + 1
+        elif kind == "open":
+            word = Word(piece, Span(line, column, line, column + 2))
+            findings.error("open-comment", "the comment that begins here never ends", word)
+            break
+        elif kind in ("number", "word", "sign"):
+            words.append(Word(piece, Span(line, column, line, column + len(piece))))
+    return words
+
+
+class Cursor:
+    """Goes through words."""
+
+    def __init__(self, words: list[Word]) -> None:
+        self.words = words
+        self.at = 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether no word is left."""
+        return self.at >= len(self.words)
+
+    @property
+    def word(self) -> Word:
+        """The next word; an empty one at the end."""
+        if self.at < len(self.words):
+            return self.words[self.at]
+        last = self.words[-1].span if self.words else NOWHERE
+        return Word("", last)
+
+    def key(self, ahead: int = 0) -> str:
+        """Return a coming word in capitals."""
+        index = self.at + ahead
+        return self.words[index].text.upper() if index < len(self.words) else ""
+
+    def take(self) -> Word:
+        """Return the next word and go on."""
+        word = self.word
+        self.at += 1
+        return word
+
+    def skip(self, *keys: str) -> bool:
+        """Go past the next word if it is one of `keys`."""
+        if self.key() in keys and not self.ended:
+            self.at += 1
+            return True
+        return False
+
+    def expect(self, *keys: str) -> Word:
+        """Return the next word, which must be one of `keys`."""
+        if self.ended or self.key() not in keys:
+            found = f"'{self.word.text[:40]}'" if not self.ended else "the end of the file"
+            raise FaultError(f"'{keys[0]}' is expected here, not {found}", self.word)
+        return self.take()
+
+    def name(self, what: str) -> Word:
+        """Return the next word, which must be a name."""
+        if self.ended or not (self.word.text[0].isalpha() or self.word.text[0] in "_0123456789"):
+            raise FaultError(f"the name of {what} is expected here", self.word)
+        return self.take()
+
+    def number(self) -> float:
+        """Return the number that follows, with its signs."""
+        first = self.word
+        sign = 1.0
+        while self.key() in ("+", "-"):
+            if self.take().text == "-":
+                sign = -sign
+        value = number(self.word.text) if not self.ended else None
+        if value is None:
+            raise FaultError("a number is expected here", first, "not-a-number")
+        self.at += 1
+        return sign * value
+
+    def at_number(self) -> bool:
+        """Whether a number follows."""
+        ahead = 0
+        while self.key(ahead) in ("+", "-"):
+            ahead += 1
+        text = self.key(ahead)
+        return bool(text) and number(text) is not None
+
+    def end_key(self) -> None:
+        """Go past the key that is next, and what may stand between it and its value."""
+        self.take()
+        self.skip(":", ":=", "=")
+
+    def to_next_statement(self) -> None:
+        """Skip to behind the next semicolon or before the next statement."""
+        while not self.ended:
+            if self.key() in KEYWORDS and self.key() not in ("AND", "OR"):
+                return
+            if self.take().text == ";":
+                return
+
+
+# --- Membership functions, under the names of both dialects ---
+
+_ALIASES = {"TRIANGULAR": "TRIANGLE", "TRAPEZOIDAL": "TRAPEZOID", "GENERALIZEDBELL": "GBELL"}
+
+
+def _spellings() -> dict[str, Spelling]:
+    """Return the words for shapes in capitals: those of both dialects are read in either."""
+    found = all_spellings(SHAPES, "jfl", "fcl")
+    return {word.upper(): spelling for word, spelling in found.items()}
+
+
+def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings) -> Shape | None:
+    """Read the function of a term, up to its end."""
+    word = cursor.word
+    key = cursor.key()
+    if key == "(":
+        return _points(cursor, dialect, findings)
+    if cursor.at_number():
+        return make_shape("singleton", [cursor.number()], word, findings)
+    if cursor.ended or not word.text[0].isalpha():
+        raise FaultError("a membership function is expected here", word)
+    cursor.take()
+    if key == "FUNCTION":
+        return _function(cursor, dialect, findings)
+    if key == "SINGLETONS":
+        return _singletons(cursor, word, findings)
+    known = _spellings()
+    spelling = known.get(_ALIASES.get(key, key))
+    if spelling is None:
+        names = (*known, "SINGLETONS")
+        findings.unknown("unknown-shape", "the membership function", word, names)
+        cursor.to_next_statement()
+        return None
+    values = _numbers(cursor, findings)
+    return None if values is None else _shape(word, spelling, values, dialect, inputs, findings)
+
+
+def _shape(
+    word: Word,
+    spelling: Spelling,
+    values: list[float],
+    dialect: Dialect,
+    inputs: int,
+    findings: Findings,
+) -> Shape | None:
+    key = word.text.upper()
+    if key == "COSINE" and dialect.producer == "jfuzzylogic":  # half width, then centre
+        values = [values[1], 2.0 * values[0]] if len(values) == 2 else values
+        return make_shape("cosine", values, word, findings)
+    if key == "GENERALIZEDBELL":
+        message = f"'{word.text}' is taken for a bell with width, slope and centre"
+        findings.warn("guessed-shape", message, word)
+    shape = spelled_shape(spelling, values, inputs, word, findings, "last")
+    if key == "DSIGM" and shape is not None and is_cut(shape):
+        message = (
+            "jFuzzyLogic takes 0 where the difference of the sigmoids is negative, the model "
+            "its magnitude"
+        )
+        findings.warn("negative-difference", message, word)
+    return shape
+
+
+def _numbers(cursor: Cursor, findings: Findings) -> list[float] | None:
+    values: list[float] = []
+    while not cursor.ended and cursor.word.text != ";" and cursor.key() not in KEYWORDS:
+        if cursor.at_number():
+            values.append(cursor.number())
+        elif cursor.word.text in (",", "(", ")"):
+            cursor.take()
+        else:
+            _moving(cursor.word, findings)
+            cursor.to_next_statement()
+            return None
+    return values
+
+
+def _moving(word: Word, findings: Findings) -> None:
+    message = (
+        f"the corner '{word.text[:40]}' is a variable; a term whose shape moves cannot be carried"
+    )
+    findings.error("moving-corner", message, word)
+
+
+def _points(cursor: Cursor, dialect: Dialect, findings: Findings) -> Shape | None:
+    first = cursor.word
+    values: list[float] = []
+    while cursor.skip("("):
+        for closing in (",", ")"):
+            if not cursor.at_number() and cursor.word.text[:1].isalpha():
+                _moving(cursor.word, findings)
+                cursor.to_next_statement()
+                return None
+            values.append(cursor.number())
+            cursor.expect(closing)
+        cursor.skip(",")
+    return make_shape("points", values, first, findings, ties=dialect.ties)
+
+
+def _singletons(cursor: Cursor, word: Word, findings: Findings) -> Shape | None:
+    pairs: list[float] = []
+    while cursor.skip("("):
+        pairs.append(cursor.number())
+        cursor.expect(",")
+        pairs.append(cursor.number())
+        cursor.expect(")")
+    if len(pairs) == 2 and pairs[1] == 1.0:
+        return make_shape("singleton", pairs[:1], word, findings)
+    message = "a term of several singletons, or of one lower than 1, cannot be carried"
+    findings.error("several-singletons", message, word)
+    return None
+
+
+def _function(cursor: Cursor, dialect: Dialect, findings: Findings) -> Shape | None:
+    first = cursor.word
+    parts: list[str] = []
+    last = first
+    while not cursor.ended and cursor.word.text != ";":
+        if cursor.key() in KEYWORDS and cursor.key() not in ("AND", "OR"):
+            break
+        last = cursor.take()
+        parts.append(last.text)
+    formula = Word(" ".join(parts), first.span.to(last.span))
+    return formula_shape(formula, dialect.formula, findings)
+
+
+def is_cut(difference: Shape) -> bool:
+    """Whether a difference of sigmoids is negative somewhere, where jFuzzyLogic takes 0."""
+    first, slope, second, other = difference.parameters
+    return slope <= 0.0 or slope != other or first > second

@@ -1,0 +1,278 @@
+"""FCL, the language of IEC 61131-7, written for jFuzzyLogic or fuzzylite."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from fuzzyarm.expression.formulas import CONSTANTS, FRB, FormulaError, read_formula, write_formula
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.nodes import Apply, Node, apply, postorder
+from fuzzyarm.expression.nodes import replace as put_in
+from fuzzyarm.formats.dialects import (
+    FCL,
+    JFUZZYLOGIC_ACCUMULATIONS,
+    JFUZZYLOGIC_PAIRS,
+    Dialect,
+    word_of,
+)
+from fuzzyarm.formats.fcl_text import KEYWORDS, is_cut
+from fuzzyarm.formats.findings import Exported, all_written, written
+from fuzzyarm.formats.shapes import larger_wins, word_and_numbers
+from fuzzyarm.formats.writing import (
+    FUZZYLITE_WORDS,
+    HEADER,
+    Writer,
+    best,
+    identifiers,
+    written_sentences,
+)
+from fuzzyarm.model.rulebase import Input, Output, RuleBase, RuleBlock, Shape, Term
+
+_RESERVED = FUZZYLITE_WORDS | frozenset(word.lower() for word in KEYWORDS) | {
+    "real", "nan", "nc", "constant", "function", "linear", "discrete", "points",
+}  # fmt: skip
+_METHODS = {method: word for word, method in FCL["fuzzylite"].integral.items()}
+_ALL_FUNCTIONS = replace(
+    FCL["jfuzzylogic"].formula,
+    functions={**FRB.functions, **FCL["jfuzzylogic"].formula.functions},
+    comparisons=True,
+)
+"""For --lossy: the functions that jFuzzyLogic lacks are written by their names here."""
+
+
+def write_fcl(rulebase: RuleBase, *, dialect: str | None = None, lossy: bool = False) -> Exported:
+    """Write a function block: :func:`~fuzzyarm.formats.registry.write` of ``.fcl``.
+
+    The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
+    """
+    producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
+    return best([_Writer(rulebase, FCL[each], lossy=lossy).export() for each in producers])
+
+
+class _Writer(Writer):
+    file = "FCL"
+
+    def lines(self) -> list[str]:
+        rulebase = self.rulebase
+        self.names = identifiers(rulebase, self.findings, _RESERVED, ignore_case=True)
+        name = self.one_line(rulebase.name, ";:#/()")
+        lines = [f"// {HEADER} for {self.program}.", "", f"FUNCTION_BLOCK {name}".rstrip()]
+        lines += self._declared("VAR_INPUT", rulebase.inputs)
+        lines += self._declared("VAR_OUTPUT", rulebase.outputs)
+        for variable in rulebase.inputs:
+            lines += ["", *self._fuzzify(variable)]
+        for output in rulebase.outputs:
+            lines += ["", *self._defuzzify(output)]
+        for block in rulebase.blocks:
+            lines += ["", *self._block(block)]
+        return [*lines, "", "END_FUNCTION_BLOCK"]
+
+    @property
+    def own(self) -> bool:
+        """Whether it is for fuzzylite, else for jFuzzyLogic."""
+        return self.dialect.producer == "fuzzylite"
+
+    def _declared(self, key: str, variables: tuple[Input | Output, ...]) -> list[str]:
+        lines = ["", key]
+        for variable in variables:
+            lines.append(f"  {self.names.variable(variable.name)} : REAL;")
+            bounded = math.isfinite(variable.low) and math.isfinite(variable.high)
+            if not self.own and bounded and isinstance(variable, Input):
+                lines[-1] += f" {_range(variable)}"
+        return [*lines, "END_VAR"]
+
+    def _fuzzify(self, variable: Input) -> list[str]:
+        lines = [f"FUZZIFY {self.names.variable(variable.name)}"]
+        if self.own:
+            lines.append(f"  {_range(variable)}")
+        return [*lines, *self._terms(variable), "END_FUZZIFY"]
+
+    def _terms(self, variable: Input | Output) -> list[str]:
+        return [
+            f"  TERM {self.names.term(variable.name, term.name)} := {self._term(variable, term)};"
+            for term in variable.terms
+        ]
+
+    def _term(self, variable: Input | Output, term: Term) -> str:
+        if self.own:
+            return self.fuzzylite_term(variable, term).removeprefix("Constant ")
+        return self._plain_term(variable, term)
+
+    def _defuzzify(self, output: Output) -> list[str]:
+        lines = [f"DEFUZZIFY {self.names.variable(output.name)}", *self._terms(output)]
+        if self.own or math.isfinite(output.low + output.high):
+            lines.insert(1, f"  {_range(output)}")
+        lines.append(f"  METHOD : {self._method(output)};")
+        weighted = output.defuzzifier.method not in _METHODS
+        if self.own and not (weighted and output.aggregation == "sum"):
+            lines.append(f"  ACCU : {self.snorm(output.aggregation)};")
+        lines += self._default(output)
+        if self.own and output.outside != "extend":
+            lines.append("  LOCK : RANGE;")
+        return [*lines, "END_DEFUZZIFY"]
+
+    def _default(self, output: Output) -> list[str]:
+        if output.no_rule == "hold":
+            return ["  LOCK : PREVIOUS;"] if self.own else ["  DEFAULT := NC;"]
+        self.warn_of_error(output)
+        value = output.no_rule if isinstance(output.no_rule, float | int) else math.nan
+        return [f"  DEFAULT := {written(value)};"] if self.own or math.isfinite(value) else []
+
+    def _method(self, output: Output) -> str:
+        method = output.defuzzifier.method
+        kinds = {term.shape.kind for term in output.terms}
+        if method == "tsukamoto" and self.own:
+            return "COGS"
+        if method in ("weighted-average", "weighted-sum"):
+            self.need_values(output)
+            if method == "weighted-average":
+                return "COGS" if kinds <= {"singleton"} or self.own else "COGF"
+            if self.own:
+                return "COGSS"
+        if method not in _METHODS:
+            message = f"{self.program} has no {method} for '{output.name}'"
+            self.findings.loss("unsupported-defuzzifier", message)
+            return "COGS"
+        if not self.own and kinds == {"singleton"}:
+            message = f"'{output.name}' has singletons for terms but integrates sets"
+            self.findings.warn("value-as-set", message)
+        else:
+            self.need_sets(output)
+        resolution, sampling = self.dialect.samples
+        if (output.defuzzifier.resolution, output.defuzzifier.sampling) != self.dialect.samples:
+            message = (
+                f"'{output.name}' is not defuzzified over {resolution} {sampling} samples, as "
+                f"{self.program} does"
+            )
+            self.findings.loss("sampling", message)
+        return _METHODS[method]
+
+    def _block(self, block: RuleBlock) -> list[str]:
+        lines = [f"RULEBLOCK {self.one_line(block.name, ';:#/() ')}".rstrip()]
+        if self.own:
+            lines += [
+                f"  AND : {self.tnorm(block.conjunction)};",
+                f"  OR : {self.snorm(block.disjunction)};",
+                f"  ACT : {self.tnorm(block.implication)};",
+            ]
+        else:
+            lines += self._plain_norms(block)
+        rules = written_sentences(block, self.dialect, self.names, self.findings)
+        lines += [f"  RULE {number} : {rule};" for number, rule in enumerate(rules, 1)]
+        return [*lines, "END_RULEBLOCK"]
+
+    def _plain_norms(self, block: RuleBlock) -> list[str]:
+        if JFUZZYLOGIC_PAIRS.get(block.conjunction) != block.disjunction:
+            message = (
+                f"jFuzzyLogic has no pair {block.conjunction} and {block.disjunction} for AND "
+                "and OR"
+            )
+            self.findings.loss("unsupported-norm", message)
+        if block.implication not in ("min", "product"):
+            message = f"jFuzzyLogic has no implication {block.implication}"
+            self.findings.loss("unsupported-norm", message)
+        concluded = {c.variable for rule in block.rules for c in rule.consequents}
+        used = [o.aggregation for o in self.rulebase.outputs if o.name in concluded]
+        if len(set(used)) > 1:
+            message = "jFuzzyLogic has one accumulation for all outputs of a block"
+            self.findings.loss("one-for-all", message)
+        aggregation = used[0] if used else "max"
+        if aggregation not in JFUZZYLOGIC_ACCUMULATIONS:
+            message = f"jFuzzyLogic has no accumulation {aggregation}"
+            self.findings.loss("unsupported-norm", message)
+            aggregation = "max"
+        return [
+            f"  AND : {word_of(TNORMS, block.conjunction, 'jfl') or 'MIN'};",
+            f"  ACT : {'PROD' if block.implication == 'product' else 'MIN'};",
+            f"  ACCU : {word_of(SNORMS, aggregation, 'jfl')};",
+        ]
+
+    # --- Terms of jFuzzyLogic ---
+
+    def _plain_term(self, variable: Input | Output, term: Term) -> str:
+        shape = self.without_height(variable, term)
+        try:
+            text = self._plain_shape(shape)
+        except FormulaError as fault:
+            self.bad_formula(shape, fault)
+            return ""
+        if text is None:
+            self.nothing_like(variable, term, lossy=True)
+            return "0"
+        if shape.kind == "sigmoid-difference" and is_cut(shape):
+            message = f"'{term.name}' is a difference that jFuzzyLogic cuts at 0"
+            self.findings.loss("negative-difference", message, term.span)
+        return text
+
+    def _plain_shape(self, shape: Shape) -> str | None:
+        p = shape.parameters
+        match shape.kind:
+            case "formula":
+                text = f"FUNCTION {self._formula(shape.formula)}"
+            case "linear":
+                inputs = [self.names.variable(variable.name) for variable in self.rulebase.inputs]
+                factors = [f"{written(a)} * {name}" for a, name in zip(p, inputs, strict=False)]
+                text = "FUNCTION " + " + ".join([*factors, written(p[-1])])
+            case "singleton":
+                text = written(p[0])
+            case "points":
+                text = _pairs(larger_wins(p, self.dialect.ties))
+            case _:
+                return self._plain_numbers(shape) if all(map(math.isfinite, p)) else None
+        return text
+
+    def _plain_numbers(self, shape: Shape) -> str | None:
+        p = shape.parameters
+        if shape.kind == "ramp" and p[0] != p[1]:
+            return _pairs((p[0], 0.0, p[1], 1.0) if p[0] < p[1] else (p[1], 1.0, p[0], 0.0))
+        if shape.kind == "rectangle":
+            shape = replace(shape, kind="trapezoid", parameters=(p[0], p[0], p[1], p[1]))
+        if shape.kind == "cosine":  # half the width, then the centre
+            return f"COSINE {written(0.5 * p[1])} {written(p[0])}"
+        found = word_and_numbers(shape, self.dialect.kinds)
+        return f"{found[0]} {all_written(found[1])}" if found is not None else None
+
+    def _formula(self, text: str) -> str:
+        formula = read_formula(text)
+        free = CONSTANTS.keys() - {variable.name for variable in self.rulebase.inputs}
+        root = put_in(_without_signs(formula.root), {name: CONSTANTS[name] for name in free})
+        for function in _missing_functions(root, self.dialect):
+            message = f"jFuzzyLogic has no function '{function}'"
+            self.findings.loss("unsupported-function", message)
+        return write_formula(root, _ALL_FUNCTIONS, self.names.variables, upper=True)
+
+
+_OPERATORS = {"add", "subtract", "multiply", "divide", "power", "remainder", "where"}
+_COMPARISONS = {"less": "lt", "less_equal": "le", "equal": "eq"}
+
+
+def _missing_functions(root: Node, dialect: Dialect) -> list[str]:
+    """Return the functions of a formula that the program lacks, by their names here."""
+    used = dict.fromkeys(node.operation for node in postorder(root) if isinstance(node, Apply))
+    missing = [each for each in used if each not in _OPERATORS | dialect.formula.words.keys()]
+    return [(FRB.words | _COMPARISONS)[operation] for operation in missing]
+
+
+def _without_signs(root: Node) -> Node:
+    """Write -a as 0 - a: jFuzzyLogic knows signs of numbers only."""
+    made: dict[Node, Node] = {}
+    for node in postorder(root):
+        if isinstance(node, Apply):
+            arguments = [made[argument] for argument in node.arguments]
+            is_sign = node.operation == "negative"
+            made[node] = (
+                apply("subtract", 0.0, *arguments) if is_sign else apply(node.operation, *arguments)
+            )
+        else:
+            made[node] = node
+    return made[root]
+
+
+def _pairs(values: tuple[float, ...]) -> str:
+    pairs = zip(values[0::2], values[1::2], strict=True)
+    return " ".join(f"({written(x)}, {written(y)})" for x, y in pairs)
+
+
+def _range(variable: Input | Output) -> str:
+    return f"RANGE := ({written(variable.low)} .. {written(variable.high)});"

@@ -1,0 +1,618 @@
+"""FIS, the files of MATLAB's Fuzzy Logic Toolbox, Octave's toolkit and fuzzylite: read."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
+from fuzzyarm.formats.drafts import (
+    MONOTONIC,
+    VALUES,
+    Draft,
+    imported,
+    lines_of,
+    maximum_of_nothing,
+    note_rounding,
+    rulebase_of,
+    settle_weighted,
+)
+from fuzzyarm.formats.findings import (
+    MAX_RULES,
+    MAX_TERMS,
+    MAX_VARIABLES,
+    Findings,
+    Imported,
+    Word,
+    number,
+    numbers,
+    unique_name,
+)
+from fuzzyarm.formats.meaning import Block, blocks_in_model
+from fuzzyarm.formats.sentences import NOT, RuleText
+from fuzzyarm.formats.shapes import formula_shape, spelled_shape
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Defuzzifier,
+    Expression,
+    Hedge,
+    Is,
+    Or,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+)
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+# --- FIS text: sections in brackets, `key=value` lines, rules of numbers ---
+
+_HEADER = re.compile(r"\[\s*(system|input|output|rules)\s*(\d*)\s*\]\s*\Z", re.IGNORECASE)
+
+
+@dataclass(slots=True)
+class _Section:
+    """One section: the kind of its header, the 2 of ``[Input2]`` (else 0), and its lines."""
+
+    kind: str
+    number: int = 0
+    span: Span = NOWHERE
+    lines: list[Word] = field(default_factory=list)
+
+
+def _sections(text: str, findings: Findings) -> list[_Section]:
+    sections: list[_Section] = []
+    for line in lines_of(text, _without_comment):
+        match = _HEADER.match(line.text) if len(line.text) < 100 else None
+        if match:
+            digits = match.group(2)[:6]
+            sections.append(_Section(match.group(1).lower(), int(digits or 0), line.span))
+        elif sections:
+            sections[-1].lines.append(line)
+        else:
+            message = f"'{line.text[:40]}' stands before any section"
+            findings.error("syntax", message, line)
+    return sections
+
+
+def _without_comment(raw: str) -> str:
+    """Cut a comment: ``%`` or ``#`` first on a line, or after a space outside quotes; ``//``."""
+    if raw.lstrip()[:1] in ("%", "#"):
+        return ""
+    if "%" not in raw and "#" not in raw and "//" not in raw:
+        return raw
+    quoted = False
+    for index, letter in enumerate(raw):
+        if letter == "'":
+            quoted = not quoted
+        elif not quoted and (letter in "%#" or raw.startswith("//", index)):
+            return raw[:index]
+    return raw
+
+
+def _unquoted(word: Word) -> Word:
+    text = word.text
+    if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
+        return Word(text[1:-1], word.span)
+    return word
+
+
+_BRACKETED = re.compile(r"[^\s,;\[\]]+")
+"""A word in brackets, between space, commas and semicolons."""
+
+
+_MEMBERSHIP = re.compile(
+    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>[^:']*?))\s*:\s*'?(?P<kind>[\w.]*)'?\s*,\s*"
+    r"(?P<rest>.*?)\s*\Z",
+    re.DOTALL,
+)
+
+
+def _membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
+    """Split ``'name':'kind',[numbers]``; None where it does not look like that."""
+    match = _MEMBERSHIP.match(value.text)
+    if match is None:
+        return None
+    quoted = match.group("quoted") is not None
+    name, kind, rest = (match.span(key) for key in ("quoted" if quoted else "bare", "kind", "rest"))
+    return value.part(*name), value.part(*kind), value.part(*rest)
+
+
+# --- Which program a text was written for ---
+
+_FUZZYLITE_KEYS = re.compile(
+    r"^\s*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
+)
+_ONLY_OCTAVE = re.compile(
+    r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
+    re.IGNORECASE,
+)
+_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
+
+
+def _detect(text: str) -> str:
+    """Return the program that a text was most likely written for."""
+    comments = "\n".join(
+        line for line in text.split("\n")[:60] if line.lstrip()[:1] in ("#", "%", "/")
+    ).lower()
+    if "fuzzylite" in comments or _FUZZYLITE_KEYS.search(text):
+        return "fuzzylite"
+    if "for matlab" in comments:
+        return "matlab"
+    if "octave" in comments or "fuzzy-logic-toolkit" in comments:
+        return "octave"
+    rules = text.lower().partition("[rules]")[2]
+    if _ONLY_OCTAVE.search(text) or _FRACTION.search(rules):
+        return "octave"
+    return "matlab"
+
+
+# --- Membership functions ---
+
+
+def _shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | None:
+    """Return the shape of ``'kind',[numbers]``."""
+    name = kind.text.lower()
+    if name == "function":
+        text = rest.text.strip().removeprefix("[").removesuffix("]")
+        return formula_shape(Word(text, rest.span), FIS["fuzzylite"].formula, findings)
+    # fuzzylite writes the class of a term where it has no word in a FIS.
+    known = all_spellings(SHAPES, *_ALL, "fll")
+    spelling = known.get(name) or known.get(kind.text)
+    if spelling is None:
+        _unknown(kind, known, findings)
+        return None
+    values = numbers(rest.parts(_BRACKETED), findings)
+    if values is None:
+        return None
+    if name == "constant":
+        values = values[-1:]
+    elif name in ("smf", "zmf") and len(values) in (2, 3):
+        values[:2] = _crossed(values[:2])
+    return spelled_shape(spelling, values, inputs, kind, findings, "last")
+
+
+def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> None:
+    if not kind.text:
+        findings.error("syntax", "the kind of the membership function is missing", kind)
+        return
+    if kind.text.lower().endswith("mf"):
+        message = f"'{kind.text[:40]}' is a function of its author's own, which is not in the file"
+        findings.error("unknown-shape", message, kind)
+        return
+    findings.unknown("unknown-shape", "the membership function", kind, known)
+
+
+def _crossed(values: list[float]) -> list[float]:
+    """MATLAB makes a step half-way of an s or z whose numbers are the wrong way round."""
+    if values[0] > values[1]:
+        middle = 0.5 * (values[0] + values[1])
+        return [middle, middle]
+    return values
+
+
+# --- Rules: a term index for each variable, weight, and 1 for and or 2 for or ---
+
+_RULE = re.compile(
+    r"(?P<inputs>[^,:()]*),(?P<outputs>[^,:()]*)(?:\((?P<weight>[^()]*)\))?\s*"
+    r"(?::\s*(?P<connective>\S*))?\s*\Z"
+)
+_WORD = re.compile(r"\S+")
+
+_VERY_VERY = (0.4, (Hedge("very"), Hedge("very")))
+
+
+def fractions(dialect: Dialect) -> dict[float, tuple[Hedge, ...]]:
+    """Return the hedges that fractions of an index stand for, but for powers."""
+    key = "fis" if dialect.producer == "fuzzylite" else "octave"
+    named = words(HEDGES, key).items()
+    return {float(word): (Hedge(name),) for word, name in named} | dict([_VERY_VERY])
+
+
+def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
+    """Return the hedges that the fraction of an index stands for, or None.
+
+    To Octave's toolkit a fraction f is the power 10 f; fuzzylite knows six of them, and
+    MATLAB none (what it does with one is not documented, so it is read as Octave does).
+    """
+    if fraction == 0.0:
+        return ()
+    table = fractions(dialect)
+    if fraction in table:
+        return table[fraction]
+    powers = dialect.producer != "fuzzylite"
+    return (Hedge("power", round(10.0 * fraction, 6)),) if powers else None
+
+
+# --- Read FIS ---
+
+_KEYS = (
+    "name", "type", "version", "numinputs", "numoutputs", "numrules", "andmethod", "ormethod",
+    "impmethod", "aggmethod", "defuzzmethod", "nummfs",
+)  # fmt: skip
+_ALL = ("fis", "octave", "matlab")
+"""Keys of names: the words of all programs are read in each."""
+
+_MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
+
+
+def parse_fis(
+    text: str, path: str = "<text>", *, producer: str | None = None, lossy: bool = False
+) -> Imported:
+    """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
+
+    def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
+        found = FIS[producer or _detect(plain)]
+        return _Reader(plain, found, findings).read(), found
+
+    return imported(text, path, read, lossy=lossy)
+
+
+class _Reader:
+    def __init__(self, text: str, dialect: Dialect, findings: Findings) -> None:
+        self.text = text
+        self.dialect = dialect
+        self.findings = findings
+        self.settings: dict[str, Word] = {}  # of [System], by keys in small letters
+        self.inputs: list[Draft] = []
+        self.outputs: list[Draft] = []
+        self.terms: dict[str, dict[int, str]] = {}
+        self.rules: list[Word] = []
+        self.seen: dict[tuple[str, int], Span] = {}
+
+    def read(self) -> RuleBase:
+        sections = _sections(self.text, self.findings)
+        if not sections and not self.findings.failed:
+            self.findings.error("no-engine", "there is no section like [System] in this file")
+        inputs = sum(section.kind == "input" for section in sections)
+        # [Input2] may stand before [Input1]; the rules go by number.
+        for section in sorted(sections, key=lambda section: section.number):
+            self._section(section, inputs)
+        for draft in (*self.inputs, *self.outputs):
+            draft.settle_range(self.findings)
+        for draft in self.outputs:
+            self._finish_output(draft)
+        block = self._block()
+        self._check_counts()
+        self._notes()
+        return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), (block,))
+
+    def _section(self, section: _Section, inputs: int) -> None:
+        key = (section.kind, section.number)
+        if key in self.seen:
+            message = (
+                f"the section [{section.kind.capitalize()}{section.number or ''}] stands twice"
+            )
+            self.findings.error("duplicate-section", message, section.span)
+            return
+        self.seen[key] = section.span
+        if section.kind == "system":
+            self._system(section)
+        elif section.kind == "rules":
+            self.rules = section.lines
+        else:
+            self._variable(section, inputs)
+
+    def _settings(self, section: _Section) -> Iterator[tuple[Word, Word]]:
+        for line in section.lines:
+            parts = line.around("=")
+            if parts is None:
+                self.findings.error("syntax", f"'{line.text[:40]}' is no 'key=value'", line)
+            else:
+                yield parts
+
+    # --- [System], and what it means for the outputs ---
+
+    def _system(self, section: _Section) -> None:
+        for key, value in self._settings(section):
+            if key.text.lower() not in _KEYS:
+                self.findings.unknown("unknown-key", "the key", key, _KEYS)
+                continue
+            self.settings[key.text.lower()] = _unquoted(value)
+
+    def text_of(self, key: str) -> str:
+        word = self.settings.get(key)
+        return word.text.strip() if word is not None else ""
+
+    def tnorm(self, key: str) -> str:
+        return self._norm(key, words(TNORMS, *_ALL), "min")
+
+    def snorm(self, key: str) -> str:
+        return self._norm(key, words(SNORMS, *_ALL), "max")
+
+    def _norm(self, key: str, table: Mapping[str, str], default: str) -> str:
+        name = self.text_of(key)
+        if not name:
+            return default
+        return self.findings.norm(f"the {key}", self.settings[key], table, name.lower()) or default
+
+    def _finish_output(self, draft: Draft) -> None:
+        """Set aggregation, defuzzifier and the value without rules of an output."""
+        name = self.text_of("defuzzmethod").lower()
+        is_sugeno = self.text_of("type").lower() == "sugeno"
+        if not name:
+            name = "wtaver" if is_sugeno else "centroid"
+        at = self.settings.get("defuzzmethod", draft.word)
+        dialect = self.dialect
+        producer = dialect.producer
+        draft.aggregation = self.snorm("aggmethod")
+        if producer == "matlab" and _is_nan(draft.no_rule) and draft.bounded:
+            draft.no_rule = 0.5 * (draft.low + draft.high)
+        if name in dialect.weighted:
+            if producer == "fuzzylite":
+                settle_weighted(draft, dialect.weighted[name], "Automatic", at, self.findings)
+            else:
+                self._weighted(draft, dialect.weighted[name], at)
+        elif name in dialect.integral:
+            resolution, sampling = dialect.samples
+            if name == "centroid_integral":
+                sampling = "trapezoid"
+            draft.defuzzifier = Defuzzifier(dialect.integral[name], resolution, sampling)
+            if producer == "fuzzylite" and _is_nan(draft.no_rule):
+                draft.no_rule = maximum_of_nothing(draft)
+            self._values_as_sets(draft, at)
+            if not draft.bounded:
+                message = f"the output '{draft.name}' needs a range to be integrated over"
+                self.findings.error("bad-range", message, draft.word)
+        else:
+            word = self.settings["defuzzmethod"]
+            methods = (*dialect.integral, *dialect.weighted)
+            self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
+
+    def _weighted(self, draft: Draft, method: str, at: Word) -> None:
+        if self.dialect.producer == "matlab":
+            draft.aggregation = "sum"  # every rule counts for itself, whatever AggMethod says
+        if draft.kinds and draft.kinds <= MONOTONIC:
+            draft.defuzzifier = Defuzzifier("tsukamoto")
+            return
+        if not draft.kinds <= VALUES:
+            message = f"'{draft.name}' has sets where a weighted defuzzifier needs values"
+            self.findings.error("set-as-value", message, at)
+        draft.defuzzifier = Defuzzifier(method)
+
+    def _values_as_sets(self, draft: Draft, at: Word) -> None:
+        """Express constants that are integrated: to fuzzylite they are sets of that height."""
+        for index, term in enumerate(draft.terms):
+            if term.shape.kind not in VALUES:
+                continue
+            height = self._height(term) if self.dialect.producer == "fuzzylite" else 0.0
+            if height > 0.0 and draft.bounded:
+                message = (
+                    f"fuzzylite integrates the constant '{term.name}' as a set of that height "
+                    "over the whole range"
+                )
+                self.findings.warn("value-as-set", message, term.span)
+                shape = Shape("rectangle", (draft.low, draft.high), height)
+                draft.put(index, Term(term.name, shape, term.span))
+                continue
+            message = f"'{term.name}' of '{draft.name}' is a value, which cannot be integrated"
+            self.findings.loss("value-as-set", message, at)
+
+    def _height(self, term: Term) -> float:
+        """Return the height of the set that a constant is to fuzzylite; 0 where it is none."""
+        if term.shape.kind != "singleton":
+            return 0.0
+        value = term.shape.parameters[0]
+        if value > 1.0:  # a higher set is cut at the firing strength all the same, but only by min
+            implication = self.tnorm("impmethod")
+            return 1.0 if implication == "min" else 0.0
+        return max(value, 0.0)
+
+    # --- Variables and terms ---
+
+    def _variable(self, section: _Section, inputs: int) -> None:
+        count = len(self.inputs) + len(self.outputs)
+        if not self.findings.room(count, MAX_VARIABLES, "variables", section.span):
+            return
+        is_output = section.kind == "output"
+        draft = Draft(Word("", section.span), is_output)
+        if is_output:
+            draft.no_rule = math.nan
+        taken: dict[int, str] = {}
+        memberships: list[tuple[int, Word]] = []
+        for key, value in self._settings(section):
+            self._variable_setting(draft, key, value, memberships)
+        self._name(draft, section)
+        for index, value in memberships:
+            self._term(draft, index, value, taken, inputs)
+        self.terms[draft.name] = taken
+        (self.outputs if is_output else self.inputs).append(draft)
+
+    def _name(self, draft: Draft, section: _Section) -> None:
+        name = draft.name or f"{section.kind}{section.number or ''}"
+        used = {d.name for d in (*self.inputs, *self.outputs)}
+        unique = unique_name(name, used)
+        if unique != draft.name:
+            what = "has no name" if not draft.name else f"shares the name '{name}'"
+            message = f"the {section.kind} {what}; it is called '{unique}'"
+            name_ = "duplicate-variable" if draft.name else "missing-name"
+            self.findings.warn(name_, message, draft.word)
+        draft.word = Word(unique, draft.word.span)
+
+    def _variable_setting(
+        self, draft: Draft, key: Word, value: Word, memberships: list[tuple[int, Word]]
+    ) -> None:
+        membership = _MEMBERSHIP_KEY.match(key.text)
+        match key.text.lower():
+            case "name":
+                draft.word = Word(_unquoted(value).text, value.span)
+            case "range":
+                draft.set_range(
+                    value.parts(_BRACKETED), value, self.findings, "two numbers in brackets"
+                )
+            case "nummfs":
+                pass
+            case "enabled":
+                draft.enabled = number(value.text) == 1.0
+            case "default" if draft.is_output:
+                self._default(draft, value)
+            case "lockprevious" if draft.is_output:
+                if number(value.text) == 1.0:
+                    draft.no_rule = "hold"
+            case "lockrange":
+                draft.outside = "clamp" if number(value.text) == 1.0 else "extend"
+            case _ if membership:
+                memberships.append((int(membership.group(1)), value))
+            case _:
+                self.findings.unknown("unknown-key", "the key", key, ("Name", "Range", "NumMFs"))
+
+    def _default(self, draft: Draft, value: Word) -> None:
+        default = number(value.text)
+        if default is None:
+            self.findings.error("not-a-number", f"'{value.text[:40]}' is not a number", value)
+        elif draft.no_rule != "hold":
+            draft.no_rule = default
+
+    def _term(
+        self, draft: Draft, index: int, value: Word, taken: dict[int, str], inputs: int
+    ) -> None:
+        parts = _membership_parts(value)
+        if parts is None:
+            message = "a membership function is 'name':'kind',[numbers]"
+            self.findings.error("syntax", message, value)
+            return
+        name, kind, rest = parts
+        if index in taken:
+            message = f"'{draft.name}' has two functions with the number {index}"
+            self.findings.error("duplicate-index", message, value)
+            return
+        if not self.findings.room(len(taken), MAX_TERMS, "terms of a variable", value):
+            return
+        unique = unique_name(name.text or f"mf{index}", set(taken.values()))
+        taken[index] = unique
+        if name.text and unique != name.text:
+            message = (
+                f"'{draft.name}' has two terms called '{name.text}'; the rules tell them apart "
+                f"by number, so this one is called '{unique}'"
+            )
+            self.findings.warn("duplicate-term-name", message, name)
+        shape = _shape(kind, rest, inputs, self.findings)
+        if shape is not None:
+            draft.add(Term(unique, shape, name.span))
+
+    # --- Rules ---
+
+    def _block(self) -> RuleBlock:
+        if len(self.rules) > MAX_RULES:
+            self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
+        rules = self.rules[:MAX_RULES]
+        texts = [text for line in rules if (text := self._rule(line)) is not None]
+        block = Block("", NOWHERE, threshold=self.dialect.threshold, rules=texts)
+        block.conjunction = self.tnorm("andmethod")
+        block.disjunction = self.snorm("ormethod")
+        block.implication = self.tnorm("impmethod")
+        drafts = {draft.name: draft for draft in (*self.inputs, *self.outputs)}
+        (in_model,) = blocks_in_model([block], drafts, self.dialect, self.findings)
+        return in_model
+
+    def _rule(self, line: Word) -> RuleText | None:
+        match = _RULE.match(line.text)
+        if match is None:
+            message = "a rule is 'inputs, outputs (weight) : connective'"
+            self.findings.error("syntax", message, line)
+            return None
+        inputs = line.part(*match.span("inputs")).parts(_WORD)
+        outputs = line.part(*match.span("outputs")).parts(_WORD)
+        if len(inputs) != len(self.inputs) or len(outputs) != len(self.outputs):
+            message = (
+                f"the rule has {len(inputs)} inputs and {len(outputs)} outputs, the file "
+                f"{len(self.inputs)} and {len(self.outputs)}"
+            )
+            self.findings.error("wrong-count", message, line)
+            return None
+        weight, is_or = self._weight(match, line), self._is_or(match, line)
+        conditions = [Is(*each) for each in self._propositions(self.inputs, inputs)]
+        conclusions = [Consequent(*each) for each in self._propositions(self.outputs, outputs)]
+        if not conditions or not conclusions:
+            side = "condition" if not conditions else "conclusion"
+            message = f"the rule has no {side} and never does anything; it is left out"
+            self.findings.warn("empty-rule", message, line)
+            return None
+        antecedent: Expression = conditions[0]
+        if len(conditions) > 1:
+            antecedent = Or(tuple(conditions)) if is_or else And(tuple(conditions))
+        return RuleText(antecedent, tuple(conclusions), weight, line.span)
+
+    def _propositions(
+        self, drafts: list[Draft], codes: list[Word]
+    ) -> Iterator[tuple[str, str, tuple[Hedge, ...], Span]]:
+        """Yield variable, term, hedges and span of each index that is not 0 or at fault."""
+        for draft, word in zip(drafts, codes, strict=True):
+            term = self._indexed(draft, word)
+            if term is not None:
+                yield draft.name, *term, word.span
+
+    def _indexed(self, draft: Draft, word: Word) -> tuple[str, tuple[Hedge, ...]] | None:
+        """Return term and hedges of an index; None for 0 or where it is at fault."""
+        value = number(word.text)
+        if value is None or math.isnan(value) or abs(value) > 1e6:
+            self.findings.error("not-a-number", f"'{word.text[:40]}' is no term index", word)
+            return None
+        index = int(abs(value))
+        fraction = round(abs(value) - index, 6)
+        if value == 0.0:
+            return None
+        hedges = hedges_of(fraction, self.dialect)
+        if hedges is None:
+            message = f"no hedge is known for the fraction {fraction}"
+            self.findings.error("unknown-hedge", message, word)
+            return None
+        table = self.terms.get(draft.name, {})
+        if hedges and hedges[0].name == "any" and index == 0 and table:
+            index = min(table)
+        if index not in table:
+            count = len(table)
+            message = f"'{draft.name}' has {count} term(s), so none has the number {index}"
+            self.findings.error("undefined-term", message, word)
+            return None
+        return table[index], ((NOT, *hedges) if value < 0.0 else hedges)
+
+    def _weight(self, match: re.Match[str], line: Word) -> float:
+        text = match.group("weight")
+        value = number(text.strip()) if text is not None else 1.0
+        if text is None:
+            message = "the rule has no weight in parentheses; 1 is taken"
+            self.findings.warn("missing-weight", message, line)
+        elif value is None or math.isnan(value):
+            message = f"'{text[:40]}' is no weight"
+            self.findings.error("not-a-number", message, line)
+        return 1.0 if value is None or math.isnan(value) else value
+
+    def _is_or(self, match: re.Match[str], line: Word) -> bool:
+        text = match.group("connective")
+        value = number(text) if text else None
+        if value not in (1.0, 2.0):
+            if text:
+                message = f"the connective must be 1 (and) or 2 (or), not '{text[:40]}'"
+                self.findings.error("bad-connective", message, line)
+            else:
+                message = "the rule has no connective; 1 (and) is taken"
+                self.findings.warn("bad-connective", message, line)
+        return value == 2.0
+
+    # --- What the file says of itself ---
+
+    def _check_counts(self) -> None:
+        for key, counted in (
+            ("numinputs", len(self.inputs)),
+            ("numoutputs", len(self.outputs)),
+            ("numrules", len(self.rules)),
+        ):
+            word = self.settings.get(key)
+            if word is not None and number(word.text) != counted:
+                message = f"the file says {word.text[:20]}, but there are {counted}"
+                self.findings.warn("wrong-count", message, word)
+
+    def _notes(self) -> None:
+        if ("rules", 0) not in self.seen:
+            self.findings.warn("no-rules", "the file has no [Rules]")
+        if self.dialect.producer == "fuzzylite":
+            note_rounding(self.text, self.findings)
+
+
+def _is_nan(value: float | str) -> bool:
+    return isinstance(value, float) and math.isnan(value)

@@ -1,0 +1,351 @@
+"""FIS, written for MATLAB, Octave's toolkit or fuzzylite."""
+
+from __future__ import annotations
+
+import math
+
+from fuzzyarm.expression.formulas import FormulaError, read_formula
+from fuzzyarm.formats.dialects import FIS, Dialect
+from fuzzyarm.formats.drafts import MONOTONIC, VALUES, maximum_of_nothing
+from fuzzyarm.formats.findings import Exported, all_written, written
+from fuzzyarm.formats.fis_reader import fractions, hedges_of
+from fuzzyarm.formats.meaning import POWERS, root
+from fuzzyarm.formats.sentences import NOT, hedged
+from fuzzyarm.formats.shapes import fuzzylite_formula, fuzzylite_shape, word_and_numbers
+from fuzzyarm.formats.writing import (
+    HEADER,
+    Sentence,
+    Writer,
+    as_sentences,
+    best,
+    weight_before,
+)
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Expression,
+    Hedge,
+    Hedged,
+    Input,
+    Is,
+    Or,
+    Output,
+    Rule,
+    RuleBase,
+    Term,
+)
+
+_METHODS = {
+    method: word for word, method in FIS["matlab"].integral.items() if word != "centroid_integral"
+}
+
+
+_Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
+"""Output → its conclusion and the hedges before it."""
+
+
+def write_fis(rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False) -> Exported:
+    """Write a fuzzy inference system: :func:`~fuzzyarm.formats.registry.write` of ``.fis``."""
+    producers = (producer,) if producer is not None else tuple(FIS)
+    return best([_Writer(rulebase, FIS[each], lossy=lossy).export() for each in producers])
+
+
+class _Writer(Writer):
+    file = "a FIS"
+
+    def lines(self) -> list[str]:
+        rulebase = self.rulebase
+        self.is_own = self.dialect.producer == "fuzzylite"
+        self.inputs = [variable.name for variable in rulebase.inputs]
+        self.outputs = {output.name: output for output in rulebase.outputs}
+        self.numbers = {
+            (variable.name, term.name): index
+            for variable in (*rulebase.inputs, *rulebase.outputs)
+            for index, term in enumerate(variable.terms, 1)
+        }
+        rules = self._rules()
+        lines = [f"% {HEADER} for {self.program}.", *self._system(len(rules))]
+        for index, variable in enumerate(rulebase.inputs, 1):
+            lines += ["", f"[Input{index}]", *self._variable(variable)]
+        for index, output in enumerate(rulebase.outputs, 1):
+            lines += ["", f"[Output{index}]", *self._variable(output)]
+        return [*lines, "", "[Rules]", *rules]
+
+    def _system(self, rules: int) -> list[str]:
+        rulebase = self.rulebase
+        blocks = [block for block in rulebase.blocks if block.rules]
+        conjunction = self._one([b.conjunction for b in blocks], "conjunction", "min")
+        disjunction = self._one([b.disjunction for b in blocks], "disjunction", "max")
+        implication = self._one([b.implication for b in blocks], "implication", "min")
+        aggregation = self._one([o.aggregation for o in rulebase.outputs], "aggregation", "max")
+        return [
+            "[System]",
+            f"Name='{self.one_line(rulebase.name, chr(39))}'",
+            f"Type='{self._type()}'",
+            "Version=2.0",
+            f"NumInputs={len(rulebase.inputs)}",
+            f"NumOutputs={len(rulebase.outputs)}",
+            f"NumRules={rules}",
+            f"AndMethod='{self.tnorm(conjunction, 'fis')}'",
+            f"OrMethod='{self.snorm(disjunction, 'fis')}'",
+            f"ImpMethod='{self.tnorm(implication, 'fis')}'",
+            f"AggMethod='{self.snorm(aggregation, 'fis')}'",
+            f"DefuzzMethod='{self._method()}'",
+        ]
+
+    def _type(self) -> str:
+        methods = {output.defuzzifier.method for output in self.rulebase.outputs}
+        if methods <= {"weighted-average", "weighted-sum"}:
+            return "sugeno"
+        return "tsukamoto" if methods == {"tsukamoto"} else "mamdani"
+
+    def _one(self, values: list[str], what: str, default: str) -> str:
+        if len(set(values)) > 1:
+            message = f"a FIS has one {what} for all, not {', '.join(sorted(set(values)))}"
+            self.findings.loss("one-for-all", message)
+        return values[0] if values else default
+
+    def _method(self) -> str:
+        names = [self._defuzzifier(output) for output in self.rulebase.outputs]
+        return self._one(names, "defuzzifier", "centroid")
+
+    def _defuzzifier(self, output: Output) -> str:
+        method = output.defuzzifier.method
+        kinds = {term.shape.kind for term in output.terms}
+        if method == "tsukamoto":
+            if not self.is_own or not kinds <= MONOTONIC:
+                message = f"{self.program} has no Tsukamoto inference for '{output.name}'"
+                self.findings.loss("unsupported-defuzzifier", message)
+            return "wtaver"
+        if method in ("weighted-average", "weighted-sum"):
+            self.need_values(output)
+            if self.dialect.producer == "matlab" and output.aggregation != "sum":
+                message = f"MATLAB adds up the rules of '{output.name}' whatever the aggregation"
+                self.findings.loss("unsupported-norm", message)
+            self._check_equal_values(output)
+            return "wtaver" if method == "weighted-average" else "wtsum"
+        self.need_sets(output)
+        return self._sampled(output)
+
+    def _check_equal_values(self, output: Output) -> None:
+        shapes = [term.shape for term in output.terms]
+        merged = self.dialect.producer == "octave" and output.aggregation != "sum"
+        if merged and len(set(shapes)) < len(shapes):
+            message = f"Octave's toolkit makes one of equal terms of '{output.name}'"
+            self.findings.loss("equal-values", message)
+
+    def _sampled(self, output: Output) -> str:
+        defuzzifier = output.defuzzifier
+        resolution, sampling = self.dialect.samples
+        found = (defuzzifier.resolution, defuzzifier.sampling)
+        if self.dialect.producer == "octave" and found == (resolution, "trapezoid"):
+            if defuzzifier.method == "centroid":
+                return "centroid_integral"
+        elif found == (resolution, sampling):
+            return _METHODS[defuzzifier.method]
+        message = (
+            f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
+            f"{self.program} does"
+        )
+        self.findings.loss("sampling", message)
+        return _METHODS[defuzzifier.method]
+
+    def _variable(self, variable: Input | Output) -> list[str]:
+        lines = [
+            f"Name='{self.one_line(variable.name, chr(39))}'",
+            f"Range=[{written(variable.low)} {written(variable.high)}]",
+        ]
+        if isinstance(variable, Output):
+            lines += self._no_rule(variable)
+        lines.append(f"NumMFs={len(variable.terms)}")
+        for index, term in enumerate(variable.terms, 1):
+            name = self.one_line(term.name, "'")
+            lines.append(f"MF{index}='{name}':{self._term(variable, term)}")
+        return lines
+
+    def _term(self, variable: Input | Output, term: Term) -> str:
+        shape = fuzzylite_shape(term.shape) if self.is_own else term.shape
+        if shape.kind in VALUES:
+            shape = self.without_height(variable, term)
+        known = word_and_numbers(shape, self.dialect.kinds)
+        found = known or word_and_numbers(shape, "fis")
+        if found is None:
+            self.nothing_like(variable, term)
+            return ""
+        word, values = found
+        if not self.is_own and (known is None or term.shape.height != 1.0):
+            message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({word})"
+            self.findings.loss("unsupported-shape", message)
+        if shape.kind != "formula":
+            return f"'{word}',[{all_written(values)}]"
+        try:
+            odd = [name for name in read_formula(shape.formula).names if not name.isidentifier()]
+            text = fuzzylite_formula(shape.formula)
+        except FormulaError as fault:
+            self.bad_formula(shape, fault)
+            return ""
+        if odd:  # names of a FIS may be any text, but not in its formulas
+            message = f"a formula of fuzzylite cannot have the name '{odd[0]}'"
+            self.findings.loss("bad-formula", message, term.span)
+        return f"'{word}',[{text}]"
+
+    def _no_rule(self, output: Output) -> list[str]:
+        self.warn_of_error(output)
+        if output.no_rule == "error":
+            return []
+        usual = self._usual(output)
+        if self.is_own:
+            lines = ["LockRange=1"] if output.outside == "clamp" else []
+            if output.no_rule == "hold":
+                return [*lines, "LockPrevious=1"]
+            if not _same(output.no_rule, usual):
+                lines.append(f"Default={written(float(output.no_rule))}")
+            return lines
+        if not _same(output.no_rule, usual):
+            message = (
+                f"'{output.name}' is {output.no_rule} where no rule fires, to {self.program} "
+                f"{usual}"
+            )
+            self.findings.loss("no-rule", message)
+        return []
+
+    def _usual(self, output: Output) -> float:
+        if self.dialect.producer == "matlab":
+            return 0.5 * (output.low + output.high)
+        return maximum_of_nothing(output) if self.is_own else math.nan
+
+    # --- Rules: a term index for each variable, weight, and connective ---
+
+    def _rules(self) -> list[str]:
+        blocks = self.rulebase.blocks
+        if sum(bool(block.rules) for block in blocks) > 1:
+            self.findings.info("dropped-blocks", "the rules of all blocks stand in one list")
+        if self.is_own:
+            order = {name: index for index, name in enumerate(self.outputs)}
+            sentences = [each for block in blocks for each in as_sentences(block, order)]
+        else:
+            sentences = [self._sentence(rule) for rule in self.rulebase.rules]
+        return [line for each in sentences for line in self._rule_lines(each)]
+
+    def _sentence(self, rule: Rule) -> Sentence:
+        """Give the hedges around an antecedent to values, of which Octave takes the root."""
+        conclusions = tuple((c, c.hedges) for c in rule.consequents)
+        plain = Sentence(rule.antecedent, conclusions, rule.weight, rule)
+        antecedent = rule.antecedent
+        values = all(
+            self.outputs[c.variable].defuzzifier.method in ("weighted-average", "weighted-sum")
+            and not c.hedges
+            for c in rule.consequents
+        )
+        if self.dialect.producer != "octave" or not isinstance(antecedent, Hedged) or not values:
+            return plain
+        roots = tuple(map(root, antecedent.hedges))
+        weight = weight_before(rule.weight, antecedent.hedges)
+        if weight is None:
+            return plain
+        rooted = tuple((c, roots) for c in rule.consequents)
+        return Sentence(antecedent.operand, rooted, weight, rule)
+
+    def _rule_lines(self, sentence: Sentence) -> list[str]:
+        """Return the line of a rule, several where an output stands twice."""
+        rule, antecedent = sentence.rule, sentence.antecedent
+        conditions = self._conditions(antecedent)
+        if conditions is None:
+            message = "a rule of a FIS is one list of conditions on inputs, joined by and or by or"
+            self.findings.loss("rule-too-rich", message, rule.span)
+            return []
+        by_name = {part.variable: part for part in conditions}
+        codes = [self._code(by_name.get(name), rule) for name in self.inputs]
+        connective = 2 if isinstance(antecedent, Or) else 1
+        lines = []
+        for group in self._groups(sentence):
+            left, right = " ".join(codes), " ".join(self._conclusions(group, rule))
+            lines.append(f"{left}, {right} ({written(sentence.weight)}) : {connective}")
+        return lines
+
+    def _conditions(self, antecedent: Expression) -> list[Is] | None:
+        """Return the propositions where each is about another input; None for anything else."""
+        if isinstance(antecedent, Hedged) and isinstance(antecedent.operand, Is):
+            antecedent = hedged(antecedent.hedges, antecedent.operand)
+        parts = antecedent.operands if isinstance(antecedent, And | Or) else (antecedent,)
+        found = [part for part in parts if isinstance(part, Is) and part.variable in self.inputs]
+        order = [self.inputs.index(part.variable) for part in found]
+        if len(found) != len(parts) or len(set(order)) != len(order):
+            return None
+        if order != sorted(order) and len(order) > 2:
+            message = "the conditions of a rule stand in the order of the inputs"
+            self.findings.info("reordered-conditions", message)
+        return found
+
+    def _code(self, part: Is | None, rule: Rule) -> str:
+        return "0" if part is None else self._number(part.variable, part.term, part.hedges, rule)
+
+    def _number(self, variable: str, term: str, hedges: tuple[Hedge, ...], rule: Rule) -> str:
+        negated = hedges[:1] == (NOT,)
+        rest = hedges[1:] if negated else hedges
+        fraction = 0.0 if not rest else _fraction_of(rest, self.dialect)
+        if fraction is None or (rest and self.dialect.producer == "matlab"):
+            names = " ".join(hedge.name for hedge in rest)
+            message = f"the hedge '{names}' has no number in this FIS"
+            self.findings.loss("unsupported-hedge", message, rule.span)
+            fraction = 0.0
+        code = self.numbers[variable, term] + fraction
+        return f"-{written(round(code, 6))}" if negated else written(round(code, 6))
+
+    def _groups(self, sentence: Sentence) -> list[_Group]:
+        """Split conclusions so that no output stands twice in one line."""
+        groups: list[_Group] = []
+        for consequent, hedges in sentence.conclusions:
+            for group in groups:
+                if consequent.variable not in group:
+                    group[consequent.variable] = (consequent, hedges)
+                    break
+            else:
+                groups.append({consequent.variable: (consequent, hedges)})
+        order = [
+            list(self.outputs).index(consequent.variable) for consequent, _ in sentence.conclusions
+        ]
+        in_order = len(groups) == 1 and order == sorted(order)
+        if self.is_own and sentence.hedges and not in_order:
+            message = "the order of the conclusions of a hedged rule cannot be kept"
+            self.findings.loss("rule-too-rich", message, sentence.rule.span)
+        return groups
+
+    def _conclusions(self, group: _Group, rule: Rule) -> list[str]:
+        codes = []
+        for name in self.outputs:
+            if name not in group:
+                codes.append("0")
+                continue
+            consequent, hedges = group[name]
+            if consequent.hedges and self.is_own:
+                message = "hedges on the set of a conclusion have another meaning to fuzzylite"
+                self.findings.loss("set-hedge", message, rule.span)
+            codes.append(self._number(name, consequent.term, hedges, rule))
+        return codes
+
+
+def _same(value: float | str, other: float) -> bool:
+    if isinstance(value, str):
+        return False
+    return value == other or (math.isnan(value) and math.isnan(other))
+
+
+def _fraction_of(hedges: tuple[Hedge, ...], dialect: Dialect) -> float | None:
+    """Return the fraction that says `hedges`, or None."""
+    if not hedges:
+        return 0.0
+    for fraction, meant in fractions(dialect).items():
+        if meant == hedges:
+            return fraction
+    if dialect.producer == "fuzzylite" or len(hedges) != 1 or hedges[0].name not in POWERS:
+        return None
+    fraction = round(_exponent(hedges[0]) / 10.0, 6)
+    if not 0.0 < fraction < 1.0:
+        return None
+    read = hedges_of(fraction, dialect) or ()
+    return fraction if len(read) == 1 and _exponent(read[0]) == _exponent(hedges[0]) else None
+
+
+def _exponent(hedge: Hedge) -> float:
+    return hedge.exponent or POWERS.get(hedge.name, 1.0)

@@ -1,0 +1,475 @@
+"""FLL, the files of fuzzylite: read, and written for fuzzylite 7 and 8."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.formats.dialects import FLL, Dialect, all_spellings, words
+from fuzzyarm.formats.drafts import (
+    VALUES,
+    Draft,
+    add_term,
+    imported,
+    lines_of,
+    note_rounding,
+    rulebase_of,
+    settle_weighted,
+)
+from fuzzyarm.formats.findings import (
+    MAX_RULES,
+    MAX_TERMS,
+    MAX_VARIABLES,
+    Exported,
+    Findings,
+    Imported,
+    Word,
+    number,
+    numbers,
+    written,
+)
+from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
+from fuzzyarm.formats.sentences import read_sentences
+from fuzzyarm.formats.shapes import formula_shape, spelled_shape
+from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
+from fuzzyarm.model.rulebase import Defuzzifier, Input, Output, RuleBase, RuleBlock, Shape
+
+# --- FLL text, line by line: `key: value` with `#` comments ---
+
+_PLAIN_WORD = re.compile(r"\S+")
+_WORD = re.compile(r"[(),]|[^\s(),]+")
+"""Words of a rule: parentheses and commas are words of their own."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """One setting: what stands left and right of the colon, without space around."""
+
+    key: Word
+    value: Word
+
+    def words(self) -> list[Word]:
+        return self.value.parts(_PLAIN_WORD)
+
+
+def _lines(text: str, findings: Findings) -> Iterator[_Line]:
+    for line in lines_of(text, lambda raw: raw.partition("#")[0]):
+        parts = line.around(":")
+        if parts is None:
+            findings.error("syntax", f"'{line.text[:40]}' is no 'key: value'", line)
+        else:
+            yield _Line(*parts)
+
+
+# --- The parts of a file ---
+
+_ACTIVATIONS = ("General", "First", "Last", "Highest", "Lowest", "Proportional", "Threshold")
+_BLOCK_KEYS = (
+    "description", "enabled", "conjunction", "disjunction", "implication", "activation", "rule",
+)  # fmt: skip
+_INPUT_KEYS = ("description", "enabled", "range", "lock-range", "term")
+_OUTPUT_KEYS = (*_INPUT_KEYS, "aggregation", "defuzzifier", "default", "lock-previous")
+_TYPES = ("Automatic", "TakagiSugeno", "Tsukamoto")
+MAX_RESOLUTION = 10_000_000
+
+
+def _flag(line: _Line, findings: Findings, *, default: bool = False) -> bool:
+    value = {"true": True, "false": False}.get(line.value.text.lower())
+    if value is None:
+        message = f"'{line.value.text[:40]}' is neither true nor false"
+        findings.error("not-a-flag", message, line.value)
+        return default
+    return value
+
+
+def _threshold(words: list[Word]) -> float | None:
+    """Return the firing strength below which a rule is left out; None for other methods.
+
+    ``Threshold >= t`` is the next number below t: strengths are numbers of the machine.
+    """
+    if words[0].text == "General":
+        return 0.0
+    values = [word.text for word in words[1:]]
+    if words[0].text != "Threshold" or len(values) not in (0, 2):
+        return None
+    if not values:
+        return 0.0  # greater than 0
+    limit = number(values[1])
+    if limit is None or not math.isfinite(limit) or values[0] not in (">", ">="):
+        return None
+    below = limit if values[0] == ">" else math.nextafter(limit, -math.inf)
+    return max(below, 0.0)
+
+
+def _settle_defuzzifier(draft: Draft, line: _Line | None, findings: Findings) -> None:
+    words = line.words() if line is not None else []
+    if line is None or not words or words[0].text == "none":
+        message = f"the output '{draft.name}' has no defuzzifier"
+        at = line.key if line is not None else draft.word
+        findings.error("no-defuzzifier", message, at)
+        return
+    method = words[0].text
+    if method in FLL.integral:
+        resolution = _resolution(words, findings)
+        draft.defuzzifier = Defuzzifier(FLL.integral[method], resolution, "midpoints")
+        if draft.kinds & VALUES:
+            message = (
+                f"'{draft.name}' has terms that are values, which fuzzylite integrates as if "
+                "they were sets; that cannot be carried"
+            )
+            findings.loss("value-as-set", message, line.value)
+    elif method in FLL.weighted:
+        kind = words[1].text if len(words) > 1 else "Automatic"
+        if kind not in _TYPES:
+            findings.unknown("unknown-defuzzifier", "the type", words[1], _TYPES)
+            return
+        settle_weighted(draft, FLL.weighted[method], kind, line.value, findings)
+    else:
+        methods = (*FLL.integral, *FLL.weighted)
+        findings.unknown("unknown-defuzzifier", "the method", words[0], methods)
+
+
+def _resolution(words: list[Word], findings: Findings) -> int:
+    usual, _ = FLL.samples
+    if len(words) < 2:
+        return usual
+    value = number(words[1].text)
+    if value is None or not value.is_integer() or not 1 <= value <= MAX_RESOLUTION:
+        message = f"'{words[1].text[:40]}' is no resolution (1 to {MAX_RESOLUTION})"
+        findings.error("bad-resolution", message, words[1])
+        return usual
+    return int(value)
+
+
+def _shape(
+    name: Word, parameters: list[Word], formula: Word, inputs: int, findings: Findings
+) -> Shape | None:
+    """Return the shape of a class and its numbers; `formula` is the same for ``Function``."""
+    if name.text == "Function":
+        return formula_shape(formula, FLL.formula, findings)
+    classes = all_spellings(SHAPES, FLL.kinds)
+    if name.text not in classes:
+        findings.unknown("unknown-shape", "the term class", name, classes)
+        return None
+    values = numbers(parameters, findings)
+    if values is None:
+        return None
+    spelling = classes[name.text]
+    if spelling.kind == "ramp" and len(values) in (2, 3) and values[0] == values[1]:
+        findings.error("unordered-corners", "a Ramp from a number to itself is nowhere", name)
+        return None
+    return spelled_shape(spelling, values, inputs, name, findings, FLL.ties)
+
+
+# --- Read FLL ---
+
+_SECTIONS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
+
+
+def parse_fll(text: str, path: str = "<text>", *, lossy: bool = False) -> Imported:
+    """Read an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.parse` of ``.fll``."""
+
+    def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
+        return _Reader(plain, findings).read(), FLL
+
+    return imported(text, path, read, lossy=lossy)
+
+
+class _Reader:
+    def __init__(self, text: str, findings: Findings) -> None:
+        self.text = text
+        self.findings = findings
+        self.name = ""
+        self.description = ""
+        self.variables: dict[str, Draft] = {}
+        self.terms: list[tuple[Draft, _Line]] = []
+        self.defuzzifiers: dict[str, _Line] = {}
+        self.blocks: list[Block] = []
+        self.rules: list[list[_Line]] = []
+        self.draft: Draft | None = None
+        self.section = ""
+
+    def read(self) -> RuleBase:
+        for line in _lines(self.text, self.findings):
+            if line.key.text in _SECTIONS:
+                self._open(line)
+            else:
+                self._setting(line)
+        if not self.variables and not self.findings.failed:
+            self.findings.error("no-engine", "there is no variable in this file")
+        self._finish_variables()
+        blocks = self._finish_blocks()
+        note_rounding(self.text, self.findings)
+        return rulebase_of(self.name, self.variables.values(), blocks, self.description)
+
+    def _open(self, line: _Line) -> None:
+        self.section = line.key.text
+        self.draft = None
+        if self.section == "Engine":
+            self.name = line.value.text
+        elif self.section == "RuleBlock":
+            self.blocks.append(Block(line.value.text, line.key.span))
+            self.rules.append([])
+        else:
+            self._open_variable(line)
+
+    def _open_variable(self, line: _Line) -> None:
+        word = line.value if line.value.text else line.key
+        name = _identifier(line.value.text)
+        if name != line.value.text:
+            message = f"fuzzylite calls the variable '{line.value.text[:60]}' {name}"
+            self.findings.info("renamed", message, word)
+        self.draft = Draft(Word(name, word.span), self.section == "OutputVariable")
+        earlier = self.variables.get(name)
+        if earlier is not None:
+            message = f"there are two variables called '{name}'"
+            self.findings.error("duplicate-variable", message, word)
+            return
+        if self.findings.room(len(self.variables), MAX_VARIABLES, "variables", word):
+            self.variables[name] = self.draft
+
+    def _setting(self, line: _Line) -> None:
+        key = line.key.text
+        if not self.section:
+            self.findings.error("syntax", f"'{key[:40]}' stands before any section", line.key)
+        elif self.section == "Engine":
+            if key == "description":
+                self.description = line.value.text
+            else:
+                self.findings.unknown("unknown-key", "the key", line.key, ("description",))
+        elif self.draft is not None:
+            self._variable_setting(self.draft, line)
+        else:
+            self._block_setting(self.blocks[-1], line)
+
+    def _variable_setting(self, draft: Draft, line: _Line) -> None:
+        match line.key.text:
+            case "description":
+                draft.description = line.value.text
+            case "enabled":
+                draft.enabled = _flag(line, self.findings, default=True)
+            case "range":
+                draft.set_range(line.words(), line.value, self.findings, "two numbers")
+            case "lock-range":
+                draft.outside = "clamp" if _flag(line, self.findings) else "extend"
+            case "term":
+                if self.findings.room(len(self.terms), 5 * MAX_TERMS, "terms", line.key):
+                    self.terms.append((draft, line))
+            case _ if draft.is_output:
+                self._output_setting(draft, line)
+            case _:
+                self.findings.unknown("unknown-key", "the key", line.key, _INPUT_KEYS)
+
+    def _output_setting(self, draft: Draft, line: _Line) -> None:
+        match line.key.text:
+            case "aggregation" | "accumulation":
+                draft.aggregation = self._snorm(line.value) or "sum"
+            case "defuzzifier":
+                self.defuzzifiers[draft.name] = line
+            case "default":
+                value = number(line.value.text)
+                if value is None:
+                    message = f"'{line.value.text[:40]}' is not a number"
+                    self.findings.error("not-a-number", message, line.value)
+                elif draft.no_rule != "hold":
+                    draft.no_rule = value
+                elif not math.isnan(value):
+                    self._held_default(line.key)
+            case "lock-previous" | "lock-valid" | "lock-defuzz":
+                if _flag(line, self.findings):
+                    if isinstance(draft.no_rule, float) and not math.isnan(draft.no_rule):
+                        self._held_default(line.key)
+                    draft.no_rule = "hold"
+            case _:
+                self.findings.unknown("unknown-key", "the key", line.key, _OUTPUT_KEYS)
+
+    def _held_default(self, at: Word) -> None:
+        message = "the value is held; the default counts only before the first value"
+        self.findings.info("default-with-hold", message, at, "pass it as the held value")
+
+    def _finish_variables(self) -> None:
+        inputs = sum(not d.is_output for d in self.variables.values())
+        for draft, line in self.terms:
+            self._term(draft, line, inputs)
+        for draft in self.variables.values():
+            draft.settle_range(self.findings)
+            if draft.is_output:
+                _settle_defuzzifier(draft, self.defuzzifiers.get(draft.name), self.findings)
+
+    def _term(self, draft: Draft, line: _Line, inputs: int) -> None:
+        words = line.words()
+        if len(words) < 2:
+            message = "a term is 'name Class numbers'"
+            self.findings.error("syntax", message, line.value if words else line.key)
+            return
+        name, kind, parameters = words[0], words[1], words[2:]
+        offset = kind.span.end_column - line.value.span.column
+        rest = line.value.text[offset:].strip()
+        formula = Word(rest, parameters[0].span.to(line.value.span) if parameters else kind.span)
+        cleaned = _identifier(name.text)
+        if cleaned != name.text:
+            message = f"fuzzylite calls the term '{name.text[:60]}' {cleaned}"
+            self.findings.info("renamed", message, name)
+        shape = _shape(kind, parameters, formula, inputs, self.findings)
+        if shape is not None:
+            add_term(draft, Word(cleaned, name.span), shape, self.findings, keep="last")
+
+    # --- Rule blocks ---
+
+    def _block_setting(self, block: Block, line: _Line) -> None:
+        match line.key.text:
+            case "description":
+                if line.value.text:
+                    message = "the description of a rule block has no place in the model"
+                    self.findings.info("dropped-description", message, line.key)
+            case "enabled":
+                block.enabled = _flag(line, self.findings, default=True)
+            case "conjunction":
+                block.conjunction = self._tnorm(line.value)
+            case "disjunction":
+                block.disjunction = self._snorm(line.value)
+            case "implication":
+                block.implication = self._tnorm(line.value)
+            case "activation":
+                self._activation(block, line)
+            case "rule":
+                count = sum(map(len, self.rules))
+                if self.findings.room(count, MAX_RULES, "rules", line.key):
+                    self.rules[-1].append(line)
+            case _:
+                self.findings.unknown("unknown-key", "the key", line.key, _BLOCK_KEYS)
+
+    def _tnorm(self, word: Word) -> str | None:
+        return self._norm("the T-norm", word, words(TNORMS, FLL.kinds))
+
+    def _snorm(self, word: Word) -> str | None:
+        return self._norm("the S-norm", word, words(SNORMS, FLL.kinds))
+
+    def _norm(self, what: str, word: Word, table: Mapping[str, str]) -> str | None:
+        return None if word.text in ("", "none") else self.findings.norm(what, word, table)
+
+    def _activation(self, block: Block, line: _Line) -> None:
+        parts = line.words()
+        method = parts[0].text if parts else "none"
+        tnorms = words(TNORMS, FLL.kinds)
+        if method in tnorms:  # fuzzylite 5 wrote activation for implication
+            block.implication = tnorms[method]
+        elif method in _ACTIVATIONS:
+            threshold = _threshold(parts)
+            if threshold is None:
+                message = f"the activation method '{line.value.text[:60]}' cannot be carried"
+                self.findings.loss("unsupported-activation", message, line.value)
+            else:
+                block.threshold = threshold
+        elif method != "none":
+            self.findings.unknown("unknown-activation", "the method", parts[0], _ACTIVATIONS)
+
+    def _finish_blocks(self) -> tuple[RuleBlock, ...]:
+        blocks = []
+        for block, lines in zip(self.blocks, self.rules, strict=True):
+            if not is_on(block, self.findings):
+                continue
+            rules = [line.value.parts(_WORD) for line in lines]
+            for line, rule in zip(lines, rules, strict=True):
+                if not rule:
+                    self.findings.error("syntax", "the rule is empty", line.key)
+            block.rules = read_sentences(filter(None, rules), self.variables, self.findings, FLL)
+            blocks.append(block)
+        return blocks_in_model(blocks, self.variables, FLL, self.findings)
+
+
+def _identifier(name: str) -> str:
+    """Return `name` as fuzzylite spells it: letters, digits and underscores only."""
+    cleaned = re.sub(r"\W", "", name) or "_"
+    return f"_{cleaned}" if cleaned[0].isnumeric() else cleaned
+
+
+# --- Write FLL ---
+
+
+def write_fll(rulebase: RuleBase, *, lossy: bool = False) -> Exported:
+    """Write an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.write` of ``.fll``."""
+    return _Writer(rulebase, FLL, lossy=lossy).export()
+
+
+_METHODS = {method: word for word, method in FLL.integral.items()}
+
+
+class _Writer(Writer):
+    file = "fuzzylite"
+    descriptions = True
+
+    def lines(self) -> list[str]:
+        rulebase = self.rulebase
+        self.names = identifiers(rulebase, self.findings, FUZZYLITE_WORDS)
+        lines = [f"# {HEADER}.", f"Engine: {self.one_line(rulebase.name, '#')}"]
+        if rulebase.description:
+            lines.append(f"description: {self.one_line(rulebase.description, '#')}")
+        for variable in rulebase.inputs:
+            lines += self._variable(variable)
+        for output in rulebase.outputs:
+            lines += self._variable(output)
+        for block in rulebase.blocks:
+            lines += self._block(block)
+        return lines
+
+    def _variable(self, variable: Input | Output) -> list[str]:
+        kind = "OutputVariable" if isinstance(variable, Output) else "InputVariable"
+        lines = [f"{kind}: {self.names.variable(variable.name)}"]
+        if variable.description:
+            lines.append(f"  description: {self.one_line(variable.description, '#')}")
+        lines += [
+            "  enabled: true",
+            f"  range: {written(variable.low)} {written(variable.high)}",
+            f"  lock-range: {'false' if variable.outside == 'extend' else 'true'}",
+        ]
+        if isinstance(variable, Output):
+            lines += self._output(variable)
+        for term in variable.terms:
+            name = self.names.term(variable.name, term.name)
+            lines.append(f"  term: {name} {self.fuzzylite_term(variable, term)}")
+        return lines
+
+    def _output(self, output: Output) -> list[str]:
+        weighted = output.defuzzifier.method not in _METHODS
+        plain = weighted and output.aggregation == "sum"
+        aggregation = "none" if plain else self.snorm(output.aggregation)
+        self.warn_of_error(output, "fuzzylite gives nan")
+        no_rule = output.no_rule if isinstance(output.no_rule, float | int) else math.nan
+        return [
+            f"  aggregation: {aggregation}",
+            f"  defuzzifier: {self._defuzzifier(output)}",
+            f"  default: {written(no_rule)}",
+            f"  lock-previous: {'true' if output.no_rule == 'hold' else 'false'}",
+        ]
+
+    def _defuzzifier(self, output: Output) -> str:
+        defuzzifier = output.defuzzifier
+        if defuzzifier.method == "tsukamoto":
+            return "WeightedAverage Tsukamoto"
+        if defuzzifier.method in ("weighted-average", "weighted-sum"):
+            self.need_values(output)
+            word = "Average" if defuzzifier.method == "weighted-average" else "Sum"
+            return f"Weighted{word} TakagiSugeno"
+        self.need_sets(output, "which fuzzylite takes for sets")
+        if defuzzifier.resolution is None or defuzzifier.sampling != "midpoints":
+            message = f"'{output.name}' is not defuzzified at midpoints, as fuzzylite does"
+            self.findings.loss("sampling", message)
+        return f"{_METHODS[defuzzifier.method]} {defuzzifier.resolution or FLL.samples[0]}"
+
+    def _block(self, block: RuleBlock) -> list[str]:
+        above = block.threshold
+        activation = "General" if above == 0.0 else f"Threshold > {written(above)}"
+        rules = written_sentences(block, FLL, self.names, self.findings)
+        return [
+            f"RuleBlock: {self.one_line(block.name, '#')}",
+            "  enabled: true",
+            f"  conjunction: {self.tnorm(block.conjunction)}",
+            f"  disjunction: {self.snorm(block.disjunction)}",
+            f"  implication: {self.tnorm(block.implication)}",
+            f"  activation: {activation}",
+            *(f"  rule: {rule}" for rule in rules),
+        ]

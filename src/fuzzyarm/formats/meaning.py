@@ -1,0 +1,358 @@
+"""What rules mean to the program they were written for, expressed in the model.
+
+Three habits of fuzzylite need care. Hedges of a conclusion change the activation degree
+(weight times truth), not the set, and carry on to the conclusions after it. An output in
+an antecedent stands for the degree to which its term has been activated so far, not for a
+value. A switched-off variable gives truth 0, a switched-off output receives nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+from fuzzyarm.formats.dialects import Dialect
+from fuzzyarm.formats.drafts import Draft, same_value
+from fuzzyarm.formats.findings import Findings
+from fuzzyarm.formats.sentences import NOT, RuleText, hedged
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    Rule,
+    RuleBlock,
+    propositions,
+)
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+MAX_NODES = 2_000
+"""Most propositions that one antecedent may come to when outputs are put in."""
+
+POWERS = {"very": 2.0, "somewhat": 0.5, "extremely": 3.0, "power": 1.0}
+"""Exponents of the hedges that are powers; that of ``power`` is its own number."""
+
+NEVER = (NOT, Hedge("any"))
+
+
+@dataclass(slots=True)
+class Block:
+    """A rule block while its file is read; a norm is None where the file names none.
+
+    Rules fire where their strength is above `threshold`.
+    """
+
+    name: str
+    span: Span = NOWHERE
+    enabled: bool = True
+    conjunction: str | None = None
+    disjunction: str | None = None
+    implication: str | None = None
+    threshold: float = 0.0
+    rules: list[RuleText] = field(default_factory=list)
+
+    def in_model(self, rules: Sequence[Rule]) -> RuleBlock:
+        """Return the block of the model with these rules."""
+        return RuleBlock(
+            tuple(rules),
+            self.name,
+            self.conjunction or "min",
+            self.disjunction or "max",
+            self.implication or "min",
+            self.threshold,
+        )
+
+
+def is_on(block: Block, findings: Findings) -> bool:
+    """Whether a block is not switched off; say so where it is."""
+    if not block.enabled:
+        message = f"the block '{block.name}' is switched off; its rules are left out"
+        findings.warn("disabled-block", message, block.span)
+    return block.enabled
+
+
+def blocks_in_model(
+    blocks: list[Block], variables: dict[str, Draft], dialect: Dialect, findings: Findings
+) -> tuple[RuleBlock, ...]:
+    """Return the blocks of the model, with the meaning that the program gives to rules."""
+    if dialect.activates:
+        builder = _Activations(variables, findings)
+        return tuple(
+            builder.block(block, _concluded(blocks[index + 1 :]))
+            for index, block in enumerate(blocks)
+        )
+    made = []
+    for block in blocks:
+        rules = []
+        for text in block.rules:
+            conclusions = text.conclusions
+            if dialect.producer == "jfuzzylogic":
+                _note_outputs(text, variables, findings)
+                conclusions = tuple(same_value(each, variables) for each in conclusions)
+            rule = Rule(text.antecedent, conclusions, text.weight, text.span)
+            is_octave = dialect.producer == "octave"
+            rules += _octave_rules(rule, variables, findings) if is_octave else [rule]
+        made.append(block.in_model(rules))
+    return tuple(made)
+
+
+def _concluded(blocks: list[Block]) -> frozenset[str]:
+    """Return the outputs that the rules of some blocks conclude."""
+    texts = [text for block in blocks for text in block.rules]
+    return frozenset(each.variable for text in texts for each in text.conclusions)
+
+
+def _note_outputs(text: RuleText, variables: dict[str, Draft], findings: Findings) -> None:
+    for used in sorted({part.variable for part in propositions(text.antecedent)}):
+        if used in variables and variables[used].is_output:
+            message = (
+                f"'{used}' is an output; jFuzzyLogic takes the value it had before the "
+                "rules, which cannot be carried"
+            )
+            findings.loss("chained-output", message, text.span)
+
+
+def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> list[Rule]:
+    """Express two habits of Octave's toolkit.
+
+    It aggregates values that are equal, whatever their names, and a hedge on a value takes
+    the root of the firing strength.
+    """
+    plain: list[Consequent] = []
+    hedged_ones: list[Consequent] = []
+    for consequent in rule.consequents:
+        method = drafts[consequent.variable].defuzzifier.method
+        named = same_value(consequent, drafts)
+        is_value = method in ("weighted-average", "weighted-sum")
+        (hedged_ones if is_value and named.hedges else plain).append(named)
+    rules = [replace(rule, consequents=tuple(plain))] if plain else []
+    for consequent in hedged_ones:
+        hedges = tuple(map(root, consequent.hedges))
+        weight = hedged_weight(rule.weight, hedges)
+        if weight is None:
+            message = "a negated value and a weight cannot be carried together"
+            findings.loss("hedged-weight", message, consequent.span)
+            weight = rule.weight
+        antecedent = around(hedges, rule.antecedent)
+        bare = (replace(consequent, hedges=()),)
+        rules.append(Rule(antecedent, bare, weight, rule.span))
+    return rules
+
+
+def root(hedge: Hedge) -> Hedge:
+    """Return the hedge that undoes a power; ``not`` stays."""
+    swapped = {"very": "somewhat", "somewhat": "very"}.get(hedge.name)
+    if swapped:
+        return Hedge(swapped)
+    if hedge.name in POWERS:
+        return Hedge("power", 1.0 / (hedge.exponent or POWERS[hedge.name]))
+    return hedge
+
+
+class _Activations:
+    """Turns rule texts of fuzzylite into rules, in the order in which they are evaluated."""
+
+    def __init__(self, variables: dict[str, Draft], findings: Findings) -> None:
+        self.variables = variables
+        self.findings = findings
+        self._fired: dict[tuple[str, str], list[tuple[Rule, Block]]] = {}
+        self._own: frozenset[str] = frozenset()
+        self._sizes: dict[tuple[str, str], int] = {}
+
+    def block(self, block: Block, later: frozenset[str]) -> RuleBlock:
+        """Return the block of the model; `later` blocks conclude other outputs.
+
+        An output in an antecedent is replaced by the conditions that lead to it, where
+        that is exact. Otherwise it stays where the model means the same: an output that
+        rules of its own block conclude, all of them before the first that uses it.
+        """
+        rules: list[Rule] = []
+        self._own = _finished_in(block.rules) - later
+        for text in block.rules:
+            self._need_norms(text, block)
+            for rule in self._rules(text, block):
+                rules.append(rule)
+                for consequent in rule.consequents:
+                    key = (consequent.variable, consequent.term)
+                    self._fired.setdefault(key, []).append((rule, block))
+                    self._sizes[key] = self._sizes.get(key, 0) + _size(rule.antecedent)
+        return block.in_model(rules)
+
+    def _need_norms(self, text: RuleText, block: Block) -> None:
+        used = set(map(type, _parts(text.antecedent)))
+        for kind, norm, key in ((And, block.conjunction, "and"), (Or, block.disjunction, "or")):
+            if kind in used and norm is None:
+                message = f"the rule says '{key}' but its block names no norm for it"
+                self.findings.error("missing-norm", message, text.span)
+
+    def _rules(self, text: RuleText, block: Block) -> list[Rule]:
+        antecedent = self._expanded(text.antecedent, text.span, block)
+        rules: list[Rule] = []
+        group: list[Consequent] = []
+        hedges: tuple[Hedge, ...] = ()
+        for conclusion in text.conclusions:
+            draft = self.variables.get(conclusion.variable)
+            if draft is not None and not draft.enabled:
+                message = f"'{draft.name}' is switched off; the rule leaves it alone"
+                self.findings.info("disabled-output", message, conclusion.span)
+                continue
+            if conclusion.hedges:
+                if group:
+                    rules.append(self._rule(antecedent, hedges, group, text))
+                group, hedges = [], (*conclusion.hedges, *hedges)
+            group.append(Consequent(conclusion.variable, conclusion.term, span=conclusion.span))
+        if group:
+            rules.append(self._rule(antecedent, hedges, group, text))
+        return rules
+
+    def _rule(
+        self,
+        antecedent: Expression,
+        hedges: tuple[Hedge, ...],
+        consequents: list[Consequent],
+        text: RuleText,
+    ) -> Rule:
+        weight = hedged_weight(text.weight, hedges)
+        if weight is None:
+            message = (
+                f"fuzzylite hedges weight times truth, which cannot be carried with the "
+                f"weight {text.weight}"
+            )
+            self.findings.loss("hedged-weight", message, text.span)
+            weight = text.weight
+        return Rule(around(hedges, antecedent), tuple(consequents), weight, text.span)
+
+    def _expanded(self, expression: Expression, span: Span, block: Block) -> Expression:
+        expanded = self._put_in(expression, block)
+        if _size(expanded) > MAX_NODES:
+            message = f"with its outputs put in, the rule has more than {MAX_NODES} propositions"
+            self.findings.error("too-large", message, span)
+            return expression
+        return expanded
+
+    def _put_in(self, expression: Expression, block: Block) -> Expression:
+        if isinstance(expression, Is):
+            return self._proposition(expression, block)
+        if isinstance(expression, Hedged):
+            return hedged(expression.hedges, self._put_in(expression.operand, block))
+        operands = tuple(self._put_in(operand, block) for operand in expression.operands)
+        return type(expression)(operands)
+
+    def _proposition(self, proposition: Is, block: Block) -> Expression:
+        draft = self.variables.get(proposition.variable)
+        if draft is None or (draft.enabled and not draft.is_output):
+            return proposition
+        if any(h.name == "any" for h in proposition.hedges):
+            return self._constant(proposition, proposition.hedges)
+        if not draft.enabled:
+            message = f"'{draft.name}' is switched off; the proposition counts as false"
+            self.findings.info("disabled-variable", message, proposition.span)
+            return self._constant(proposition, NEVER)
+        return hedged(proposition.hedges, self._activation(proposition, draft, block))
+
+    def _constant(self, proposition: Is, hedges: tuple[Hedge, ...]) -> Expression:
+        """Return a proposition about an input whose hedges make it constant."""
+        for draft in self.variables.values():
+            if not draft.is_output and draft.terms:
+                return Is(draft.name, draft.terms[0].name, hedges, proposition.span)
+        message = "there is no input to carry a constant truth"
+        self.findings.loss("chained-output", message, proposition.span)
+        return proposition
+
+    def _activation(self, proposition: Is, output: Draft, block: Block) -> Expression:
+        fired = self._fired.get((proposition.variable, proposition.term), [])
+        if not fired:
+            message = f"no earlier rule concludes '{output.name} is {proposition.term}'"
+            self.findings.warn("never-activated", message, proposition.span)
+            return self._constant(proposition, NEVER)
+        if self._sizes[proposition.variable, proposition.term] > MAX_NODES:
+            what = "conditions to put in the place of an output"
+            self.findings.room(MAX_NODES, MAX_NODES, what, proposition.span)
+            return proposition
+        reason = self._why_not(fired, output, block)
+        if reason and output.name in self._own:
+            return proposition
+        if reason:
+            message = (
+                f"fuzzylite takes the activation of '{output.name} is {proposition.term}' so "
+                f"far, which cannot be carried here: {reason}"
+            )
+            self.findings.loss("chained-output", message, proposition.span)
+        antecedents = tuple(rule.antecedent for rule, _ in fired)
+        if not reason:
+            message = (
+                f"'{output.name} is {proposition.term}' means its activation to fuzzylite; "
+                "the conditions that lead to it are put in its place"
+            )
+            self.findings.info("activation-put-in", message, proposition.span)
+        return antecedents[0] if len(antecedents) == 1 else Or(antecedents)
+
+    def _why_not(self, fired: list[tuple[Rule, Block]], output: Draft, block: Block) -> str:
+        if any(other.threshold > block.threshold for _, other in fired):
+            return "the block that leads to it has a threshold"
+        if any(rule.weight != 1.0 for rule, _ in fired):
+            return "a rule that leads to it has a weight"
+        if len(fired) > 1 and output.aggregation != block.disjunction:
+            return f"the aggregation {output.aggregation} is not the disjunction of the block"
+        for rule, other in fired:
+            kinds = set(map(type, _parts(rule.antecedent)))
+            if And in kinds and other.conjunction != block.conjunction:
+                return "the blocks differ in their conjunction"
+            if Or in kinds and other.disjunction != block.disjunction:
+                return "the blocks differ in their disjunction"
+        return ""
+
+
+def around(hedges: tuple[Hedge, ...], antecedent: Expression) -> Expression:
+    """Put hedges around a whole antecedent; not into it, so that they can be told apart."""
+    if not hedges:
+        return antecedent
+    if isinstance(antecedent, Hedged):
+        return Hedged((*hedges, *antecedent.hedges), antecedent.operand)
+    return Hedged(hedges, antecedent)
+
+
+def hedged_weight(weight: float, hedges: tuple[Hedge, ...]) -> float | None:
+    """Return w' such that w' × hedges(d) is hedges(weight × d) for all d, or None.
+
+    That holds for powers, as (w d)ᵖ = wᵖ dᵖ, for ``any`` and for the weight 1.
+    """
+    for hedge in reversed(hedges):
+        if hedge.name == "any":
+            weight = 1.0
+        elif weight == 1.0:
+            continue
+        elif hedge.name in POWERS and weight > 0.0:
+            weight = weight ** (hedge.exponent or POWERS[hedge.name])
+        else:
+            return None
+    return weight
+
+
+def _finished_in(texts: list[RuleText]) -> frozenset[str]:
+    """Return the outputs whose last conclusion stands before their first use."""
+    last = {c.variable: i for i, text in enumerate(texts) for c in text.conclusions}
+    first: dict[str, int] = {}
+    for index, text in enumerate(texts):
+        for part in propositions(text.antecedent):
+            first.setdefault(part.variable, index)
+    return frozenset(name for name, index in last.items() if index < first.get(name, len(texts)))
+
+
+def _parts(expression: Expression) -> Iterator[Expression]:
+    """Yield an expression and all those in it."""
+    yield expression
+    inner: tuple[Expression, ...] = ()
+    if isinstance(expression, Hedged):
+        inner = (expression.operand,)
+    elif not isinstance(expression, Is):
+        inner = expression.operands
+    for part in inner:
+        yield from _parts(part)
+
+
+def _size(expression: Expression) -> int:
+    return sum(1 for _ in _parts(expression))

@@ -1,0 +1,243 @@
+"""Rule sentences, ``if … then … with …``, as FLL and FCL write them.
+
+A sentence becomes a :class:`RuleText`, and so does a line of numbers of a FIS; what either
+means to the program is up to :mod:`fuzzyarm.formats.meaning`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from fuzzyarm.expression.kinds import HEDGES
+from fuzzyarm.formats.dialects import Dialect, words
+from fuzzyarm.formats.drafts import Draft
+from fuzzyarm.formats.findings import FaultError, Findings, Word, number
+from fuzzyarm.model.rulebase import And, Consequent, Expression, Hedge, Hedged, Is, Or
+from fuzzyarm.text.diagnostic import Span
+
+NOT = Hedge("not")
+
+MAX_NESTING = 50
+MAX_CONCLUSIONS = 200
+
+
+_ENDS = frozenset({"and", "or", "then", "with", ")", ","})
+"""What may stand behind a proposition."""
+
+
+@dataclass(frozen=True, slots=True)
+class RuleText:
+    """A rule as it was written: what its hedges mean is up to the format."""
+
+    antecedent: Expression
+    conclusions: tuple[Consequent, ...]
+    weight: float
+    span: Span
+
+
+def hedged(hedges: tuple[Hedge, ...], inner: Expression) -> Expression:
+    """Put hedges around an expression, into the proposition where it is a single one."""
+    if not hedges:
+        return inner
+    if isinstance(inner, Is):
+        return Is(inner.variable, inner.term, (*hedges, *inner.hedges), inner.span)
+    if isinstance(inner, Hedged):
+        return Hedged((*hedges, *inner.hedges), inner.operand)
+    return Hedged(hedges, inner)
+
+
+def read_sentences(
+    rules: Iterable[list[Word]], variables: dict[str, Draft], findings: Findings, dialect: Dialect
+) -> list[RuleText]:
+    """Read rules, each as words with parentheses and commas apart; report those at fault."""
+    parser = _Parser(variables, findings, dialect)
+    texts = []
+    for sentence in rules:
+        try:
+            texts.append(parser.rule(sentence))
+        except FaultError as fault:
+            findings.fault(fault)
+    return texts
+
+
+class _Parser:
+    """Recursive descent over the words of one rule; unknown names are reported and read on."""
+
+    def __init__(self, variables: dict[str, Draft], findings: Findings, dialect: Dialect) -> None:
+        self.variables = variables
+        self.findings = findings
+        self.dialect = dialect
+        # What fuzzylite's FCL calls hedges is read in jFuzzyLogic's too.
+        found = words(HEDGES, "fcl" if dialect.suffix == ".fcl" else dialect.kinds)
+        self.hedges = {word: Hedge(name) for word, name in found.items()}
+        self.words: list[Word] = []
+        self.at = 0
+
+    def rule(self, sentence: list[Word]) -> RuleText:
+        self.words, self.at = sentence, 0
+        self.expect("if")
+        antecedent = self.condition(0)
+        self.expect("then")
+        conclusions = [self.conclusion()]
+        while self.key() in self.dialect.separators:
+            word = self.take()
+            if len(conclusions) == MAX_CONCLUSIONS:
+                message = f"a rule may have {MAX_CONCLUSIONS} conclusions at most"
+                raise FaultError(message, word, "too-many")
+            conclusions.append(self.conclusion())
+        weight = self.weight() if self.key() == "with" else 1.0
+        if self.at < len(self.words):
+            word = self.words[self.at]
+            raise FaultError(f"'{word.text[:40]}' is not expected here", word)
+        span = self.words[0].span.to(self.words[-1].span)
+        return RuleText(antecedent, tuple(conclusions), weight, span)
+
+    def key(self) -> str:
+        if self.at >= len(self.words):
+            return ""
+        text = self.words[self.at].text
+        return text.lower() if self.dialect.any_case else text
+
+    def take(self) -> Word:
+        if self.at >= len(self.words):
+            raise FaultError("the rule ends too early", self.words[-1])
+        self.at += 1
+        return self.words[self.at - 1]
+
+    def expect(self, key: str) -> None:
+        if self.key() != key:
+            found = self.take()
+            message = f"'{key}' is expected here, not '{found.text[:40]}'"
+            raise FaultError(message, found)
+        self.at += 1
+
+    def condition(self, depth: int) -> Expression:
+        if depth > MAX_NESTING:
+            message = f"parentheses may nest {MAX_NESTING} deep at most"
+            at = self.words[min(self.at, len(self.words) - 1)]
+            raise FaultError(message, at, "too-deep")
+        if self.dialect.equal_precedence:
+            return self._chain(("and", "or"), lambda: self._factor(depth))
+        return self._chain(("or",), lambda: self._chain(("and",), lambda: self._factor(depth)))
+
+    def _chain(self, keys: tuple[str, ...], operand: Callable[[], Expression]) -> Expression:
+        left = operand()
+        chained = False  # what stood in parentheses stays a node of its own
+        while self.key() in keys:
+            kind = And if self.key() == "and" else Or
+            self.at += 1
+            earlier = left.operands if chained and isinstance(left, kind) else (left,)
+            left = kind((*earlier, operand()))
+            chained = True
+        return left
+
+    def _factor(self, depth: int) -> Expression:
+        negations = 0
+        while self.key() == "not":
+            negations += 1
+            self.at += 1
+        if self.key() == "(":
+            self.at += 1
+            inner = self.condition(depth + 1)
+            self.expect(")")
+        else:
+            inner = self.proposition()
+        return hedged((NOT,) * negations, inner)
+
+    def proposition(self) -> Is:
+        """Read *variable is [hedges] term*."""
+        variable, draft = self._variable(outputs_only=False)
+        self.expect("is")
+        hedges, term = self._hedges_and_term(draft, variable)
+        return Is(variable.text, term, hedges, variable.span)
+
+    def conclusion(self) -> Consequent:
+        """Read *output is [hedges] term*."""
+        variable, draft = self._variable(outputs_only=True)
+        self.expect("is")
+        hedges, term = self._hedges_and_term(draft, variable)
+        return Consequent(variable.text, term, hedges, variable.span)
+
+    def _variable(self, *, outputs_only: bool) -> tuple[Word, Draft | None]:
+        word = self.take()
+        draft = self.variables.get(word.text)
+        if draft is None and (near := self._same_but_case(word)) is not None:
+            word, draft = Word(near.name, word.span), near
+        if draft is None:
+            names = [n for n, d in self.variables.items() if d.is_output or not outputs_only]
+            self.findings.unknown("undefined-variable", "the variable", word, names)
+        elif outputs_only and not draft.is_output:
+            message = f"'{word.text}' is an input; a rule cannot conclude on it"
+            self.findings.error("not-an-output", message, word)
+        return word, draft
+
+    def _same_but_case(self, word: Word) -> Draft | None:
+        if not self.dialect.any_case:
+            return None
+        lowered = word.text.lower()
+        same = [d for d in self.variables.values() if d.name.lower() == lowered]
+        if len(same) != 1:
+            return None
+        message = f"'{word.text}' is taken for '{same[0].name}': they differ in case"
+        self.findings.warn("case-differs", message, word)
+        return same[0]
+
+    def _hedges_and_term(
+        self, draft: Draft | None, variable: Word
+    ) -> tuple[tuple[Hedge, ...], str]:
+        hedges: list[Hedge] = []
+        while True:
+            hedge = self.hedges.get(self.key())
+            is_term = draft is not None and self._next_is_term(draft)
+            if hedge is None or (is_term and not self._more_follows()):
+                break
+            hedges.append(hedge)
+            self.at += 1
+            if hedge.name == "any" and (self.key() in _ENDS or self.at >= len(self.words)):
+                return tuple(hedges), self._any_term(draft, variable)
+        word = self.take()
+        if draft is None:
+            return tuple(hedges), word.text
+        return tuple(hedges), self._term(draft, word)
+
+    def _next_is_term(self, draft: Draft) -> bool:
+        return self.at < len(self.words) and draft.term(self.words[self.at].text) is not None
+
+    def _more_follows(self) -> bool:
+        following = self.words[self.at + 1].text.lower() if self.at + 1 < len(self.words) else ""
+        return bool(following) and following not in _ENDS
+
+    def _any_term(self, draft: Draft | None, variable: Word) -> str:
+        if draft is None:
+            return ""
+        if not draft.terms:
+            message = f"'{variable.text}' has no term that 'any' could stand for"
+            raise FaultError(message, variable, "undefined-term")
+        return draft.terms[0].name
+
+    def _term(self, draft: Draft, word: Word) -> str:
+        if draft.term(word.text) is not None:
+            return word.text
+        same = [t.name for t in draft.terms if t.name.lower() == word.text.lower()]
+        if self.dialect.any_case and len(same) == 1:
+            message = f"'{word.text}' is taken for '{same[0]}': they differ in case"
+            self.findings.warn("case-differs", message, word)
+            return same[0]
+        following = self.words[self.at] if self.at < len(self.words) else None
+        if following is not None and draft.term(following.text) is not None:
+            self.findings.unknown("unknown-hedge", "the hedge", word, self.hedges)
+            self.at += 1
+            return following.text
+        names = [t.name for t in draft.terms]
+        self.findings.unknown("undefined-term", f"the term of '{draft.name}'", word, names)
+        return word.text
+
+    def weight(self) -> float:
+        self.at += 1
+        word = self.take()
+        value = number(word.text)
+        if value is None or math.isnan(value):
+            raise FaultError(f"'{word.text[:40]}' is no weight", word, "not-a-number")
+        return value

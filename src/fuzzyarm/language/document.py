@@ -1,0 +1,342 @@
+"""A whole file as a syntax tree: grouped into statements, read, and printed in canonical form.
+
+Reading never raises: what cannot be read becomes a diagnostic, and reading goes on with the
+next statement. A memory of the last reading keeps an editor quick.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Hashable, Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from fuzzyarm.expression.kinds import HEDGES
+from fuzzyarm.language.statements import STATEMENTS, BlockNode, Broken, StatementNode, aligned
+from fuzzyarm.language.tokens import BlockLine, Cursor, Fault, Line, Token, Trivia, tokenize_line
+from fuzzyarm.model.rulebase import Rule
+from fuzzyarm.text.diagnostic import (
+    MAX_CHARACTERS,
+    MAX_DIAGNOSTICS,
+    MAX_LINE,
+    MAX_LINES,
+    Diagnostic,
+    Span,
+    split_lines,
+)
+from fuzzyarm.text.names import near_hint
+
+
+class Statement(NamedTuple):
+    """A statement and the comments around it."""
+
+    node: StatementNode
+    trivia: Trivia = Trivia()
+
+
+class Document(NamedTuple):
+    """A whole file.
+
+    Attributes
+    ----------
+    statements : tuple of Statement
+        In order.
+    ending : tuple of str
+        Comments and blank lines after the last statement.
+    allowed : mapping of int to frozenset of str
+        Names that ``# allow`` silences, by line.
+    diagnostics : tuple of Diagnostic
+        What the lexer and the parser found.
+    """
+
+    statements: tuple[Statement, ...]
+    ending: tuple[str, ...] = ()
+    allowed: Mapping[int, frozenset[str]] = MappingProxyType({})
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+
+# --- Lines as statements ---
+
+_ALLOW = re.compile(r"#\s*allow\s+([\w-]+(?:\s*,\s*[\w-]+)*)")
+
+
+class _Group:
+    """The tokens of one statement and the lines below it, if it takes any."""
+
+    def __init__(self, tokens: tuple[Token, ...], before: tuple[str, ...], behind: str) -> None:
+        self.tokens = list(tokens)
+        self.before = before
+        self.behind = behind
+        self.lines: list[BlockLine] = []
+        self.keyword = tokens[0].text
+        self.takes_lines = STATEMENTS[self.keyword].takes_lines
+
+    def takes(self, line: Line) -> bool:
+        """Whether `line` belongs here: if indented, or below a grid if it looks like a row."""
+        if line.indented:
+            return True
+        return self.takes_lines and not near_hint(line.tokens[0].text, STATEMENTS)[0]
+
+    def extend(self, line: Line, waiting: list[str]) -> None:
+        """Add a line; `waiting` are the comments and blank lines before it."""
+        if self.takes_lines:
+            self.lines.append(BlockLine(line.tokens, Trivia(tuple(waiting), line.comment)))
+            return
+        self.tokens.extend(line.tokens)
+        comments = [comment for comment in (*waiting, line.comment) if comment]
+        self.before = (*self.before, *comments)
+
+
+def _group_lines(
+    lines: list[Line], diagnostics: list[Diagnostic]
+) -> tuple[list[_Group], tuple[str, ...]]:
+    """Return the statements of `lines` and the comments after the last one.
+
+    A line that starts with a statement's word starts a statement. Any other line belongs to
+    the statement above it if that takes it; else it is an ``unknown-statement``.
+    """
+    groups: list[_Group] = []
+    waiting: list[str] = []
+    for line in lines:
+        if len(diagnostics) > MAX_DIAGNOSTICS:
+            break
+        if not line.tokens:
+            if line.comment or (waiting[-1:] != [""] and (groups or waiting)):
+                waiting.append(line.comment)
+            continue
+        first = line.tokens[0]
+        if first.kind == "name" and first.text in STATEMENTS:
+            groups.append(_Group(line.tokens, tuple(waiting), line.comment))
+        elif groups and groups[-1].takes(line):
+            groups[-1].extend(line, waiting)
+        else:
+            hint, replacement = near_hint(first.text, STATEMENTS)
+            diagnostics.append(
+                Diagnostic(
+                    "unknown-statement",
+                    f"no statement starts with '{first.text}'",
+                    first.span,
+                    hint=hint or "statements start with " + ", ".join(STATEMENTS),
+                    replacement=replacement,
+                )
+            )
+            if replacement is None:
+                continue
+            # Read on as what was probably meant, so that one slip does not look like many.
+            meant = first._replace(kind="name", text=replacement)
+            groups.append(_Group((meant, *line.tokens[1:]), tuple(waiting), line.comment))
+        waiting = []
+    while waiting and waiting[-1] == "":
+        waiting.pop()
+    return groups, tuple(waiting)
+
+
+def _allowances(lines: list[Line]) -> dict[int, frozenset[str]]:
+    """Return the names that ``# allow NAME, NAME`` silences, by line."""
+    allowed: dict[int, frozenset[str]] = {}
+    for line in lines:
+        match = _ALLOW.search(line.comment) if line.comment else None
+        if match:
+            allowed[line.number] = frozenset(re.split(r"\s*,\s*", match.group(1)))
+    return allowed
+
+
+# --- The memory of the last reading ---
+#
+# An editor reads the same file again after every key stroke. Lines and statements that stand
+# where they stood are taken over; the result is the same with a memory and without.
+
+Found = tuple[Diagnostic, ...]
+
+
+class ParseMemory:
+    """The lines, statements and rules of one text as they were read last."""
+
+    def __init__(self) -> None:
+        self._lines: list[tuple[str, Line, Found]] = []
+        self._statements: dict[int, tuple[_Group, StatementNode, Found]] = {}
+        self._fresh: dict[int, tuple[_Group, StatementNode, Found]] = {}
+        self._scope: Hashable = None
+        self._rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
+        self._fresh_rules: dict[int, tuple[StatementNode, list[Rule], Found]] = {}
+
+    @property
+    def lines(self) -> list[Line]:
+        """The lines of the last text as tokens."""
+        return [line for _, line, _ in self._lines]
+
+    def tokenize(self, text: str, diagnostics: list[Diagnostic]) -> list[Line]:
+        """Return what :func:`fuzzyarm.language.tokens.tokenize` returns."""
+        before = self._lines
+        self._lines = []
+        for index, line in enumerate(split_lines(text)):
+            entry = before[index] if index < len(before) else None
+            if entry is None or entry[0] != line:
+                found: list[Diagnostic] = []
+                entry = (line, tokenize_line(index + 1, line, found), tuple(found))
+            diagnostics += entry[2]
+            self._lines.append(entry)
+            if len(diagnostics) > MAX_DIAGNOSTICS:
+                break  # this is not a rule base; reading all of it would take for ever
+        return self.lines
+
+    def read(self, group: _Group) -> tuple[StatementNode, Found]:
+        """Return a statement and its diagnostics; it is read where it is not as it was."""
+        line = group.tokens[0].line
+        known = self._statements.get(line)
+        if known is None or known[0].tokens != group.tokens or known[0].lines != group.lines:
+            known = (group, *_read_group(group))
+        self._fresh[line] = known
+        return known[1], known[2]
+
+    def finish(self) -> None:
+        """Forget what the text that has just been read does not have."""
+        self._statements, self._fresh = self._fresh, {}
+
+    def enter_scope(self, scope: Hashable) -> None:
+        """Start to give rules their meaning under these variables and terms."""
+        known = self._fresh_rules if scope == self._scope else {}
+        self._scope, self._rules, self._fresh_rules = scope, known, {}
+
+    def recall_rules(self, node: StatementNode) -> tuple[list[Rule], Found] | None:
+        """Return the rules of a statement that was met last time under the same scope."""
+        known = self._rules.get(id(node))
+        if known is None or known[0] is not node:
+            return None
+        self._fresh_rules[id(node)] = known
+        return known[1], known[2]
+
+    def keep_rules(self, node: StatementNode, rules: list[Rule], found: list[Diagnostic]) -> None:
+        """Remember what a statement means."""
+        self._fresh_rules[id(node)] = (node, rules, tuple(found))
+
+
+# --- Reading ---
+
+
+def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
+    """Return the syntax tree of `text` with every lexical and syntactic mistake.
+
+    A statement that cannot be read is kept as :class:`Broken`. With a `memory`, what has not
+    changed since the last text is not read again.
+    """
+    too_large = _size_fault(text)
+    if too_large is not None:
+        return Document((), diagnostics=(too_large,))
+    diagnostics: list[Diagnostic] = []
+    memory = memory or ParseMemory()
+    lines = memory.tokenize(text, diagnostics)
+    groups, ending = _group_lines(lines, diagnostics)
+    statements = []
+    for group in groups:
+        node: StatementNode = Broken(group.keyword, group.tokens[0].span)
+        if len(diagnostics) <= MAX_DIAGNOSTICS:
+            node, found = memory.read(group)
+            diagnostics += found
+        statements.append(Statement(node, Trivia(group.before, group.behind)))
+    memory.finish()
+    # The lexer's complaint of a token comes before the parser's of the same one.
+    first: dict[tuple[int, int], Diagnostic] = {}
+    for diagnostic in diagnostics:
+        first.setdefault((diagnostic.line, diagnostic.column), diagnostic)
+    ordered = tuple(sorted(first.values(), key=lambda diagnostic: diagnostic.span))
+    return Document(tuple(statements), ending, _allowances(lines), ordered)
+
+
+def _read_group(group: _Group) -> tuple[StatementNode, Found]:
+    cursor = Cursor(group.tokens, group.lines)
+    # A token that the lexer has already complained of needs no second complaint.
+    if any(token.kind == "bad" for token in group.tokens):
+        return Broken(group.keyword, cursor.whole), ()
+    hedges = len(HEDGES.words)
+    try:
+        node: StatementNode = STATEMENTS[group.keyword].node.read(cursor)
+        cursor.finish()
+    except Fault as fault:
+        if len(HEDGES.words) > hedges:
+            return _read_group(group)  # another package has brought the hedge that was missing
+        return Broken(group.keyword, cursor.whole), (fault.diagnostic,)
+    return node, tuple(cursor.forgiven)
+
+
+def _size_fault(text: str) -> Diagnostic | None:
+    if len(text) > MAX_CHARACTERS:
+        return Diagnostic(
+            "file-too-large",
+            f"the text has {len(text):,} characters; the limit is {MAX_CHARACTERS:,}",
+        )
+    if text.count("\n") + text.count("\r") > MAX_LINES and len(split_lines(text)) > MAX_LINES:
+        return Diagnostic(
+            "file-too-large",
+            f"the text has more than {MAX_LINES:,} lines",
+            Span(MAX_LINES + 1, 1, MAX_LINES + 1, 2),
+        )
+    if len(text) > MAX_LINE:
+        for number, line in enumerate(split_lines(text), start=1):
+            if len(line) > MAX_LINE:
+                return Diagnostic(
+                    "line-too-long",
+                    f"the line has {len(line):,} characters; the limit is {MAX_LINE:,}",
+                    Span(number, MAX_LINE + 1, number, MAX_LINE + 2),
+                )
+    return None
+
+
+# --- Printing, comments kept ---
+
+
+def print_document(document: Document) -> str:
+    """Return the canonical text of `document`, which must be free of broken statements.
+
+    Neighbouring variables and neighbouring terms are aligned; a grid has blank lines
+    around it; never more than one blank line stands in a row.
+    """
+    lines: list[str] = []
+    previous: StatementNode | None = None
+    aligned_lines = _aligned_lines(document)
+    for index, (node, trivia) in enumerate(document.statements):
+        if previous is not None and _wants_distance(previous, node) and "" not in trivia.before:
+            lines.append("")
+        lines += trivia.before
+        first, *rest = (aligned_lines.get(index) or str(node)).split("\n")
+        lines += [_with_comment(first, trivia.behind), *rest]
+        for line, around in _below(node) or ():
+            lines += [f"  {comment}" for comment in around.before if comment]
+            lines.append(_with_comment(line, around.behind))
+        previous = node
+    lines += document.ending
+    single = [line for i, line in enumerate(lines) if line or (i and lines[i - 1])]
+    return "\n".join(single).rstrip("\n") + "\n" if any(lines) else ""
+
+
+def _wants_distance(previous: StatementNode, node: StatementNode) -> bool:
+    around = _below(previous) is not None or _below(node) is not None
+    return around or isinstance(node, BlockNode)
+
+
+def _below(node: StatementNode) -> list[tuple[str, Trivia]] | None:
+    """Return the lines of a statement that takes lines; None for any other."""
+    below = getattr(node, "below", None)
+    return None if below is None else below()
+
+
+def _with_comment(line: str, comment: str) -> str:
+    return f"{line}  {comment}" if comment else line
+
+
+def _aligned_lines(document: Document) -> dict[int, str]:
+    """Return the lines of variables and terms by statement; neighbours of a kind are aligned."""
+    runs: list[list[int]] = []
+    before: type | None = None
+    for index, (node, trivia) in enumerate(document.statements):
+        if hasattr(node, "in_columns"):
+            if type(node) is not before or "" in trivia.before:
+                runs.append([])
+            runs[-1].append(index)
+        before = type(node)
+    lines: dict[int, str] = {}
+    for run in runs:
+        nodes: list[Any] = [document.statements[index].node for index in run]
+        rows = [node.in_columns() for node in nodes]
+        lines.update(zip(run, (line.strip() for line in aligned(rows)), strict=True))
+    return lines

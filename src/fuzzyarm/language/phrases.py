@@ -1,0 +1,536 @@
+"""The parts that statements are made of: propositions and antecedents, shapes, settings.
+
+Each is a node of the syntax tree that knows how it is read (``read``, from a cursor), how it
+is written (``str``, canonical) and which variables and terms it names (``mentions``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from enum import StrEnum
+from typing import NamedTuple
+
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word
+from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
+from fuzzyarm.text.diagnostic import MAX_NESTING, NOWHERE, Diagnostic, Span
+from fuzzyarm.text.names import near_hint, quote
+from fuzzyarm.text.numbers import number_text
+
+# --- What a text names ---
+
+
+class Kind(StrEnum):
+    """What a name stands for."""
+
+    RULEBASE = "rulebase"
+    VARIABLE = "variable"
+    TERM = "term"
+    BLOCK = "block"
+
+
+class Occurrence(NamedTuple):
+    """A name in a text.
+
+    Attributes
+    ----------
+    kind : Kind
+        What it stands for.
+    name : str
+        Without quotes.
+    span : Span
+        As written, quotes included.
+    owners : tuple of str
+        The variables of a term: one, or several where ``terms`` declares them together.
+    is_definition : bool
+        Whether the name is declared here.
+    """
+
+    kind: Kind
+    name: str
+    span: Span
+    owners: tuple[str, ...] = ()
+    is_definition: bool = False
+
+
+def of_variable(word: Word) -> Occurrence:
+    """Return the mention of a variable."""
+    return Occurrence(Kind.VARIABLE, word.text, word.span)
+
+
+def of_term(variable: Word, word: Word) -> Occurrence:
+    """Return the mention of a term of `variable`."""
+    return Occurrence(Kind.TERM, word.text, word.span, (variable.text,))
+
+
+def declared(kind: Kind, word: Word, owners: tuple[str, ...] = ()) -> Occurrence:
+    """Return the declaration of a name."""
+    return Occurrence(kind, word.text, word.span, owners, is_definition=True)
+
+
+# --- Hedges and propositions ---
+
+
+class HedgeNode(NamedTuple):
+    """A hedge word; `number` is that of ``power(1.3)``."""
+
+    word: Word
+    number: Figure | None = None
+
+    def __str__(self) -> str:
+        return self.word.text if self.number is None else f"{self.word.text}({self.number})"
+
+    @classmethod
+    def read_all(cls, cursor: Cursor) -> tuple[HedgeNode, ...]:
+        """Read hedges, none or several."""
+        hedges: list[HedgeNode] = []
+        cursor.suggest("hedges")
+        while (token := cursor.peek()) is not None and token.text in HEDGES.words:
+            name = HEDGES.words[token.text]
+            parameters = HEDGES[name].parameters
+            # A hedge with a number is one before a parenthesis only; else it is a name.
+            if token.kind != "name" or (parameters and not cursor.next_is("(", 1)):
+                break
+            word, number = Word(name, cursor.take().span), None
+            if parameters:
+                cursor.take()
+                number = cursor.figure(f"the {parameters[0]}")
+                cursor.expect(")", f"after the {parameters[0]}")
+            hedges.append(cls(word, number))
+            cursor.suggest("hedges")
+        return tuple(hedges)
+
+
+def _hedged(hedges: tuple[HedgeNode, ...], text: str) -> str:
+    return " ".join([*map(str, hedges), text])
+
+
+class PropositionNode(NamedTuple):
+    """``variable is [hedges] term``, in antecedents and consequents."""
+
+    variable: Word
+    hedges: tuple[HedgeNode, ...]
+    term: Word
+
+    @property
+    def span(self) -> Span:
+        """From the variable to the term."""
+        return self.variable.span.to(self.term.span)
+
+    @classmethod
+    def read(cls, cursor: Cursor, what: str, role: str = "") -> PropositionNode:
+        """Read a proposition that starts with `what`, the name of a variable of `role`."""
+        variable = cursor.variable(what, role, " is")
+        if cursor.next_is("("):
+            raise _unknown_hedge(variable)
+        cursor.expect("is", f"after the variable '{variable.text}'")
+        hedges = HedgeNode.read_all(cursor)
+        term = cursor.term(f"a term of '{variable.text}'", variable)
+        following = cursor.peek()
+        if following is not None and following.kind == "name" and following.text not in _FOLLOW:
+            raise _unknown_hedge(term)
+        if cursor.next_is("(") and (number := cursor.peek(1)) and number.kind == "number":
+            raise _unknown_hedge(term)
+        return cls(variable, hedges, term)
+
+    def __str__(self) -> str:
+        return f"{self.variable} is {_hedged(self.hedges, str(self.term))}"
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the variable and the term."""
+        yield of_variable(self.variable)
+        yield of_term(self.variable, self.term)
+
+
+_FOLLOW = ("and", "or", "then", "with")
+"""Words that may stand behind a proposition."""
+
+
+def _unknown_hedge(word: Word) -> Fault:
+    """Return the fault of a word that stands where only a hedge can."""
+    HEDGES.get(word.text)  # looks among other packages' kinds, then it is read again
+    hint, replacement = near_hint(word.text, HEDGES.words)
+    hint = hint or f"hedges are {', '.join(HEDGES.words)}"
+    message = f"unknown hedge '{word.text}'"
+    return Fault(
+        Diagnostic("unknown-hedge", message, word.span, hint=hint, replacement=replacement)
+    )
+
+
+# --- Antecedents (`and` binds tighter than `or`) ---
+
+
+class JunctionNode(NamedTuple):
+    """Two or more operands between ``and`` or between ``or``."""
+
+    word: str
+    operands: tuple[ExpressionNode, ...]
+
+    def __str__(self) -> str:
+        return f" {self.word} ".join(map(self._operand, self.operands))
+
+    def _operand(self, operand: ExpressionNode) -> str:
+        """Return the text of an operand, in parentheses where the tree needs them."""
+        binds = self.word == "or" and isinstance(operand, JunctionNode) and operand.word == "and"
+        return f"({operand})" if isinstance(operand, JunctionNode) and not binds else str(operand)
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in all operands."""
+        for operand in self.operands:
+            yield from operand.mentions()
+
+
+class HedgedNode(NamedTuple):
+    """Hedges before a parenthesis."""
+
+    hedges: tuple[HedgeNode, ...]
+    operand: ExpressionNode
+
+    def __str__(self) -> str:
+        return _hedged(self.hedges, f"({self.operand})")
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in the operand."""
+        return self.operand.mentions()
+
+
+ExpressionNode = PropositionNode | JunctionNode | HedgedNode
+
+
+def read_expression(cursor: Cursor, depth: int = 0) -> ExpressionNode:
+    """Read a disjunction of conjunctions of propositions."""
+    if depth > MAX_NESTING:
+        message = f"parentheses nest deeper than {MAX_NESTING} levels"
+        raise Fault(Diagnostic("too-deep", message, cursor.span))
+    operands = [_conjunction(cursor, depth)]
+    while cursor.accept("or"):
+        operands.append(_conjunction(cursor, depth))
+    return operands[0] if len(operands) == 1 else JunctionNode("or", tuple(operands))
+
+
+def _conjunction(cursor: Cursor, depth: int) -> ExpressionNode:
+    operands = [_operand(cursor, depth)]
+    while cursor.accept("and"):
+        operands.append(_operand(cursor, depth))
+    return operands[0] if len(operands) == 1 else JunctionNode("and", tuple(operands))
+
+
+def _operand(cursor: Cursor, depth: int) -> ExpressionNode:
+    hedges = HedgeNode.read_all(cursor)
+    if hedges:
+        cursor.expect("(", "after the hedge (or write the hedge behind 'is')")
+    elif not cursor.accept("("):
+        return PropositionNode.read(cursor, "the name of a variable")
+    inner = read_expression(cursor, depth + 1)
+    cursor.expect(")", "to close the parenthesis")
+    return HedgedNode(hedges, inner) if hedges else inner
+
+
+# --- Shapes: a word and its numbers, pairs, summands or a formula ---
+
+
+class LinearPart(NamedTuple):
+    """One summand of a ``linear`` consequent: a factor and an input, or a bare number."""
+
+    factor: float
+    variable: Word | None
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor, sign: float) -> LinearPart:
+        """Read a summand behind a plus or minus."""
+        start = cursor.span
+        while not cursor.at_figure and cursor.accept("-"):
+            sign = -sign
+        if not cursor.at_figure:
+            variable = cursor.variable("a number or an input", "input")
+            return cls(sign, variable, variable.span)
+        figure = cursor.figure("a number")
+        if not cursor.accept("*"):
+            return cls(sign * figure.value, None, start.to(figure.span))
+        variable = cursor.variable("an input", "input")
+        return cls(sign * figure.value, variable, start.to(variable.span))
+
+    def text(self, factor: float) -> str:
+        """Return the summand with `factor` in place of its own."""
+        number = number_text(factor)
+        return number if self.variable is None else f"{number}*{self.variable}"
+
+
+class ShapeNode(NamedTuple):
+    """A shape with its numbers.
+
+    `figures` are the numbers in order (for ``points`` the pairs laid flat), `parts` the
+    summands of ``linear``, `formula` the text of ``formula``.
+    """
+
+    kind: Word
+    figures: tuple[Figure, ...] = ()
+    parts: tuple[LinearPart, ...] = ()
+    formula: str = ""
+    formula_span: Span = NOWHERE
+    height: Figure | None = None
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> ShapeNode:
+        """Read a shape up to the end of the line."""
+        cursor.suggest("shapes")
+        kind = cursor.word("the shape of the term", SHAPES, "unknown-shape")
+        figures: tuple[Figure, ...] = ()
+        parts: tuple[LinearPart, ...] = ()
+        formula, formula_span = "", cursor.span
+        if kind.text == "points":
+            figures = _read_pairs(cursor)
+        elif kind.text == "linear":
+            parts = _read_sum(cursor)
+        elif kind.text == "formula":
+            text = cursor.string()
+            if text is None:
+                cursor.fail("the formula in double quotes")
+            formula = text
+        else:
+            figures = _read_parameters(cursor, kind.text)
+        height = cursor.figure("the height") if cursor.accept("height") else None
+        return cls(kind, figures, parts, formula, formula_span, height)
+
+    def __str__(self) -> str:
+        kind = self.kind.text
+        if kind == "points":
+            pairs = zip(self.figures[0::2], self.figures[1::2], strict=True)
+            body = " ".join(f"({x}, {y})" for x, y in pairs)
+        elif kind == "linear":
+            body = _sum_text(self.parts)
+        elif kind == "formula":
+            body = quote(self.formula, '"')
+        else:
+            body = " ".join(map(str, self.figures))
+        height = f" height {self.height}" if self.height else ""
+        return f"{kind} {body}{height}"
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the inputs in a sum or a formula."""
+        for part in self.parts:
+            if part.variable is not None:
+                yield of_variable(part.variable)
+        if self.formula:
+            yield from _formula_mentions(self.formula, self.formula_span)
+
+
+def _read_parameters(cursor: Cursor, kind: str) -> tuple[Figure, ...]:
+    wanted = parameter_names(kind)
+    start = cursor.span
+    figures = []
+    while cursor.at_figure:
+        figures.append(cursor.figure("a number", finite=False))
+    if len(figures) == len(wanted):
+        return tuple(figures)
+    if not figures and not cursor.at_end:
+        cursor.fail(f"the numbers of {kind}: {' '.join(wanted)}")
+    if len(figures) > len(wanted):
+        start = figures[len(wanted)].span
+    message = f"{kind} takes {len(wanted)} numbers ({', '.join(wanted)}), found {len(figures)}"
+    span = start.to(figures[-1].span) if figures else start
+    raise Fault(Diagnostic("wrong-parameter-count", message, span))
+
+
+def parameter_names(kind: str) -> tuple[str, ...]:
+    """Return the names of a shape's numbers as identifiers."""
+    return tuple(name.replace("-", "_") for name in SHAPES[kind].parameters)
+
+
+def _read_pairs(cursor: Cursor) -> tuple[Figure, ...]:
+    figures: list[Figure] = []
+    while cursor.accept("("):
+        figures.append(cursor.figure("the x of a point"))
+        cursor.expect(",", "between x and y of a point")
+        figures.append(cursor.figure("the y of a point"))
+        cursor.expect(")", "after a point")
+    if not figures:
+        cursor.fail("points like (0, 0) (1, 1)")
+    return tuple(figures)
+
+
+def _read_sum(cursor: Cursor) -> tuple[LinearPart, ...]:
+    parts = [LinearPart.read(cursor, 1.0)]
+    while cursor.next_is("+") or cursor.next_is("-"):
+        sign = -1.0 if cursor.take().text == "-" else 1.0
+        parts.append(LinearPart.read(cursor, sign))
+    return tuple(parts)
+
+
+def _sum_text(parts: tuple[LinearPart, ...]) -> str:
+    first, *rest = parts
+    text = first.text(first.factor)
+    for part in rest:
+        negative = number_text(part.factor).startswith("-")
+        text += f" {'-' if negative else '+'} {part.text(abs(part.factor))}"
+    return text
+
+
+def _formula_mentions(text: str, span: Span) -> Iterator[Occurrence]:
+    from fuzzyarm.expression.formulas import FormulaError, read_formula
+
+    try:
+        formula = read_formula(text)
+    except FormulaError:
+        return
+    # Where the text has escapes, positions within it are not those of the file.
+    if span.end_column - span.column != len(text) + 2:
+        return
+    for name, position in formula.mentions:
+        quoted = text[position - 1 : position] == "'"
+        start = span.column + 1 + position - quoted
+        end = start + len(name) + 2 * quoted
+        yield Occurrence(Kind.VARIABLE, name, Span(span.line, start, span.line, end))
+
+
+# --- Settings: `key value` pairs of `inference` and `block` ---
+
+
+class Setting(NamedTuple):
+    """A record: what a setting is called, what it means, what it belongs to, what it takes.
+
+    `of` is ``rules``, ``outputs`` or ``variables``; `number` says what a number in place of
+    a word means, empty where there is none; `infinite` whether that may be infinite or NaN.
+    """
+
+    word: str
+    doc: str
+    of: str
+    values: Collection[str] = ()
+    number: str = ""
+    infinite: bool = False
+    unknown: str = "unknown-choice"
+    expected: str = "one of"
+
+
+class _Disjunctions(Collection[str]):
+    """The S-norms that ``or`` takes: all but those for aggregation only."""
+
+    def __contains__(self, word: object) -> bool:
+        return word in SNORMS and not SNORMS[str(word)].aggregates
+
+    def __iter__(self) -> Iterator[str]:
+        return (word for word, norm in SNORMS.items() if not norm.aggregates)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
+SETTINGS: dict[str, Setting] = {
+    setting.word: setting
+    for setting in (
+        Setting(
+            "and",
+            "how the parts of an antecedent that are joined by `and` become one degree",
+            "rules",
+            TNORMS,
+        ),
+        Setting(
+            "or",
+            "how the parts of an antecedent that are joined by `or` become one degree",
+            "rules",
+            _Disjunctions(),
+        ),
+        Setting(
+            "implication",
+            "how the strength of a rule cuts the set of its consequent",
+            "rules",
+            TNORMS,
+        ),
+        Setting("aggregation", "how the cut sets of several rules become one", "outputs", SNORMS),
+        Setting(
+            "defuzzifier",
+            "how the aggregated set becomes a number",
+            "outputs",
+            DEFUZZIFIERS,
+            unknown="unknown-defuzzifier",
+            expected="a defuzzifier:",
+        ),
+        Setting(
+            "outside",
+            "what happens to a value outside the range: clamp, extend or error",
+            "variables",
+            ("clamp", "extend", "error"),
+        ),
+        Setting(
+            "no-rule",
+            "the value where no rule fires: error, hold or a number",
+            "outputs",
+            ("error", "hold"),
+            number="error, hold or a number for the case that no rule fires",
+            infinite=True,
+        ),
+        Setting(
+            "threshold",
+            "a rule fires only where its firing strength is greater",
+            "rules",
+            number="the threshold of firing strengths",
+        ),
+    )
+}
+"""The settings of ``inference`` and ``block``, by their words."""
+
+
+class SettingNode(NamedTuple):
+    """One ``key value`` of ``inference`` or ``block``.
+
+    `value` is the word of the value, `figure` its number (``no-rule 0``), `resolution` and
+    `sampling` what stands in the parentheses of a defuzzifier, `exact` the word itself.
+    """
+
+    key: Word
+    value: Word | None = None
+    figure: Figure | None = None
+    resolution: Figure | None = None
+    sampling: Word | None = None
+    exact: bool = False
+
+    @classmethod
+    def read_all(cls, cursor: Cursor, of: str = "") -> tuple[SettingNode, ...]:
+        """Read one or more settings with commas between them; an editor offers those `of`."""
+        settings = [cls._read(cursor, of)]
+        while cursor.accept(","):
+            settings.append(cls._read(cursor, of))
+        return tuple(settings)
+
+    @classmethod
+    def _read(cls, cursor: Cursor, of: str) -> SettingNode:
+        cursor.suggest("settings", of)
+        key = cursor.word(f"one of {', '.join(SETTINGS)}", SETTINGS, "unknown-setting")
+        setting = SETTINGS[key.text]
+        if setting.number:
+            cursor.suggest("values", setting)
+            token = cursor.peek()
+            if token is None or token.kind != "name" or token.text not in setting.values:
+                return cls(key, figure=cursor.figure(setting.number, finite=not setting.infinite))
+        what = f"{setting.expected} {', '.join(setting.values)}"
+        value = cursor.word(what, setting.values, setting.unknown)
+        if key.text == "defuzzifier":
+            return cls._read_samples(cursor, key, value)
+        return cls(key, value)
+
+    @classmethod
+    def _read_samples(cls, cursor: Cursor, key: Word, method: Word) -> SettingNode:
+        if cursor.accept("exact"):
+            return cls(key, method, exact=True)
+        cursor.suggest("samples")
+        if not cursor.accept("("):
+            return cls(key, method)
+        resolution = cursor.figure("the number of samples")
+        sampling: Word | None = None
+        if cursor.accept(","):
+            sampling = cursor.word(f"one of {', '.join(SAMPLINGS)}", SAMPLINGS, "unknown-choice")
+        cursor.expect(")", "after the sampling")
+        return cls(key, method, resolution=resolution, sampling=sampling)
+
+    def __str__(self) -> str:
+        value = str(self.figure) if self.figure is not None else ""
+        if self.value is not None:
+            value = self.value.text
+        if self.resolution is not None:
+            sampling = f", {self.sampling.text}" if self.sampling else ""
+            value += f"({self.resolution}{sampling})"
+        elif self.exact:
+            value += " exact"
+        return f"{self.key.text} {value}"

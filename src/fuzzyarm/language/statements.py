@@ -1,0 +1,812 @@
+"""The statements of the language: a record each, and a node that reads and writes itself.
+
+:data:`STATEMENTS` is the whole language at a glance. From a record and its node follow the
+reader (``read``), the canonical text (``str``, ``in_columns``, ``below``), what an editor offers
+(``read`` again, asked where the tokens end), colours, help and the grammar of the editor's
+extension (the words of the record), and renaming and the outline (``mentions``).
+
+To add a statement: write its node below, add its record to :data:`STATEMENTS`, and say what it
+means in :func:`fuzzyarm.language.meaning.elaborate`. A node is a NamedTuple that ends with its
+span and has
+
+- ``read(cursor)``, a class method: a :class:`~fuzzyarm.language.tokens.Fault` where it cannot be
+  read; ``cursor.variable`` and ``cursor.term`` rather than ``cursor.name`` for what is declared
+  elsewhere, so that completion knows;
+- ``__str__``: one line; ``in_columns`` instead where neighbours of its kind are aligned, and
+  ``below`` too where it takes lines;
+- ``mentions()``: the names in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple, Protocol
+
+from fuzzyarm.language.phrases import (
+    ExpressionNode,
+    Kind,
+    Occurrence,
+    PropositionNode,
+    SettingNode,
+    ShapeNode,
+    declared,
+    of_term,
+    of_variable,
+    read_expression,
+)
+from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Figure, Trivia, Word
+from fuzzyarm.model.shapes import EVEN_SHAPES
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Span, display_width
+from fuzzyarm.text.names import quote
+
+__all__ = [
+    "STATEMENTS",
+    "BlockNode",
+    "Broken",
+    "CellNode",
+    "EvenTermsNode",
+    "ExpectNode",
+    "GridNode",
+    "Heading",
+    "InferenceNode",
+    "LookupItem",
+    "LookupNode",
+    "OutcomeNode",
+    "RowNode",
+    "RuleNode",
+    "StatementKind",
+    "StatementNode",
+    "TermNode",
+    "VariableNode",
+    "aligned",
+]
+
+WIDTH = 100
+"""A rule longer than this is broken before ``then``."""
+
+
+class StatementNode(Protocol):
+    """What every statement has."""
+
+    @property
+    def span(self) -> Span:
+        """From its first to its last token, without the lines below it."""
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield every name in the statement."""
+
+
+class StatementKind(NamedTuple):
+    """A record: the word that starts a statement, its node, and what a person is told of it.
+
+    Attributes
+    ----------
+    word : str
+        At the start of the line.
+    node : type
+        Reads and writes the statement.
+    syntax : str
+        What follows the word.
+    doc : str
+        One line.
+    words : mapping of str to str
+        Other words of the language in it, each with one line of help, empty for the obvious.
+    takes_lines : bool
+        Whether lines below belong to it.
+    outline : str
+        What the outline of a file calls it; empty where it has no part in the outline.
+    """
+
+    word: str
+    node: type[Any]
+    syntax: str
+    doc: str
+    words: Mapping[str, str] = MappingProxyType({})
+    takes_lines: bool = False
+    outline: str = ""
+
+
+# --- Declarations ---
+
+
+class Heading(NamedTuple):
+    """``rulebase NAME "description"``."""
+
+    name: Word
+    description: str | None
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> Heading:
+        """Read it from the cursor."""
+        cursor.take()
+        return cls(cursor.name("the name of the rule base"), cursor.string(), cursor.whole)
+
+    def __str__(self) -> str:
+        return " ".join([f"rulebase {self.name}", *_described(self.description)])
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield declared(Kind.RULEBASE, self.name)
+
+
+def _described(description: str | None) -> list[str]:
+    return [] if description is None else [quote(description, '"')]
+
+
+class VariableNode(NamedTuple):
+    """``input NAME LOW .. HIGH "description"`` and the same with ``output``.
+
+    The ends are None where the range could not be read.
+    """
+
+    role: str
+    name: Word
+    low: Figure | None
+    high: Figure | None
+    description: str | None
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> VariableNode:
+        """Read it from the cursor."""
+        role = cursor.take().text
+        name = cursor.name(f"the name of the {role}")
+        try:
+            cursor.suggest("range")
+            low = cursor.figure("the lower end of the range", finite=False)
+            cursor.expect("..", "between the ends of the range")
+            high = cursor.figure("the upper end of the range", finite=False)
+        except Fault as fault:
+            cursor.forgive(fault)
+            return cls(role, name, None, None, None, cursor.whole)
+        return cls(role, name, low, high, cursor.string(), cursor.whole)
+
+    def in_columns(self) -> list[str]:
+        """Return the parts that stand below those of neighbours."""
+        declaration = f"{self.role:<6} {self.name}"
+        return [declaration, f"{self.low} .. {self.high}", *_described(self.description)]
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield declared(Kind.VARIABLE, self.name)
+
+
+class EvenTermsNode(NamedTuple):
+    """``terms A, B: triangles T1 T2 …``."""
+
+    variables: tuple[Word, ...]
+    family: Word
+    names: tuple[Word, ...]
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> EvenTermsNode:
+        """Read it from the cursor."""
+        cursor.take()
+        variables = [cursor.variable("the name of a variable")]
+        while cursor.accept(","):
+            variables.append(cursor.variable("the name of a variable"))
+        cursor.expect(":", "after the variables")
+        family = cls._family(cursor)
+        names = []
+        cursor.suggest("term names")
+        while not cursor.at_end:
+            names.append(cursor.name("the name of a term"))
+        if not names:
+            cursor.fail("the names of the terms, from low to high")
+        return cls(tuple(variables), family, tuple(names), cursor.whole)
+
+    @staticmethod
+    def _family(cursor: Cursor) -> Word:
+        token = cursor.peek()
+        cursor.suggest("families")
+        try:
+            return cursor.word("how the terms are shaped", EVEN_SHAPES, "unknown-shape")
+        except Fault as fault:
+            if token is None or token.kind != "name":
+                raise
+            cursor.forgiven.append(fault.diagnostic)
+            cursor.take()
+            return Word("triangles", token.span)
+
+    def __str__(self) -> str:
+        variables = ", ".join(map(str, self.variables))
+        return f"terms {variables}: {self.family.text} {' '.join(map(str, self.names))}"
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield from map(of_variable, self.variables)
+        owners = tuple(word.text for word in self.variables)
+        yield from (declared(Kind.TERM, word, owners) for word in self.names)
+
+
+class TermNode(NamedTuple):
+    """``term VARIABLE NAME: SHAPE``; no shape where it could not be read."""
+
+    variable: Word
+    name: Word
+    shape: ShapeNode | None
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> TermNode:
+        """Read it from the cursor."""
+        cursor.take()
+        variable = cursor.variable("the name of a variable")
+        name = cursor.name("the name of the term")
+        shape: ShapeNode | None = None
+        try:
+            cursor.expect(":", "after the name of the term")
+            read = ShapeNode.read(cursor)
+            cursor.finish()
+            shape = read
+        except Fault as fault:
+            cursor.forgive(fault)
+        return cls(variable, name, shape, cursor.whole)
+
+    def in_columns(self) -> list[str]:
+        """Return the parts that stand below those of neighbours."""
+        return [f"term {self.variable} {self.name}:", str(self.shape)]
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield of_variable(self.variable)
+        yield declared(Kind.TERM, self.name, (self.variable.text,))
+        if self.shape is not None:
+            yield from self.shape.mentions()
+
+
+# --- Evaluation ---
+
+
+class InferenceNode(NamedTuple):
+    """``inference [VARIABLE:] key value, …``."""
+
+    target: Word | None
+    settings: tuple[SettingNode, ...]
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> InferenceNode:
+        """Read it from the cursor."""
+        cursor.take()
+        target = _read_target(cursor, "the name of a variable")
+        return cls(target, SettingNode.read_all(cursor), cursor.whole)
+
+    def __str__(self) -> str:
+        target = f"{self.target}: " if self.target else ""
+        return f"inference {target}{', '.join(map(str, self.settings))}"
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        if self.target is not None:
+            yield of_variable(self.target)
+
+
+def _read_target(cursor: Cursor, what: str, role: str = "") -> Word | None:
+    """Read ``VARIABLE:`` where the next token but one is a colon."""
+    cursor.suggest("targets", role)
+    second = cursor.peek(1)
+    if second is None or second.kind != "mark" or second.text != ":":
+        return None
+    target = cursor.variable(what, role)
+    cursor.take()
+    return target
+
+
+class BlockNode(NamedTuple):
+    """``block NAME[: key value, …]``: the rules that follow form a block of their own."""
+
+    name: Word
+    settings: tuple[SettingNode, ...]
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> BlockNode:
+        """Read it from the cursor."""
+        cursor.take()
+        name = cursor.name("the name of the block")
+        more = cursor.accept(":", likely=True)
+        settings = SettingNode.read_all(cursor, "rules") if more else ()
+        return cls(name, settings, cursor.whole)
+
+    def __str__(self) -> str:
+        settings = f": {', '.join(map(str, self.settings))}" if self.settings else ""
+        return f"block {self.name}{settings}"
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield declared(Kind.BLOCK, self.name)
+
+
+# --- Rules ---
+
+
+class CellNode(NamedTuple):
+    """A grid cell: a term, maybe with a weight; no term where the file has a dot."""
+
+    term: Word | None
+    weight: Figure | None
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor, output: Word) -> CellNode:
+        """Read it from the cursor."""
+        start = cursor.span
+        try:
+            term = cursor.term("a term or a dot", output) if not cursor.accept(".") else None
+            if term is None or not cursor.accept("*"):
+                return cls(term, None, start)
+            weight = cursor.figure("the weight of the rule")
+            return cls(term, weight, start.to(weight.span))
+        except Fault as fault:
+            # One bad cell must not hide the mistakes behind it: note it and go on.
+            cursor.forgiven.append(fault.diagnostic)
+            if not cursor.at_end and fault.diagnostic.span == cursor.span:
+                cursor.take()
+            return cls(None, None, start)
+
+    def __str__(self) -> str:
+        if self.term is None:
+            return "."
+        return f"{self.term}*{self.weight}" if self.weight else str(self.term)
+
+
+class RowNode(NamedTuple):
+    """A row of a grid."""
+
+    label: Word
+    cells: tuple[CellNode, ...]
+    trivia: Trivia = Trivia()
+
+    @classmethod
+    def read(cls, cursor: Cursor, grid: GridNode, trivia: Trivia) -> RowNode:
+        """Read a row below the header of `grid`."""
+        columns = grid.columns
+        cursor.suggest("labels", grid)
+        label = cursor.name("the term that labels the row")
+        cells: list[CellNode] = []
+        cursor.suggest("cells", grid)
+        while not cursor.at_end:
+            cells.append(CellNode.read(cursor, grid.output))
+            cursor.suggest("cells", grid, len(cells))
+        count = len(cells)
+        if count != len(columns):
+            surplus = cells[len(columns)].span.to(cells[-1].span) if count > len(columns) else None
+            found = "1 cell" if count == 1 else f"{count} cells"
+            cursor.forgiven.append(
+                Diagnostic(
+                    "wrong-cell-count",
+                    f"row '{label.text}' has {found}, the header names {len(columns)} columns",
+                    surplus or cursor.span,
+                    hint="" if surplus else "a cell without a rule is written as a dot",
+                )
+            )
+        return cls(label, tuple(cells[: len(columns)]), trivia)
+
+
+class GridNode(NamedTuple):
+    """``rules OUTPUT [when …]`` and the grid below it.
+
+    A grid over one input has no `row` variable; the label of its one row is the output.
+    """
+
+    output: Word
+    condition: ExpressionNode | None
+    row: Word | None
+    column: Word
+    columns: tuple[Word, ...]
+    rows: tuple[RowNode, ...]
+    header_trivia: Trivia = Trivia()
+    header_span: Span = NOWHERE
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> GridNode:
+        """Read it from the cursor."""
+        output, condition = cls.read_first(cursor)
+        cursor.finish()
+        span = cursor.whole
+        if not cursor.lines:
+            raise Fault(
+                Diagnostic(
+                    "missing-header",
+                    f"the grid for '{output.text}' has no lines",
+                    span,
+                    hint="below it stands a header like  e \\ ce  NB ZE PB  and one line per row",
+                )
+            )
+        header, *lines = cursor.lines
+        top = Cursor(header.tokens)
+        row, column, columns = cls.read_header(top)
+        grid = cls(output, condition, row, column, columns, (), header.trivia, top.whole, span)
+        rows = []
+        for line in lines:
+            below = Cursor(line.tokens)
+            try:
+                rows.append(RowNode.read(below, grid, line.trivia))
+            except Fault as fault:
+                cursor.forgiven.append(fault.diagnostic)
+            cursor.forgiven += below.forgiven
+        if not lines:
+            message = f"the grid for '{output.text}' has no rows"
+            cursor.forgiven.append(Diagnostic("empty-grid", message, span))
+        return grid._replace(rows=tuple(rows))
+
+    @staticmethod
+    def read_first(cursor: Cursor) -> tuple[Word, ExpressionNode | None]:
+        """Read the output and the condition."""
+        cursor.take()
+        output = cursor.variable("the output that the rules are for", "output")
+        return output, read_expression(cursor) if cursor.accept("when") else None
+
+    @staticmethod
+    def read_header(cursor: Cursor) -> tuple[Word | None, Word, tuple[Word, ...]]:
+        """Read the variable down (if there is one), the variable across and its terms."""
+        cursor.suggest("headers")
+        column = cursor.variable("the name of the row variable", "input")
+        row: Word | None = None
+        cursor.suggest("backslash")
+        if cursor.accept("\\"):
+            row, column = column, cursor.variable("the name of the column variable", "input")
+        columns: list[Word] = []
+        cursor.suggest("columns", column)
+        while not cursor.at_end:
+            columns.append(cursor.term(f"a term of '{column.text}'", column))
+            cursor.suggest("columns", column, columns)
+        if not columns:
+            cursor.fail(f"the terms of '{column.text}' that head the columns", (), "missing-header")
+        return row, column, tuple(columns)
+
+    def __str__(self) -> str:
+        condition = f" when {self.condition}" if self.condition is not None else ""
+        return f"rules {self.output}{condition}"
+
+    def below(self) -> list[tuple[str, Trivia]]:
+        """Return the header and the rows, aligned."""
+        corner = str(self.column) if self.row is None else f"{self.row} \\ {self.column}"
+        cells = [[corner, *map(str, self.columns)]]
+        cells += [[str(row.label), *map(str, row.cells)] for row in self.rows]
+        trivia = [self.header_trivia, *(row.trivia for row in self.rows)]
+        return list(zip(aligned(cells), trivia, strict=True))
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield of_variable(self.output)
+        if self.condition is not None:
+            yield from self.condition.mentions()
+        if self.row is not None:
+            yield of_variable(self.row)
+        yield of_variable(self.column)
+        yield from (of_term(self.column, word) for word in self.columns)
+        for row in self.rows:
+            yield of_variable(row.label) if self.row is None else of_term(self.row, row.label)
+            yield from (of_term(self.output, c.term) for c in row.cells if c.term is not None)
+
+
+class RuleNode(NamedTuple):
+    """``rule if … then … [with WEIGHT]``."""
+
+    antecedent: ExpressionNode
+    consequents: tuple[PropositionNode, ...]
+    weight: Figure | None
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> RuleNode:
+        """Read it from the cursor."""
+        cursor.take()
+        cursor.expect("if", "after 'rule'")
+        antecedent = read_expression(cursor)
+        cursor.expect("then", "after the antecedent")
+        consequents = [PropositionNode.read(cursor, "the name of an output", "output")]
+        while cursor.accept("and") or cursor.accept(","):
+            consequents.append(PropositionNode.read(cursor, "the name of an output", "output"))
+        weight = cursor.figure("the weight of the rule") if cursor.accept("with") else None
+        return cls(antecedent, tuple(consequents), weight, cursor.whole)
+
+    @property
+    def parts(self) -> tuple[str, str]:
+        """The sentence in two parts: ``if …`` and ``then …``."""
+        weight = f" with {self.weight}" if self.weight else ""
+        consequents = " and ".join(map(str, self.consequents))
+        return f"if {self.antecedent}", f"then {consequents}{weight}"
+
+    def __str__(self) -> str:
+        line = "rule " + " ".join(self.parts)
+        return line if len(line) <= WIDTH else "rule {}\n     {}".format(*self.parts)
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield from self.antecedent.mentions()
+        for consequent in self.consequents:
+            yield from consequent.mentions()
+
+
+# --- Lookup tables and expectations ---
+
+LOOKUP_ITEMS: dict[str, str] = {
+    "levels": "the sample points of the lookup table",
+    "bins": "thresholds between neighbouring levels",
+    "round": "the step that the values of the lookup table are rounded to",
+}
+"""What a line of ``lookup`` starts with."""
+
+
+class LookupItem(NamedTuple):
+    """One line of a ``lookup`` block.
+
+    `key` is one of LOOKUP_ITEMS. `figures` are the numbers as written; with `form` ``step`` or
+    ``count`` they are low, high and the step or the count; with ``list`` the values
+    themselves; ``mirrored`` marks bins that are also meant with a minus sign.
+    """
+
+    key: Word
+    variable: Word | None
+    form: str
+    figures: tuple[Figure, ...]
+    trivia: Trivia = Trivia()
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor, trivia: Trivia) -> LookupItem:
+        """Read it from the cursor."""
+        key = cursor.word("levels, bins or round", LOOKUP_ITEMS, "unknown-setting")
+        variable = None
+        if key.text != "round" or cursor.next_is(":", 1):
+            variable = _read_target(cursor, "the name of an input", "input")
+        form = "list"
+        figures = [cursor.figure("a number")]
+        if key.text == "levels" and cursor.accept(".."):
+            figures.append(cursor.figure("the last level"))
+            form = cursor.word("'step' or 'count'", ("step", "count"), "unexpected-token").text
+            figures.append(cursor.figure(f"the {form}"))
+        while form == "list" and key.text != "round" and cursor.at_figure:
+            figures.append(cursor.figure("a number"))
+        if key.text == "bins" and cursor.accept("mirrored"):
+            form = "mirrored"
+        cursor.finish()
+        return cls(key, variable, form, tuple(figures), trivia, cursor.whole)
+
+    def in_columns(self) -> list[str]:
+        """Return the key and the numbers."""
+        values = list(map(str, self.figures))
+        if self.form in ("step", "count"):
+            body = f"{values[0]} .. {values[1]} {self.form} {values[2]}"
+        else:
+            body = " ".join(values) + (" mirrored" if self.form == "mirrored" else "")
+        return [self.key.text + (f" {self.variable}:" if self.variable else ""), body]
+
+
+class LookupNode(NamedTuple):
+    """The ``lookup`` block."""
+
+    items: tuple[LookupItem, ...]
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> LookupNode:
+        """Read it from the cursor."""
+        cursor.take()
+        cursor.finish()
+        items = []
+        for line in cursor.lines:
+            try:
+                items.append(LookupItem.read(Cursor(line.tokens), line.trivia))
+            except Fault as fault:
+                cursor.forgiven.append(fault.diagnostic)
+        return cls(tuple(items), cursor.whole)
+
+    def __str__(self) -> str:
+        return "lookup"
+
+    def below(self) -> list[tuple[str, Trivia]]:
+        """Return the settings, aligned."""
+        lines = aligned([item.in_columns() for item in self.items])
+        return list(zip(lines, (item.trivia for item in self.items), strict=True))
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        return (of_variable(item.variable) for item in self.items if item.variable is not None)
+
+
+class OutcomeNode(NamedTuple):
+    """``output relation value [within tolerance]`` or ``output in low .. high``."""
+
+    variable: Word
+    relation: str
+    value: Figure
+    other: Figure | None
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> OutcomeNode:
+        """Read it from the cursor."""
+        name = cursor.variable("the name of an output", "output")
+        for relation in ("=", "<", "<=", ">", ">=", "in"):
+            if cursor.accept(relation, likely=True):
+                break
+        else:
+            cursor.fail("one of = < <= > >= in")
+        value = cursor.figure("a number")
+        other: Figure | None = None
+        if relation == "in":
+            cursor.expect("..", "between the ends of the interval")
+            other = cursor.figure("a number")
+        elif relation == "=" and cursor.accept("within"):
+            other = cursor.figure("the tolerance")
+        return cls(name, relation, value, other)
+
+    def __str__(self) -> str:
+        text = f"{self.variable} {self.relation} {self.value}"
+        if self.other is None:
+            return text
+        return f"{text} {'..' if self.relation == 'in' else 'within'} {self.other}"
+
+
+class ExpectNode(NamedTuple):
+    """``expect input = value, … -> outcome, …``."""
+
+    inputs: tuple[tuple[Word, Figure], ...]
+    outcomes: tuple[OutcomeNode, ...]
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> ExpectNode:
+        """Read it from the cursor."""
+        cursor.take()
+        inputs = [cls._assignment(cursor)]
+        cursor.suggest("comma")
+        while cursor.accept(","):
+            inputs.append(cls._assignment(cursor))
+            cursor.suggest("comma")
+        cursor.expect("->", "after the inputs")
+        outcomes = [OutcomeNode.read(cursor)]
+        while cursor.accept(","):
+            outcomes.append(OutcomeNode.read(cursor))
+        return cls(tuple(inputs), tuple(outcomes), cursor.whole)
+
+    @staticmethod
+    def _assignment(cursor: Cursor) -> tuple[Word, Figure]:
+        name = cursor.variable("the name of an input", "input", " =")
+        cursor.expect("=", f"after '{name.text}'")
+        return name, cursor.figure("a number")
+
+    def __str__(self) -> str:
+        inputs = ", ".join(f"{name} = {value}" for name, value in self.inputs)
+        return f"expect {inputs} -> {', '.join(map(str, self.outcomes))}"
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield from (of_variable(word) for word, _ in self.inputs)
+        yield from (of_variable(outcome.variable) for outcome in self.outcomes)
+
+
+class Broken(NamedTuple):
+    """A statement that could not be read; `keyword` is its first word, if that was one."""
+
+    keyword: str
+    span: Span = NOWHERE
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        return iter(())
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return `rows` as lines indented by two, columns two spaces apart and left-aligned."""
+    widths = [0] * max(map(len, rows), default=0)
+    for row in rows:
+        for i, text in enumerate(row):
+            widths[i] = max(widths[i], display_width(text))
+    lines = []
+    for row in rows:
+        # Columns as a terminal shows them: a wide character takes two.
+        padded = (text + " " * (widths[i] - display_width(text)) for i, text in enumerate(row))
+        lines.append("  " + "  ".join(padded).rstrip())
+    return lines
+
+
+# --- The records ---
+
+_JOINS = {"is": "", "and": "", "or": ""}
+
+STATEMENTS: dict[str, StatementKind] = {
+    record.word: record
+    for record in (
+        StatementKind(
+            "rulebase",
+            Heading,
+            'NAME "description"',
+            "the name of the rule base and what it is for",
+            outline="rulebase",
+        ),
+        StatementKind(
+            "input",
+            VariableNode,
+            'NAME LOW .. HIGH "description"',
+            "an input variable and its range",
+            outline="input",
+        ),
+        StatementKind(
+            "output",
+            VariableNode,
+            'NAME LOW .. HIGH "description"',
+            "an output variable and its range",
+            outline="output",
+        ),
+        StatementKind(
+            "terms",
+            EvenTermsNode,
+            "VARIABLE, VARIABLE: FAMILY NAME NAME …",
+            "evenly spaced terms of one or more variables",
+        ),
+        StatementKind(
+            "term",
+            TermNode,
+            "VARIABLE NAME: SHAPE NUMBERS [height H]",
+            "one term with its shape",
+            {"height": "a factor on the whole shape"},
+        ),
+        StatementKind(
+            "inference",
+            InferenceNode,
+            "[VARIABLE:] KEY VALUE, KEY VALUE …",
+            "how rules are evaluated",
+            {"exact": "the integral itself, without samples"},
+        ),
+        StatementKind(
+            "block",
+            BlockNode,
+            "NAME: KEY VALUE, KEY VALUE …",
+            "start of a further block of rules",
+            outline="block",
+        ),
+        StatementKind(
+            "rules",
+            GridNode,
+            "OUTPUT [when CONDITION]",
+            "a grid of rules",
+            _JOINS | {"when": "a condition that is added to every rule of the grid"},
+            takes_lines=True,
+            outline="grid",
+        ),
+        StatementKind(
+            "rule",
+            RuleNode,
+            "if CONDITION then OUTPUT is TERM [with WEIGHT]",
+            "one rule: if … then …",
+            {"if": "", "then": "", "with": "the weight of the rule"} | _JOINS,
+            outline="rule",
+        ),
+        StatementKind(
+            "lookup",
+            LookupNode,
+            "",
+            "how the lookup table is sampled",
+            LOOKUP_ITEMS
+            | {
+                "step": "the distance between neighbouring levels",
+                "count": "the number of levels",
+                "mirrored": "the same numbers with a minus sign too",
+            },
+            takes_lines=True,
+            outline="lookup",
+        ),
+        StatementKind(
+            "expect",
+            ExpectNode,
+            "INPUT = VALUE, … -> OUTPUT = VALUE [within TOLERANCE]",
+            "what must come out, checked by `fuzzyarm check`",
+            {"in": "between two numbers", "within": "the tolerance of an expectation"},
+            outline="expect",
+        ),
+    )
+}
+"""Every statement by the word that starts it."""
+
+STARTERS.update(STATEMENTS)
+
+WORDS: dict[str, str] = {word: doc for r in STATEMENTS.values() for word, doc in r.words.items()}
+"""The other words of the statements, with one line of help where it is needed."""

@@ -1,0 +1,164 @@
+"""The terms of a variable: their shapes in words, and as small plots of blocks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.language.tokens import name_text
+from fuzzyarm.model.rulebase import RuleBase, Shape, Variable
+from fuzzyarm.model.shapes import corner_points, membership
+from fuzzyarm.show.drawing import block, marker, number_words, ruler
+from fuzzyarm.text.numbers import number_text
+
+if TYPE_CHECKING:
+    from rich.console import Console, ConsoleOptions
+    from rich.text import Text
+
+
+def is_set(shape: Shape) -> bool:
+    """Whether a shape has memberships to draw; the values of Takagi and Sugeno have none."""
+    return SHAPES[shape.kind].fuzzy
+
+
+def shape_words(
+    shape: Shape, rulebase: RuleBase | None = None, *, digits: int | None = None
+) -> str:
+    """Return a shape with its numbers, in full or to a few `digits`."""
+    if shape.kind == "formula":
+        return f"formula {shape.formula}"
+    if shape.kind == "linear":
+        return _linear_words(shape, rulebase)
+    spell = number_text if digits is None else partial(number_words, digits=digits)
+    numbers = " ".join(spell(x) for x in shape.parameters)
+    height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
+    return f"{shape.kind} {numbers}{height}"
+
+
+def _linear_words(shape: Shape, rulebase: RuleBase | None) -> str:
+    *factors, constant = shape.parameters
+    names = (
+        [v.name for v in rulebase.inputs] if rulebase else [f"x{k}" for k in range(len(factors))]
+    )
+    parts = [
+        f"{number_text(factor)}*{name_text(name)}"
+        for factor, name in zip(factors, names, strict=False)
+        if factor
+    ]
+    if constant or not parts:
+        parts.append(number_text(constant))
+    return "linear " + " + ".join(parts)
+
+
+def visible_range(variable: Variable) -> tuple[float, float]:
+    """Return the range to draw: that of the variable, or of its terms where it is unbounded."""
+    corners = [x for term in variable.terms for x in corner_points(term.shape)]
+    low = variable.low if math.isfinite(variable.low) else min(corners, default=-1.0)
+    high = variable.high if math.isfinite(variable.high) else max(corners, default=1.0)
+    return (low, high) if low < high else (low - 1.0, low + 1.0)
+
+
+_WIDEST = 61
+_LONG = 30
+"""The numbers of a shape that take more characters do not narrow the plots."""
+
+
+@dataclass(frozen=True)
+class TermPlots:
+    """The terms of one variable over its range, one to a line.
+
+    Attributes
+    ----------
+    variable : Variable
+        Whose terms are drawn.
+    rulebase : RuleBase or None
+        Gives the names in ``linear`` consequents.
+    at : float or None
+        A crisp value, whose membership in each term stands beside it.
+    width : int or None
+        Of the narrow layout, without the numbers of the shapes and with a mark below the
+        crisp value. None: the wide layout.
+    """
+
+    variable: Variable
+    rulebase: RuleBase | None = None
+    at: float | None = None
+    width: int | None = None
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+        return self._wide(options.max_width) if self.width is None else self._narrow(self.width)
+
+    def _wide(self, room: int) -> Iterator[Text]:
+        from rich.text import Text
+
+        variable = self.variable
+        span = f"{number_words(variable.low)} .. {number_words(variable.high)}"
+        heading = f"{name_text(variable.name)}  {span}  {variable.description}"
+        yield Text(heading.rstrip(), style="bold")
+        names = [name_text(term.name) for term in variable.terms]
+        words = [shape_words(term.shape, self.rulebase, digits=5) for term in variable.terms]
+        if not names:
+            return
+        left = max(map(len, names))
+        behind = max((len(text) for text in words if len(text) <= _LONG), default=0)
+        room -= left + 5 + behind + (7 if self.at is not None else 0)
+        width = max(15, min(_WIDEST, room))
+        width -= 1 - width % 2  # an odd number has a middle
+        drawn = False
+        for name, term, shape in zip(names, variable.terms, words, strict=True):
+            line = Text(f"  {name:<{left}} ", no_wrap=len(shape) <= _LONG, overflow="fold")
+            if is_set(term.shape):
+                line.append(self._blocks(term.shape, width), "cyan")
+                line.append(f" {shape}", "dim")
+                drawn = True
+            else:
+                line.append(shape)
+            if self.at is not None and is_set(term.shape):
+                line.append(f"  {membership(term.shape, self.at):.3f}", "bold")
+            yield line
+        if drawn:
+            axis = ruler(*visible_range(variable), width)
+            yield Text(f"  {'':<{left}} {axis}", "dim", no_wrap=True)
+
+    def _narrow(self, width: int) -> Iterator[Text]:
+        from rich.text import Text
+
+        line = partial(Text, no_wrap=True, overflow="ellipsis")
+        variable = self.variable
+        yield line(f"{name_text(variable.name)}  {variable.description}", "bold")
+        names = [name_text(term.name) for term in variable.terms]
+        left = max(map(len, names), default=0)
+        width = max(11, width - left - 10)
+        width -= 1 - width % 2
+        for name, term in zip(names, variable.terms, strict=True):
+            text = line(f" {name:<{left}} ")
+            if not is_set(term.shape):
+                text.append(shape_words(term.shape))
+            elif self.at is None:
+                text.append(self._blocks(term.shape, width), "cyan")
+            else:
+                degree = membership(term.shape, self.at)
+                text.append(self._blocks(term.shape, width), "cyan" if degree else "dim cyan")
+                text.append(f" {degree:.3f}", "bold" if degree else "dim")
+            yield text
+        low, high = visible_range(variable)
+        if self.at is not None:
+            yield line(f" {'':<{left}} {marker(self.at, low, high, width)}", "bold red")
+        yield line(f" {'':<{left}} {ruler(low, high, width)}", "dim")
+        yield Text()
+
+    def _blocks(self, shape: Shape, width: int) -> str:
+        """Return the membership in `width` blocks; a peak between two shows on the nearer one."""
+        low, high = visible_range(self.variable)
+        points = [low + (high - low) * i / (width - 1) for i in range(width)]
+        degrees = [membership(shape, x) for x in points]
+        step = points[1] - points[0]
+        for x in corner_points(shape):
+            i = round((x - points[0]) / step)
+            if 0 <= i < width and points[0] <= x <= points[-1]:
+                degrees[i] = max(degrees[i], membership(shape, x))
+        return "".join(map(block, degrees))

@@ -1,0 +1,113 @@
+"""The rules of a control law, evaluated at every step, against plain inference."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rule_bases import rule_bases
+
+from fuzzyarm.controller import Sources, controller
+from fuzzyarm.controller.fuzzy import inference_address, point_block
+from fuzzyarm.controller.sources import SourceError, shipped_rulebase
+from fuzzyarm.inference import InferenceError, infer
+from fuzzyarm.kernels import call, kernel, routine
+from fuzzyarm.language import parse
+from fuzzyarm.loop import Options, simulate
+from fuzzyarm.plant import reach
+
+POINTS = st.one_of(
+    st.integers(-28, 28).map(lambda k: k / 4),
+    st.floats(-7, 7, allow_nan=False),
+)
+
+
+@kernel
+def conclude(block, address):
+    call(address[0], block)
+
+
+def evaluated(rulebase, points, *, compiled=False):
+    numbers, first, result = point_block(rulebase, compiled=compiled)
+    run = routine(conclude, "fi", compiled=compiled)
+    address = np.array([inference_address(compiled=compiled)])
+    values = []
+    for point in points:
+        block = numbers.copy()
+        block[first : first + len(point)] = point
+        with np.errstate(all="ignore"):  # as in a run
+            run(block, address)
+        values.append(float(block[result]))
+    return values
+
+
+@given(rule_bases(), st.data())
+def test_random_rule_bases_agree_with_the_engine(rulebase, data):
+    point = [data.draw(POINTS) for _ in rulebase.inputs]
+    names = [variable.name for variable in rulebase.inputs]
+    try:
+        wanted = infer(rulebase, dict(zip(names, point, strict=True)))["u"]
+    except InferenceError:
+        return  # a rule fired, but there is no area: the kernel gives the value for no rule
+    assert evaluated(rulebase, [point]) == [pytest.approx(wanted, abs=1e-9)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["pd7", "pd7-study", "alpha7", "alpha7-study", "fine7"])
+def test_shipped_rule_bases_agree_with_the_engine_and_compiled_to_the_last_bit(name):
+    rulebase = shipped_rulebase(f"{name}.frb")
+    output = rulebase.outputs[0].name
+    random = np.random.default_rng(7)
+    points = [*random.uniform(-7, 7, (60, 2)), *random.uniform(-0.2, 0.2, (60, 2))]
+    points += [np.array([a, b]) for a in (-6, -1.5, 0, 0.03, 3) for b in (-6, -0.25, 0, 6)]
+    wanted = [infer(rulebase, e=float(e), ce=float(ce))[output] for e, ce in points]
+    got = evaluated(rulebase, points)
+    assert got == pytest.approx(wanted, abs=1e-12)
+    assert evaluated(rulebase, points, compiled=True) == got
+
+
+HEAD = "rulebase x\ninput e -6 .. 6\ninput ce -6 .. 6\noutput u -6 .. 6\n"
+TERMS = "terms e, ce, u: triangles N Z P\n"
+RULES = (
+    "rule if e is N and ce is P then u is P\n"
+    "rule if e is P or ce is N then u is N\n"
+    "rule if e is Z then u is Z\n"
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "text",
+    [
+        HEAD + TERMS + RULES,
+        HEAD + "terms e, ce, u: gaussians N Z P\noutput defuzzifier centroid(101)\n" + RULES,
+        HEAD + TERMS + "inference e: outside extend\n" + RULES,
+        HEAD + TERMS + "inference aggregation sum\ninference and hamacher\n" + RULES,
+    ],
+)
+def test_a_controller_takes_any_shape_and_norm(text):
+    text = text.replace("output defuzzifier", "inference defuzzifier")
+    parsed = parse(text)
+    assert parsed.rulebase is not None, parsed.diagnostics
+    points = np.random.default_rng(3).uniform(-6, 6, (40, 2))
+    wanted = [infer(parsed.rulebase, e=float(e), ce=float(ce))["u"] for e, ce in points]
+    assert evaluated(parsed.rulebase, points) == pytest.approx(wanted, abs=1e-9)
+    made = controller("fuzzy-direct", sources=Sources(rulebase=parsed.rulebase))
+    run = simulate(made, reach(segment=0.2), options=Options(compiled=False))
+    # Where inputs are not clamped, no rule fires far outside and there is no torque.
+    assert run.diverged is None or "extend" in text
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        (HEAD + TERMS + "rule if (e is N or ce is P) and ce is Z then u is P", "parentheses"),
+        (HEAD + TERMS + "inference defuzzifier bisector\nrule if e is N then u is P", "bisector"),
+        (HEAD + TERMS + "output v 0 .. 1\nterms v: triangles A B\n"
+         "rule if e is N and ce is P then u is P, v is A", "2 outputs"),
+    ],
+)  # fmt: skip
+def test_what_the_kernel_cannot_evaluate_is_refused_with_a_reason(text, word):
+    parsed = parse(text)
+    assert parsed.rulebase is not None, parsed.diagnostics
+    with pytest.raises(SourceError, match=word):
+        point_block(parsed.rulebase, compiled=False)

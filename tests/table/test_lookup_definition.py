@@ -1,0 +1,142 @@
+"""Every reading of a table against the definition in fractions, on ties, edges and levels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import table_definition as definition
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyarm.kernels import build
+from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.table.lookup import (
+    cell_of,
+    grid_length,
+    interpolated,
+    interpolator,
+    pack_grid,
+    picker,
+)
+
+MODES = ["bins", "nearest", "linear"]
+
+# Eighths: midpoints, shares and products of three of them are exact in a float, so that a
+# result is the exact one or wrong.
+eighths = st.integers(-80, 80).map(lambda k: k / 8)
+
+
+@st.composite
+def exact_tables(draw, axes):
+    sides = []
+    for name in "abc"[:axes]:
+        count = draw(st.integers(1, 5))
+        first = draw(st.integers(-10, 10))
+        # Widths of powers of two: the share of the way is exact, too.
+        widths = draw(st.lists(st.sampled_from([1, 2, 4]), min_size=count, max_size=count))
+        levels = [float(first + sum(widths[:k])) for k in range(count)]
+        bins = draw(st.none() | st.sets(eighths, min_size=count - 1, max_size=count - 1))
+        sides.append(Axis(name, tuple(levels), bins and tuple(sorted(bins))))
+    shape = [len(side.levels) for side in sides]
+    size = math.prod(shape)
+    values = draw(st.lists(st.integers(-99, 99), min_size=size, max_size=size))
+    return LookupTable(tuple(sides), "u", np.reshape(np.array(values, float), shape))
+
+
+def ties(axis):
+    """Levels, thresholds and midpoints, the next numbers on both sides, and numbers outside."""
+    middles = [(a + b) / 2 for a, b in zip(axis.levels, axis.levels[1:], strict=False)]
+    near = [*axis.levels, *(axis.bins or ()), *middles]
+    around = [math.nextafter(x, way) for x in near for way in (-math.inf, math.inf)]
+    return st.sampled_from([*near, *near, *around, axis.levels[0] - 3, axis.levels[-1] + 3, -0.0])
+
+
+def expected(table, point, mode):
+    if mode == "linear":
+        return float(definition.interpolated(table.axes, table.values, point))
+    return float(definition.picked(table.axes, table.values, point, mode))
+
+
+def agree(found, wanted, mode):
+    # Beside a level a share is tiny and rounded: an error of one unit in the last place of 99.
+    assert found == wanted or (mode == "linear" and abs(found - wanted) < 1e-13)
+
+
+@given(st.data(), st.integers(1, 3).flatmap(exact_tables), st.sampled_from(MODES))
+def test_points_arrays_and_kernels(data, table, mode):
+    points = [[data.draw(ties(axis)) for axis in table.axes] for _ in range(4)]
+    wanted = [expected(table, point, mode) for point in points]
+    columns = [np.array(column) for column in zip(*points, strict=True)]
+    arrays = table.lookup(*columns, mode=mode)
+    kernels = np.empty(len(points))
+    way = interpolator if mode == "linear" else picker
+    sides = [a.levels if mode == "linear" else a.thresholds(mode) for a in table.axes]
+    evaluate = way(table.values, sides, compiled=False)
+    assert evaluate is not None
+    assert evaluate(columns, kernels)
+    for k, point in enumerate(points):
+        for found in (table.lookup(*point, mode=mode), arrays[k], kernels[k]):
+            agree(found, wanted[k], mode)
+
+
+def in_the_loop(cell, between, table, point, mode):
+    """Look up as the law of a closed loop does: a grid at some index, the values behind it."""
+    grid = pack_grid(*table.axes, mode)
+    numbers = [7.0, *grid, *table.values.ravel().tolist()]
+    assert grid_length(numbers, 1) == len(grid)
+    values = 1 + len(grid)
+    numbers = np.array(numbers)
+    if mode == "linear":
+        return between(numbers, 1, values, *point)
+    return numbers[values + cell(numbers, 1, *point)]
+
+
+@given(st.data(), exact_tables(2), st.sampled_from(MODES))
+def test_the_kernels_of_a_closed_loop(data, table, mode):
+    point = [data.draw(ties(axis)) for axis in table.axes]
+    found = in_the_loop(cell_of, interpolated, table, point, mode)
+    agree(found, expected(table, point, mode), mode)
+
+
+@pytest.mark.slow
+def test_the_kernels_of_a_closed_loop_as_machine_code():
+    cell, between = build(cell_of, compiled=True), build(interpolated, compiled=True)
+    axes = (Axis("e", (-2.0, -1.0, 1.0, 3.0), (-1.0, 0.0, 2.5)), Axis("ce", (0.0, 0.5, 1.0)))
+    table = LookupTable(axes, "u", np.arange(12.0).reshape(4, 3) ** 2)
+    for mode in MODES:
+        for e in (-3, -2, -1.5, -1, 0, 0.5, 1, 2, 2.5, 3, 4):
+            for ce in (-1, 0, 0.25, 0.5, 0.75, 1, 2):
+                found = in_the_loop(cell, between, table, (float(e), float(ce)), mode)
+                assert found == expected(table, (e, ce), mode)
+
+
+def test_not_a_number_in_the_loop_is_the_lowest_cell():
+    axes = (Axis("e", (-1.0, 1.0), (0.0,)), Axis("ce", (0.0, 1.0, 2.0)))
+    table = LookupTable(axes, "u", [[1, 2, 3], [4, 5, 6]])
+    for mode in MODES:
+        assert in_the_loop(cell_of, interpolated, table, (math.nan, 1.0), mode) == 2.0
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_threads_give_what_one_thread_gives(mode, monkeypatch):
+    from fuzzyarm.table import lookup
+
+    axes = (Axis("e", (-2.0, -1.0, 1.0, 3.0), (-1.0, 0.0, 2.5)), Axis("ce", (0.0, 0.5, 1.0)))
+    table = LookupTable(axes, "u", np.arange(12.0).reshape(4, 3) ** 2)
+    e, ce = np.linspace(-3, 4, 57)[:, None], np.linspace(-1, 2, 31)
+    plain = table.lookup(e, ce, mode=mode)
+    flat = table.lookup(*map(np.ravel, np.broadcast_arrays(e, ce)), mode=mode)
+    monkeypatch.setattr(lookup, "worthwhile", lambda points: True)
+    monkeypatch.setattr(lookup, "_machine", lambda function: function)
+    monkeypatch.setattr(lookup, "WORTH_THREADS", 1)
+    monkeypatch.setattr(lookup.os, "cpu_count", lambda: 3)
+    for x, y in ((e, ce), (e.T, ce[:, None])):
+        found = table.lookup(x, y, mode=mode)
+        np.testing.assert_array_equal(found, plain if x is e else plain.T)
+    np.testing.assert_array_equal(
+        table.lookup(*map(np.ravel, np.broadcast_arrays(e, ce)), mode=mode), flat
+    )
+    with pytest.raises(lookup.TableError, match="input 'ce' of the table is not a number"):
+        table.lookup(e, np.where(ce > 1.9, np.nan, ce), mode=mode)
