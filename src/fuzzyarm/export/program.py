@@ -279,7 +279,8 @@ class _Builder:
             raise refuse(f"implication {' and '.join(sorted(kinds))} of '{name}'")
         for member in output.members:
             if any(not piece.straight for piece in member.pieces):
-                raise refuse(f"term '{member.term.name}' of '{name}' is not straight")
+                term = member.term
+                raise refuse(f"term '{term.name}' of '{name}' is not straight ({term.shape.kind})")
         if kinds == {"min"} and output.closed is None:
             raise refuse(f"too many sets of '{name}' overlap")
 
