@@ -163,6 +163,10 @@ class _Finder(ast.NodeVisitor):
             self._add(node.lineno, end - len(name), end, _NAMES[name])
         self.generic_visit(node)
 
+    def visit_keyword(self, node: ast.keyword) -> None:
+        if node.arg != "strict":  # of zip: a check of what holds anyway
+            self.generic_visit(node)
+
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
         if node.value is not None:
             self.visit(node.value)

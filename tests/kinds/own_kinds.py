@@ -52,7 +52,7 @@ inference and {conjunction}, or {disjunction}, implication {implication}
 inference aggregation {aggregation}, defuzzifier {defuzzifier}, no-rule 0
 rule if e is {hedge} Z and ce is N then u is N
 rule if e is N or ce is P then u is Z
-rule if e is {hedge} Z and (ce is Z or ce is P) then u is P
+rule if e is {hedge} Z and ce is Z then u is P
 rule if e is P and ce is not N then u is P with 0.5
 """
 
