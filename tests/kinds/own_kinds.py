@@ -33,11 +33,11 @@ def text(
     *,
     conjunction: str = "product",
     disjunction: str = "max",
-    implication: str = "product",
-    aggregation: str = "sum",
+    implication: str = "min",
+    aggregation: str = "max",
     hedge: str = "",
     antecedent_shape: str = "triangle -2 0 2",
-    consequent_shape: str = "triangle -3 0 3",
+    consequent_shape: str = "triangle -6 0 6",
     defuzzifier: str = "centroid exact",
 ) -> str:
     """Return a rule base on the inputs and the output that the controllers of the arm have."""
