@@ -279,6 +279,7 @@ def test_direct_inference_in_c(tmp_path):
         np.testing.assert_allclose(found, truth, rtol=0, atol=1e-9, err_msg=str(routine.rulebase))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES, ids=IDS)
 def test_engines(case):
     rulebase = model(case)
