@@ -24,7 +24,7 @@ import numpy as np
 
 from fuzzyarm.controller import controller
 from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
-from fuzzyarm.inference.defuzzify.aggregate import positions
+from fuzzyarm.inference.aggregate import positions
 from fuzzyarm.loop import Options, simulate, simulate_batch
 from fuzzyarm.model.rulebase import RuleBase, propositions
 from fuzzyarm.model.shapes import membership

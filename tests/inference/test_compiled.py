@@ -249,7 +249,7 @@ def test_rules_too_many_to_index_by_all_inputs(
     e, ce = np.random.default_rng(9).uniform(-6, 6, (2, 300))
     wanted = np.asarray(infer(pd7, e=e, ce=ce)["u"])
     for programs in (1, 6):
-        monkeypatch.setattr("fuzzyarm.inference.kernel.layout.MOST_PROGRAMS", programs)
+        monkeypatch.setattr("fuzzyarm.inference.layout.MOST_PROGRAMS", programs)
         assert compiled(pd7)(e=e[0], ce=ce[0])["u"] == pytest.approx(wanted[0], abs=1e-12)
         np.testing.assert_allclose(compiled(pd7)(e=e, ce=ce)["u"], wanted, rtol=0, atol=1e-12)
 

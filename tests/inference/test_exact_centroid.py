@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.inference import infer
-from fuzzyarm.inference.defuzzify import centroid
+from fuzzyarm.inference import centroid, infer
 from fuzzyarm.inference.overlap import closed_form
 from fuzzyarm.inference.plan import OutputPlan, plan
 from fuzzyarm.inference.sets import degrees as array_membership

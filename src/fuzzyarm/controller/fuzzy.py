@@ -26,8 +26,8 @@ from fuzzyarm.controller.sources import (
     pack_wires,
     scaled_errors,
 )
-from fuzzyarm.inference.kernel.layout import NotCoveredError, lay_out, make_block
-from fuzzyarm.inference.kernel.sweep import COLUMNS, RESULTS, evaluate
+from fuzzyarm.inference.kernel import COLUMNS, RESULTS, evaluate
+from fuzzyarm.inference.layout import NotCoveredError, lay_out, make_block
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.model.rulebase import RuleBase

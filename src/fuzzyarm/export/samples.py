@@ -14,7 +14,7 @@ from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.expression.nodes import Node, replace, symbol
 from fuzzyarm.expression.printing import Assign
-from fuzzyarm.inference.defuzzify.aggregate import positions, weights
+from fuzzyarm.inference.aggregate import positions, weights
 from fuzzyarm.inference.plan import OutputPlan
 
 Array = NDArray[Any]

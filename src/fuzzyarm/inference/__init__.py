@@ -21,7 +21,7 @@ from fuzzyarm.inference.infer import check_expectations, infer
 from fuzzyarm.inference.point import prepare
 
 if TYPE_CHECKING:
-    from fuzzyarm.inference.kernel.compiled import Compiled, compiled
+    from fuzzyarm.inference.engine import Compiled, compiled
     from fuzzyarm.inference.trace import Trace, explain
 
 
@@ -47,9 +47,9 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import what a check does not need when it is asked for."""
     if name in {"Compiled", "compiled"}:
-        from fuzzyarm.inference.kernel import compiled
+        from fuzzyarm.inference import engine
 
-        return getattr(compiled, name)
+        return getattr(engine, name)
     if name in {"Trace", "explain"}:
         from fuzzyarm.inference import trace
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.inference.defuzzify.arrays import Strengths
-from fuzzyarm.inference.defuzzify.dispatch import defuzzify_over_arrays
+from fuzzyarm.inference.aggregate_arrays import Strengths
+from fuzzyarm.inference.defuzzify import defuzzify_over_arrays
 from fuzzyarm.inference.errors import (
     MissingInputError,
     NoRuleFiredError,

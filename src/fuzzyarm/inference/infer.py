@@ -62,12 +62,12 @@ def infer(
     """
     given = merged(inputs, named)
     if holds_arrays(given):
-        from fuzzyarm.inference.kernel.compiled import infer_many
+        from fuzzyarm.inference.engine import infer_many
 
         return dict(infer_many(rulebase, given, held))
     prepared = prepare(rulebase)
     if prepared.is_worth_a_kernel():
-        from fuzzyarm.inference.kernel.compiled import infer_one
+        from fuzzyarm.inference.engine import infer_one
 
         found = infer_one(rulebase, given)
         if found is not None:

@@ -14,7 +14,7 @@ from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.inference.defuzzify.dispatch import defuzzify_at_point
+from fuzzyarm.inference.defuzzify import defuzzify_at_point
 from fuzzyarm.inference.errors import (
     InferenceError,
     MissingInputError,

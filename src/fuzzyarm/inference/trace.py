@@ -9,12 +9,12 @@ from itertools import pairwise
 from typing import Any
 
 from fuzzyarm.expression.kinds import TNORMS
-from fuzzyarm.inference.defuzzify.aggregate import aggregate, fold_at_point
-from fuzzyarm.inference.defuzzify.dispatch import consequent_value
-from fuzzyarm.inference.defuzzify.weighted import tsukamoto_at_point
+from fuzzyarm.inference.aggregate import aggregate, fold_at_point
+from fuzzyarm.inference.defuzzify import consequent_value
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.point import Point, Prepared, prepare
 from fuzzyarm.inference.sets import Piece, crossing
+from fuzzyarm.inference.weighted import tsukamoto_at_point
 from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Rule, RuleBase
 
 SAMPLES = 201

@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.inference.defuzzify.aggregate import Fired, fold_at_point
+from fuzzyarm.inference.aggregate import Fired, fold_at_point
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import bisect
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.defuzzify.arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import Strengths
 
     Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def weighted_over_arrays(
     """Return the averages (or sums) and the sums of the strengths (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.arrays import fold_over_arrays
+    from fuzzyarm.inference.aggregate_arrays import fold_over_arrays
 
     total, weighted = np.zeros(strengths.shape), np.zeros(strengths.shape)
     for member, strength in fold_over_arrays(plan, list(strengths)).items():

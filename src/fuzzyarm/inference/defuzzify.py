@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from fuzzyarm.inference.defuzzify.aggregate import Fired
-from fuzzyarm.inference.defuzzify.centroid import (
+from fuzzyarm.inference.aggregate import Fired
+from fuzzyarm.inference.centroid import (
     closed_centroid_at_point,
     closed_centroid_over_arrays,
     integrated_centroid_at_point,
@@ -17,19 +17,19 @@ from fuzzyarm.inference.defuzzify.centroid import (
     sampled_centroid_at_point,
     sampled_centroid_over_arrays,
 )
-from fuzzyarm.inference.defuzzify.weighted import (
+from fuzzyarm.inference.plan import WEIGHTED, Member, OutputPlan
+from fuzzyarm.inference.weighted import (
     tsukamoto_at_point,
     tsukamoto_over_arrays,
     weighted_at_point,
     weighted_over_arrays,
 )
-from fuzzyarm.inference.plan import WEIGHTED, Member, OutputPlan
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.defuzzify.arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import Strengths
 
     Array = NDArray[np.float64]
 
@@ -63,12 +63,12 @@ def defuzzify_at_point(
         value_of = _values_at_point(plan, values, inputs)
         if method == "centroid" or method in WEIGHTED:
             return weighted_at_point(plan, fired, value_of)
-        from fuzzyarm.inference.defuzzify.maxima import discrete_at_point
+        from fuzzyarm.inference.maxima import discrete_at_point
 
         return discrete_at_point(plan, fired, value_of)
     if method == "centroid":
         return _centroid_at_point(plan, fired)
-    from fuzzyarm.inference.defuzzify.maxima import (
+    from fuzzyarm.inference.maxima import (
         bisector_at_point,
         maxima_at_point,
         sampled_bisector_at_point,
@@ -143,7 +143,7 @@ def defuzzify_over_arrays(
     """
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.maxima import (
+    from fuzzyarm.inference.maxima import (
         bisector_over_arrays,
         discrete_over_arrays,
         maxima_over_arrays,

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
-from fuzzyarm.inference.kernel.layout import Block, Layout, NotCoveredError, lay_out, make_block
-from fuzzyarm.inference.kernel.sweep import MISSING, evaluate, run, sweep
+from fuzzyarm.inference.kernel import MISSING, evaluate, run, sweep
+from fuzzyarm.inference.layout import Block, Layout, NotCoveredError, lay_out, make_block
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.inference.point import check_names, holds_arrays, merged, prepare
 from fuzzyarm.kernels import address_of, is_kept, jit_wanted

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.inference.defuzzify.aggregate import positions, weights
-from fuzzyarm.inference.defuzzify.quadrature import (
+from fuzzyarm.inference.aggregate import positions, weights
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.quadrature import (
     CLIPPING,
     DEEPEST,
     MOST_PANELS,
@@ -20,7 +21,6 @@ from fuzzyarm.inference.defuzzify.quadrature import (
     noise_of,
     panels,
 )
-from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import cut_lines, degrees, gaps
 
 # --- The aggregate of one output at many points of the inputs ---

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
-from fuzzyarm.inference.defuzzify.aggregate import Fired, fold_at_point
+from fuzzyarm.inference.aggregate import Fired, fold_at_point
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.sets import cut_lines, gaps
 

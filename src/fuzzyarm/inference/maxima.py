@@ -10,22 +10,22 @@ from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import TNORMS
-from fuzzyarm.inference.defuzzify.aggregate import (
+from fuzzyarm.inference.aggregate import (
     Fired,
     aggregate,
     fold_at_point,
     positions,
     sampled_aggregate_at_point,
 )
-from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves_at_point, noise_of, rule
 from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.inference.quadrature import edges_of, leaves_at_point, noise_of, rule
 from fuzzyarm.inference.sets import cut, peak
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.defuzzify.arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import Strengths
 
     Array = NDArray[np.float64]
 
@@ -166,7 +166,7 @@ def greatest_of(method: str, samples: list[float], heights: list[float]) -> floa
 
 def sampled_maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the places among the samples and the greatest heights (0: nothing fired)."""
-    from fuzzyarm.inference.defuzzify.arrays import sampled_aggregate_over_arrays
+    from fuzzyarm.inference.aggregate_arrays import sampled_aggregate_over_arrays
 
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
     value, top = greatest_of_many(plan.output.defuzzifier.method, samples, heights)
@@ -238,7 +238,7 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
     """Return the exact bisectors and the areas (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.arrays import leaves_over_arrays, panel_rule, sum_by_point
+    from fuzzyarm.inference.aggregate_arrays import leaves_over_arrays, panel_rule, sum_by_point
 
     size = int(np.prod(strengths.shape))
     entries = strengths.flat()
@@ -313,7 +313,7 @@ def halve(samples: list[float], heights: list[float]) -> float | None:
 
 def sampled_bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the bisectors of the samples and the sums (0 where nothing fired)."""
-    from fuzzyarm.inference.defuzzify.arrays import sample_weights, sampled_aggregate_over_arrays
+    from fuzzyarm.inference.aggregate_arrays import sample_weights, sampled_aggregate_over_arrays
 
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
     heights *= sample_weights(plan)
@@ -370,7 +370,7 @@ def discrete_over_arrays(
     """Return the places and the greatest strengths (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.arrays import fold_over_arrays
+    from fuzzyarm.inference.aggregate_arrays import fold_over_arrays
 
     folded = fold_over_arrays(plan, list(strengths))
     if not folded:

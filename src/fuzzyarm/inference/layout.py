@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.expression.nodes import Node, replace, symbol
-from fuzzyarm.inference.defuzzify.aggregate import positions, weights
-from fuzzyarm.inference.kernel import sweep as at
-from fuzzyarm.inference.kernel.cells import Cells, cut_into_cells
+from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference.aggregate import positions, weights
+from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule
 from fuzzyarm.inference.point import is_straight
@@ -232,7 +232,7 @@ def lay_out(plan: Plan, *, compiled: bool) -> Layout:
     Returns
     -------
     Layout
-        For :func:`fuzzyarm.inference.kernel.sweep.sweep`.
+        For :func:`fuzzyarm.inference.kernel.sweep`.
 
     Raises
     ------
@@ -578,7 +578,7 @@ def sampled_degrees(member: Member, where: Sequence[float]) -> Sequence[float]:
     """Return the degrees of a set at the samples, with the bits that one point gives."""
     if len(where) <= MOST_PLAIN_SAMPLES:
         return [member.membership(y) for y in where]
-    from fuzzyarm.inference.defuzzify.arrays import member_at
+    from fuzzyarm.inference.aggregate_arrays import member_at
 
     return cast(Sequence[float], member_at(member, np.array(where)).tolist())
 

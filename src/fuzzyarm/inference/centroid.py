@@ -9,7 +9,7 @@ from __future__ import annotations
 from operator import mul
 from typing import TYPE_CHECKING
 
-from fuzzyarm.inference.defuzzify.aggregate import (
+from fuzzyarm.inference.aggregate import (
     Fired,
     aggregate,
     fold_at_point,
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fuzzyarm.inference.defuzzify.arrays import Strengths
+    from fuzzyarm.inference.aggregate_arrays import Strengths
 
     Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ def sampled_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tupl
     """Return the centroids and the sums of the samples (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.arrays import sample_weights, sampled_aggregate_over_arrays
+    from fuzzyarm.inference.aggregate_arrays import sample_weights, sampled_aggregate_over_arrays
 
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
     # Sums along rows rather than a matrix product: the same digits for every chunking.
@@ -65,7 +65,7 @@ def sampled_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tupl
 
 def integrated_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the centroid, or None where the aggregate has no area."""
-    from fuzzyarm.inference.defuzzify.quadrature import edges_of, leaves_at_point, noise_of
+    from fuzzyarm.inference.quadrature import edges_of, leaves_at_point, noise_of
 
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
     parts = leaves_at_point(aggregate(plan, fired), edges_of(plan, fired), noise)
@@ -78,7 +78,7 @@ def integrated_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> t
     """Return the centroids and the areas (0 where nothing fired)."""
     import numpy as np
 
-    from fuzzyarm.inference.defuzzify.arrays import leaves_over_arrays, sum_by_point
+    from fuzzyarm.inference.aggregate_arrays import leaves_over_arrays, sum_by_point
 
     size = int(np.prod(strengths.shape))
     found = leaves_over_arrays(plan, strengths.flat(), size)

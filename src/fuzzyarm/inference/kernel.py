@@ -15,7 +15,7 @@ order                 for each point its program, and where it came from
 ends                  where the points of each program end
 ====================  =======================================================================
 
-:mod:`fuzzyarm.inference.kernel.layout` writes it. Every input finds its cell between the
+:mod:`fuzzyarm.inference.layout` writes it. Every input finds its cell between the
 corners of its terms; the cells together name a **program**, which lists the rules that can
 fire there and what to integrate. So nothing is searched, and the cost grows with the rules
 that fire, not with the rules. Points are sorted by their program; what a program does it
