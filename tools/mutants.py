@@ -33,7 +33,7 @@ TESTS = {
     "expression/norms.py": ["tests/expression/test_norms.py"],
     "expression/formulas.py": ["tests/expression/test_formulas.py"],
     "expression/": ["tests/expression"],
-    "inference/kernel/": ["tests/inference/test_compiled.py", "tests/inference/test_engines.py"],
+    "inference/kernel": ["tests/inference/test_compiled.py", "tests/inference/test_engines.py"],
     "inference/": ["tests/inference", "tests/expression/test_norms.py"],
     "table/lookup.py": ["tests/table/test_table.py", "tests/table/test_compiled_lookup.py"],
     "table/": ["tests/table"],
