@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
 from fuzzyarm.formats.drafts import (
-    MONOTONIC,
     VALUES,
     Draft,
+    all_invertible,
     imported,
     lines_of,
     maximum_of_nothing,
@@ -366,7 +366,7 @@ class _Reader:
     def _weighted(self, draft: Draft, method: str, at: Word) -> None:
         if self.dialect.producer == "matlab":
             draft.aggregation = "sum"  # every rule counts for itself, whatever AggMethod says
-        if draft.kinds and draft.kinds <= MONOTONIC:
+        if draft.kinds and all_invertible(draft.kinds):
             draft.defuzzifier = Defuzzifier("tsukamoto")
             return
         if not draft.kinds <= VALUES:

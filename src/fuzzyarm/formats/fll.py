@@ -35,7 +35,15 @@ from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
-from fuzzyarm.model.rulebase import Defuzzifier, Input, Output, RuleBase, RuleBlock, Shape
+from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
+    Defuzzifier,
+    Input,
+    Output,
+    RuleBase,
+    RuleBlock,
+    Shape,
+)
 
 # --- FLL text, line by line: `key: value` with `#` comments ---
 
@@ -450,7 +458,7 @@ class _Writer(Writer):
         defuzzifier = output.defuzzifier
         if defuzzifier.method == "tsukamoto":
             return "WeightedAverage Tsukamoto"
-        if defuzzifier.method in ("weighted-average", "weighted-sum"):
+        if defuzzifier.method in TAKAGI_SUGENO:
             self.need_values(output)
             word = "Average" if defuzzifier.method == "weighted-average" else "Sum"
             return f"Weighted{word} TakagiSugeno"

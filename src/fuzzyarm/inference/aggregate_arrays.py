@@ -75,13 +75,6 @@ class Strengths:
             for member, strength in self._entries
         ]
 
-    def any_fired(self) -> NDArray[np.bool_]:
-        """Return where at least one strength is above 0."""
-        fired = np.zeros(self.shape, dtype=bool)
-        for _, strength in self._entries:
-            fired |= strength > 0.0
-        return fired
-
 
 def member_at(member: Member, places: Array) -> Array:
     """Return the membership of places in the set of a member."""

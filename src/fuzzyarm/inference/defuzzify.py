@@ -17,13 +17,14 @@ from fuzzyarm.inference.centroid import (
     sampled_centroid_at_point,
     sampled_centroid_over_arrays,
 )
-from fuzzyarm.inference.plan import WEIGHTED, Member, OutputPlan
+from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.weighted import (
     tsukamoto_at_point,
     tsukamoto_over_arrays,
     weighted_at_point,
     weighted_over_arrays,
 )
+from fuzzyarm.model.rulebase import WEIGHTED
 
 if TYPE_CHECKING:
     import numpy as np

@@ -26,6 +26,8 @@ from fuzzyarm.inference.sets import (
     term_function,
 )
 from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
+    WEIGHTED,
     Consequent,
     Hedge,
     Input,
@@ -38,9 +40,6 @@ from fuzzyarm.model.rulebase import (
     Term,
     propositions,
 )
-
-WEIGHTED = frozenset({"weighted-average", "weighted-sum", "tsukamoto"})
-"""Defuzzifiers that turn every consequent into a number first."""
 
 
 class Member(NamedTuple):
@@ -378,7 +377,7 @@ def _member(
         value = shape.parameters[0] if shape.kind == "singleton" else None
         return Member(term, hedges, implication, function, value=value, formula=formula)
     pieces = _pieces(output, term, hedges, function, formula)
-    if output.defuzzifier.method in {"weighted-average", "weighted-sum"}:
+    if output.defuzzifier.method in TAKAGI_SUGENO:
         value = middle_of_core(pieces, function)
         return Member(term, hedges, implication, function, pieces, value)
     return Member(term, hedges, implication, function, pieces, formula=formula)

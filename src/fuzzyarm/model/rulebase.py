@@ -20,6 +20,12 @@ DEFUZZIFIERS = (
 )  # fmt: skip
 """Ways from a fuzzy output (or a list of fired consequents) to a number."""
 
+TAKAGI_SUGENO = frozenset({"weighted-average", "weighted-sum"})
+"""Defuzzifiers that weigh consequents which are values."""
+
+WEIGHTED = TAKAGI_SUGENO | {"tsukamoto"}
+"""Defuzzifiers that turn every consequent into a number first."""
+
 
 @dataclass(frozen=True, slots=True)
 class Shape:

@@ -182,23 +182,18 @@ def display_width(text: str) -> int:
     )
 
 
-def render(diagnostic: Diagnostic, text: str, *, colour: bool = False) -> str:
-    """Return a diagnostic as several lines: headline, source line, caret, hint, related places.
+def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = False) -> str:
+    """Return diagnostics of one text, each as headline, source line, caret, hint and relations.
 
     Parameters
     ----------
-    diagnostic : Diagnostic
+    diagnostics : sequence of Diagnostic
         What to show.
     text : str
-        The text it is about.
+        The text they are about.
     colour : bool
         Whether to use terminal colours.
     """
-    return render_all([diagnostic], text, colour=colour)
-
-
-def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = False) -> str:
-    """Return several diagnostics of one text, each as :func:`render` does."""
     lines = split_lines(text)
     return "\n".join("\n".join(_parts(d, lines, colour=colour)) for d in diagnostics)
 

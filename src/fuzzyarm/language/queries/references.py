@@ -17,11 +17,6 @@ def occurrence_at(reading: Reading, line: int, column: int) -> Occurrence | None
     return touched[-1] if touched else None
 
 
-def definitions(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
-    """Return where the thing that `occurrence` names is declared; several if the file does."""
-    return [o for o in references(reading, occurrence) if o.is_definition]
-
-
 def references(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
     """Return every place that names the same thing as `occurrence`, in order."""
     return [o for o in reading.occurrences if _same(o, occurrence)]
