@@ -24,7 +24,7 @@ from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
-from fuzzyarm.table.compiler import choose_output, defuzzifier_words
+from fuzzyarm.table.compiler import choose_output
 
 _DENSE_POINTS = 60_000
 _VECTORS = 48
@@ -170,7 +170,7 @@ class DirectRoutine:
         )
         return [
             f"direct inference of {len(self.rulebase.rules)} rules: {blocks},"
-            f" aggregation {output.aggregation}, {defuzzifier_words(output)}",
+            f" aggregation {output.aggregation}, {output.defuzzifier}",
             *(_border_words(variable) for variable in self.rulebase.inputs),
             "an input that is not a number (NaN) counts as the lower border",
             f"the result is {silent}",

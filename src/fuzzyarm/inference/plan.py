@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from functools import wraps
+from typing import NamedTuple, TypeVar
 
 from fuzzyarm.expression.formulas import CONSTANTS, Formula
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
@@ -132,10 +133,30 @@ class Plan(NamedTuple):
     steps: tuple[int | str, ...]
 
 
-_recent: OrderedDict[int, tuple[RuleBase, Plan]] = OrderedDict()
-_KEPT = 32
+_Made = TypeVar("_Made")
+
+_MOST_REMEMBERED = 32
 
 
+def remembered(make: Callable[[RuleBase], _Made]) -> Callable[[RuleBase], _Made]:
+    """Let a function remember what it made of the last few rule bases; a decorator."""
+    recent: OrderedDict[int, tuple[RuleBase, _Made]] = OrderedDict()
+
+    @wraps(make)
+    def remembering(rulebase: RuleBase) -> _Made:
+        known = recent.get(id(rulebase))
+        if known is not None and known[0] is rulebase:
+            return known[1]
+        made = make(rulebase)
+        recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
+        while len(recent) > _MOST_REMEMBERED:
+            recent.popitem(last=False)
+        return made
+
+    return remembering
+
+
+@remembered
 def plan(rulebase: RuleBase) -> Plan:
     """Prepare a rule base; the last few are remembered.
 
@@ -154,18 +175,6 @@ def plan(rulebase: RuleBase) -> Plan:
     InferenceError
         If the model cannot be evaluated; the message says where.
     """
-    known = _recent.get(id(rulebase))
-    if known is not None and known[0] is rulebase:
-        return known[1]
-    made = make_plan(rulebase)
-    _recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
-    while len(_recent) > _KEPT:
-        _recent.popitem(last=False)
-    return made
-
-
-def make_plan(rulebase: RuleBase) -> Plan:
-    """Prepare a rule base from scratch; see :func:`plan`."""
     _check_variables(rulebase)
     steps, rules = _order(rulebase)
     outputs = {output.name: _plan_output(rulebase, output) for output in rulebase.outputs}

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, product
 from typing import Any, NamedTuple
@@ -24,7 +23,7 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
-from fuzzyarm.inference.plan import Plan, PlannedRule, plan
+from fuzzyarm.inference.plan import Plan, PlannedRule, plan, remembered
 from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import (
     And,
@@ -552,10 +551,7 @@ def _written(values: Mapping[str, float], names: tuple[str, ...]) -> str:
     return ", ".join(f"{name} = {values[name]:.6g}" for name in names)
 
 
-_recent: OrderedDict[int, tuple[RuleBase, Prepared]] = OrderedDict()
-_KEPT = 32
-
-
+@remembered
 def prepare(rulebase: RuleBase) -> Prepared:
     """Compile a rule base for evaluation point by point; the last few are remembered.
 
@@ -569,14 +565,7 @@ def prepare(rulebase: RuleBase) -> Prepared:
     Prepared
         Stateless: evaluating it leaves no trace in it.
     """
-    known = _recent.get(id(rulebase))
-    if known is not None and known[0] is rulebase:
-        return known[1]
-    prepared = Prepared(rulebase)
-    _recent[id(rulebase)] = (rulebase, prepared)
-    while len(_recent) > _KEPT:
-        _recent.popitem(last=False)
-    return prepared
+    return Prepared(rulebase)
 
 
 # ── inputs as a caller gives them ────────────────────────────────────────────────────

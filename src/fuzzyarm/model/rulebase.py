@@ -77,6 +77,12 @@ class Defuzzifier:
     resolution: int | None = None
     sampling: str = "endpoints"
 
+    def __str__(self) -> str:
+        """Return the words of the language."""
+        if self.resolution is None:
+            return f"{self.method} exact" if self.method == "centroid" else self.method
+        return f"{self.method}({self.resolution}, {self.sampling})"
+
 
 @dataclass(frozen=True, slots=True)
 class Variable:
