@@ -80,7 +80,7 @@ class Review:
     Attributes
     ----------
     text : str
-        The text, for showing the places.
+        The text, for showing the positions.
     diagnostics : tuple of Diagnostic
         Mistakes, or, where there are none, doubts; in the order of the text.
     rulebase : RuleBase or None

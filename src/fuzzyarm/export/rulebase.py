@@ -235,10 +235,10 @@ class DirectRoutine:
         low = variable.low if math.isfinite(variable.low) else corners[0]
         high = variable.high if math.isfinite(variable.high) else corners[-1]
         outside = self.precision.outside
-        kept = [x for x in corners if low <= x <= high][: max(3, count // 4)]
-        close = np.array(kept, dtype=outside)
+        inside = [x for x in corners if low <= x <= high][: max(3, count // 4)]
+        close = np.array(inside, dtype=outside)
         around = [np.nextafter(close, outside(way)) for way in (-np.inf, np.inf)]
-        even = np.linspace(low, high, max(3, count - 3 * len(kept))).astype(outside)
+        even = np.linspace(low, high, max(3, count - 3 * len(inside))).astype(outside)
         return np.unique(np.concatenate([even, close, *around]))
 
     def vectors(self) -> Vectors:

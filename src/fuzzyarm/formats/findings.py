@@ -276,7 +276,7 @@ def number(text: str) -> float | None:
 
 
 def numbers(words: list[Word], findings: Findings) -> list[float] | None:
-    """Return the values of `words`; None, with findings, where one is no number."""
+    """Return the values of `words`; None, with findings, where one is not a number."""
     values: list[float] = []
     failed = False
     for word in words:

@@ -146,7 +146,7 @@ def _resolution(words: list[Word], findings: Findings) -> int:
         return usual
     value = number(words[1].text)
     if value is None or not value.is_integer() or not 1 <= value <= MAX_RESOLUTION:
-        message = f"'{words[1].text[:40]}' is no resolution (1 to {MAX_RESOLUTION})"
+        message = f"'{words[1].text[:40]}' is not a resolution (1 to {MAX_RESOLUTION})"
         findings.error("bad-resolution", message, words[1])
         return usual
     return int(value)
@@ -331,7 +331,7 @@ class _Reader:
         match line.key.text:
             case "description":
                 if line.value.text:
-                    message = "the description of a rule block has no place in the model"
+                    message = "the model cannot hold the description of a rule block"
                     self.findings.info("dropped-description", message, line.key)
             case "enabled":
                 block.enabled = _flag(line, self.findings, default=True)

@@ -55,7 +55,7 @@ class Member(NamedTuple):
     implication : str
         How a firing strength cuts the set.
     membership : callable
-        The set, hedges included, at one place. Not for values.
+        The set, hedges included, at one position. Not for values.
     pieces : tuple of Piece
         The set over the range of the output; empty for values.
     value : float or None
@@ -331,7 +331,7 @@ def _is_integrated(output: Output, closed: ClosedForm | None) -> bool:
 
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
-    """Two singletons at one place are one set to be aggregated, whatever their names."""
+    """Two singletons at one position are one set to be aggregated, whatever their names."""
     seen: dict[float, int] = {}
     return [
         i if member.value is None else seen.setdefault(member.value, i)
@@ -419,7 +419,7 @@ def _pieces(
             f"{output.defuzzifier.method} needs a finite range, and that of '{output.name}'"
             f" is {output.low:g} .. {output.high:g}"
         )
-    if formula is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown place
+    if formula is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown position
         framed = Shape("arc", (output.low, output.high))
         return profile(framed, (), function, output.low, output.high)
     return profile(term.shape, hedges, function, output.low, output.high)

@@ -39,9 +39,9 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.model.shapes import apply_hedges, polyline
 
-# --- The terms of one variable that hold at a place, found by bisection ---
+# --- The terms of one variable that hold at a position, found by bisection ---
 #
-# At a place only a few terms of a variable are not zero. Straight terms are therefore cut
+# At a position only a few terms of a variable are not zero. Straight terms are therefore cut
 # at all their corners once; a value then finds its cell and evaluates that cell's lines.
 
 Degree = tuple[int, float]
@@ -77,9 +77,9 @@ class Partition:
             tuple(
                 (each.number, *line)
                 for each in straight
-                if (line := line_at(corners[each.number], each.hedges, place)) is not None
+                if (line := line_at(corners[each.number], each.hedges, position)) is not None
             )
-            for place in inside(self._edges)
+            for position in inside(self._edges)
         ]
 
     def at(self, x: float) -> list[Degree]:
@@ -106,7 +106,7 @@ def is_straight(shape: Shape, hedges: Sequence[Hedge]) -> bool:
 
 
 def inside(edges: list[float]) -> list[float]:
-    """Return one place inside each cell, the outer two included."""
+    """Return one position inside each cell, the outer two included."""
     if not edges:
         return [0.0]
     between = [0.5 * (a + b) for a, b in pairwise(edges)]
@@ -114,15 +114,15 @@ def inside(edges: list[float]) -> list[float]:
 
 
 def line_at(
-    corners: list[tuple[float, float]], hedges: Sequence[Hedge], place: float
+    corners: list[tuple[float, float]], hedges: Sequence[Hedge], position: float
 ) -> tuple[float, float, float] | None:
-    """Return (x0, y0, slope) of the line around `place`; None where it is zero."""
-    if place <= corners[0][0]:
+    """Return (x0, y0, slope) of the line around `position`; None where it is zero."""
+    if position <= corners[0][0]:
         x0, y0, slope = 0.0, corners[0][1], 0.0
-    elif place >= corners[-1][0]:
+    elif position >= corners[-1][0]:
         x0, y0, slope = 0.0, corners[-1][1], 0.0
     else:
-        i = next(i for i, (x, _) in enumerate(corners) if x > place)
+        i = next(i for i, (x, _) in enumerate(corners) if x > position)
         (x0, y0), (x1, y1) = corners[i - 1], corners[i]
         slope = (y1 - y0) / (x1 - x0)
         if slope < 0.0:  # fall towards the foot from the foot: no residue just before it
@@ -408,7 +408,7 @@ class Prepared:
                 check_names(inputs, self._names)
                 raise MissingInputError(n for n in self._names if n not in inputs) from None
             except (TypeError, ValueError, OverflowError):
-                raise NotANumberError(name, f"is no number: {inputs[name]!r}") from None
+                raise NotANumberError(name, f"is not a number: {inputs[name]!r}") from None
             if not low <= value <= high:
                 value = _outside(name, value, low, high, outside)
             values[name] = value
@@ -484,7 +484,7 @@ class Prepared:
         Raises
         ------
         InferenceError
-            For names that are unknown or missing and values that are no numbers.
+            For names that are unknown or missing and values that are not numbers.
         NoRuleFiredError
             If no rule fires for an output that has no value for that case.
         """

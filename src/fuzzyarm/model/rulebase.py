@@ -91,7 +91,7 @@ class Variable:
     Attributes
     ----------
     name : str
-        Any text; names that are no identifiers stand in single quotes in a file.
+        Any text; names that are not identifiers stand in single quotes in a file.
     low, high : float
         The range (universe of discourse), ``low < high``; infinite where unbounded.
     terms : tuple of Term

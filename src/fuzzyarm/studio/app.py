@@ -180,11 +180,11 @@ class Studio(App[int]):
         self._show_point()
 
     def on_view_jump(self, event: View.Jump) -> None:
-        """Go to a place in the text."""
+        """Go to a position in the text."""
         self.go_to(event.span)
 
     def go_to(self, span: Span) -> None:
-        """Put the cursor at a place and the focus on the text."""
+        """Put the cursor at a position and the focus on the text."""
         editor = self.query_one(Editor)
         editor.go_to(span.line, span.column)
         editor.focus()

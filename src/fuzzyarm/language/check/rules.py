@@ -327,7 +327,7 @@ def _other_fires(rules: list[tuple[RuleBlock, Rule]], active: dict[str, dict[str
 
 
 def ranks(rulebase: RuleBase, name: str) -> dict[str, int] | None:
-    """Return the place of each term of the variable `name` by its middle; None for values."""
+    """Return the rank of each term of the variable `name` by its middle; None for values."""
     variable = rulebase.variable(name)
     middles = {}
     for term in variable.terms:
