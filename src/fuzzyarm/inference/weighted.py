@@ -99,7 +99,7 @@ def is_rising(plan: OutputPlan, member: Member) -> bool:
         return steps[0] > 0.0
     raise InferenceError(
         f"'{plan.output.name} is {member.term.name}' neither rises nor falls over the range,"
-        " so tsukamoto cannot invert a firing strength"
+        " so tsukamoto cannot invert it"
     )
 
 
