@@ -78,7 +78,7 @@ class Review(NamedTuple):
     Attributes
     ----------
     text : str
-        The text, for showing the places.
+        The text, for showing the positions.
     diagnostics : tuple of Diagnostic
         Mistakes, or, where there are none, doubts; in the order of the text.
     rulebase : RuleBase or None

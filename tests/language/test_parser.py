@@ -12,7 +12,6 @@ from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
     MAX_LINE,
     RuleBaseError,
-    render,
     render_all,
 )
 
@@ -235,7 +234,7 @@ def test_a_mistake_in_a_declaration_is_not_repeated_at_each_use():
 def test_the_caret_stands_under_the_whole_span():
     text = HEAD + "rule if größe is N then u is N\n"
     (found,) = parse(text, "x.frb").diagnostics
-    lines = render(found, text).splitlines()
+    lines = render_all([found], text).splitlines()
     assert lines[0].startswith("x.frb:6:9: error[unknown-variable]: ")
     assert lines[1] == "     6 | rule if größe is N then u is N"
     assert lines[2] == "       |         ^^^^^"
@@ -244,7 +243,7 @@ def test_the_caret_stands_under_the_whole_span():
 def test_carets_under_wide_characters_and_tabs():
     text = HEAD + "rule if\t誤差 is N then u is N\n"
     (found,) = parse(text).diagnostics
-    _, source, caret, *_ = render(found, text).splitlines()
+    _, source, caret, *_ = render_all([found], text).splitlines()
     assert source.index("誤") == caret.index("^")
     assert caret.count("^") == 4
 

@@ -14,7 +14,6 @@ from fuzzyarm.language.queries import (
     apply_edits,
     coloured,
     complete,
-    definitions,
     fixes,
     folds,
     hover,
@@ -207,7 +206,7 @@ def test_a_variable_is_defined_where_it_is_declared() -> None:
     reading = read(whole)
     occurrence = occurrence_at(reading, line, column)
     assert occurrence is not None
-    (home,) = definitions(reading, occurrence)
+    (home,) = [o for o in references(reading, occurrence) if o.is_definition]
     assert (home.span.line, home.span.column) == (3, 8)
 
 

@@ -22,7 +22,7 @@ from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 _CHECK = """Find mistakes and doubts in rule bases and tables.
 
-Prints each finding with its place, the source line, a caret and, where there is one, what
+Prints each finding with its position, the source line, a caret and, where there is one, what
 was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
 A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
 explains every name.

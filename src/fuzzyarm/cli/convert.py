@@ -3,7 +3,7 @@
     fuzzyarm convert tipper.fis tipper.frb
     fuzzyarm convert robot.fcl robot.fll --from jfuzzylogic
 
-Everything that does not come across is said, with its place in the file. Where the other
+Everything that does not come across is said, with its position in the file. Where the other
 program samples a defuzzifier differently, or treats values outside a range differently, the
 file is written with a warning (not so with --strict); what would change numbers beyond that is
 an error, and nothing is written, unless --lossy.

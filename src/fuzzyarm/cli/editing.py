@@ -23,6 +23,7 @@ from fuzzyarm.cli.command import (
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import render_all
+from fuzzyarm.text.files import stamp_of
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -80,7 +81,7 @@ def _watch(arguments: argparse.Namespace) -> int:
 
     _demand_sense(arguments)
     # Taken before the file is read: a save in between is then seen as one.
-    seen = _stamp(arguments.file)
+    seen = stamp_of(arguments.file)
     document = StudioDocument(arguments.file)
     console = make_console()
     _redraw(console, document, arguments)
@@ -114,7 +115,7 @@ def _follow(
 ) -> None:
     while True:
         time.sleep(_PAUSE)
-        stamp = _stamp(document.path)
+        stamp = stamp_of(document.path)
         # An editor that replaces the file takes it away for a moment.
         if stamp is None or stamp == seen:
             continue
@@ -131,14 +132,6 @@ def _follow(
             continue
         document.update(text)
         _redraw(console, document, arguments)
-
-
-def _stamp(path: str) -> tuple[int, int, int] | None:
-    try:
-        status = Path(path).stat()
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size, status.st_ino
 
 
 def _redraw(console: Console, document: StudioDocument, arguments: argparse.Namespace) -> None:

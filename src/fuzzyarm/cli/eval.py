@@ -2,7 +2,7 @@
 
 Prints every output by name; with --json exactly one object such as {"u": 1.25}. With
 --explain the way from the inputs to the outputs: memberships, the rules that fire with
-their places in the file, the clipped sets and the value. --plot FIG draws the same as a
+their positions in the file, the clipped sets and the value. --plot FIG draws the same as a
 figure.
 
   fuzzyarm eval rulebases/pd7.frb e=1.3 ce=-2.2 --explain

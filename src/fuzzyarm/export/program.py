@@ -46,9 +46,20 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.printing import Assign
-from fuzzyarm.inference.plan import WEIGHTED, OutputPlan, Plan, PlannedRule, plan
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan
 from fuzzyarm.inference.sets import formula_of
-from fuzzyarm.model.rulebase import And, Hedge, Hedged, Input, Is, Output, RuleBase, propositions
+from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
+    WEIGHTED,
+    And,
+    Hedge,
+    Hedged,
+    Input,
+    Is,
+    Output,
+    RuleBase,
+    propositions,
+)
 from fuzzyarm.model.rulebase import Expression as Antecedent
 
 MOST_SAMPLES = 100_000
@@ -253,7 +264,7 @@ class _Builder:
 
     def _check_output(self, output: OutputPlan) -> None:
         name, way = output.output.name, output.output.defuzzifier
-        if way.method not in {"centroid", "weighted-average", "weighted-sum"}:
+        if way.method not in {"centroid", *TAKAGI_SUGENO}:
             raise refuse(f"defuzzifier {way.method} of '{name}'")
         if output.discrete:
             return

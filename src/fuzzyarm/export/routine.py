@@ -232,7 +232,7 @@ def _library_words(routines: Sequence[Routine]) -> str:
     return "no function of a library is called"
 
 
-def routine_words(routine: Routine, *, names: Sequence[str] = ()) -> list[str]:
+def routine_words(routine: Routine) -> list[str]:
     """Return what is said of one routine: arguments, remarks, error, cost, origin."""
     cost, accuracy = routine.cost(), routine.accuracy()
     lines = [_argument(argument) for argument in routine.arguments]

@@ -24,7 +24,7 @@ from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
-from fuzzyarm.table.compiler import choose_output, defuzzifier_words
+from fuzzyarm.table.compiler import choose_output
 
 _DENSE_POINTS = 60_000
 _VECTORS = 48
@@ -170,7 +170,7 @@ class DirectRoutine:
         )
         return [
             f"direct inference of {len(self.rulebase.rules)} rules: {blocks},"
-            f" aggregation {output.aggregation}, {defuzzifier_words(output)}",
+            f" aggregation {output.aggregation}, {output.defuzzifier}",
             *(_border_words(variable) for variable in self.rulebase.inputs),
             "an input that is not a number (NaN) counts as the lower border",
             f"the result is {silent}",
@@ -235,10 +235,10 @@ class DirectRoutine:
         low = variable.low if math.isfinite(variable.low) else corners[0]
         high = variable.high if math.isfinite(variable.high) else corners[-1]
         outside = self.precision.outside
-        kept = [x for x in corners if low <= x <= high][: max(3, count // 4)]
-        close = np.array(kept, dtype=outside)
+        inside = [x for x in corners if low <= x <= high][: max(3, count // 4)]
+        close = np.array(inside, dtype=outside)
         around = [np.nextafter(close, outside(way)) for way in (-np.inf, np.inf)]
-        even = np.linspace(low, high, max(3, count - 3 * len(kept))).astype(outside)
+        even = np.linspace(low, high, max(3, count - 3 * len(inside))).astype(outside)
         return np.unique(np.concatenate([even, close, *around]))
 
     def vectors(self) -> Vectors:

@@ -28,9 +28,9 @@ ZERO, ONE = constant(0.0), constant(1.0)
 TABLE_HINT = "leave out --direct to export a table"
 
 
-def refuse(what: str, hint: str = TABLE_HINT) -> ExportError:
+def refuse(what: str) -> ExportError:
     """Return the error that names what cannot be exported."""
-    return ExportError(f"the direct inference cannot be exported: {what}", hint=hint)
+    return ExportError(f"the direct inference cannot be exported: {what}", hint=TABLE_HINT)
 
 
 # ── arithmetic that folds zero and one ───────────────────────────────────────────────

@@ -116,7 +116,7 @@ def export_files(
     Raises
     ------
     ExportError
-        If the suffix is none of these or `name` is no identifier.
+        If the suffix is none of these or `name` is not an identifier.
     """
     path = Path(path)
     suffix = path.suffix.lower()

@@ -19,7 +19,7 @@ from fuzzyarm.expression.nodes import Apply, Node, symbol
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import PYTHON, printed
 
-__all__ = ["python_function", "python_source", "row_source"]
+__all__ = ["python_function", "row_source"]
 
 _STEPS = {"floor": "floor", "ceil": "ceil", "rint": "round", "trunc": "truncate"}
 """Names in the printed text that are not functions of :mod:`math`: their operations."""
@@ -36,13 +36,6 @@ def _namespace() -> dict[str, Any]:
     found |= {word: OPERATIONS[name].scalar for word, name in _STEPS.items()}
     found |= {name: getattr(builtins, name) for name in ("abs", "min", "max", "float")}
     return found
-
-
-def python_source(root: Node, parameters: Sequence[str], name: str = "value") -> str:
-    """Return the text of a Python function of some parameters that computes an expression."""
-    lines, result = printed(root, PYTHON, taken=parameters)
-    body = "\n".join(f"    {line}" for line in [*lines, f"return {result}"])
-    return f"def {name}({', '.join(parameters)}):\n{body}\n"
 
 
 def python_function(root: Node, parameters: Sequence[str]) -> Callable[..., float]:

@@ -97,6 +97,7 @@ def _register_tnorms() -> None:
         op.minimum,
         dual="max",
         doc="the smaller",
+        positive=True,
         lines=lambda w: ((0.0, 1.0), (w, 0.0)),
         names={"fll": "Minimum", "fis": "min", "fcl": "MIN", "jfl": "MIN"}
         | {"matlab": "min", "octave": "min", "skfuzzy": "fmin"},
@@ -106,6 +107,7 @@ def _register_tnorms() -> None:
         lambda a, b: a * b,
         dual="probor",
         doc="ab",
+        positive=True,
         lines=lambda w: ((0.0, w),),
         names={"fll": "AlgebraicProduct", "fis": "prod", "fcl": "PROD", "jfl": "PROD"}
         | {"matlab": "prod", "octave": "prod", "skfuzzy": "multiply"},
@@ -132,6 +134,7 @@ def _register_tnorms() -> None:
         _t_hamacher,
         dual="hamacher",
         doc="ab / (a + b − ab)",
+        positive=True,
         names={"fll": "HamacherProduct", "fis": "hamacher_product", "fcl": "HPROD"}
         | {"jfl": "HAMACHER", "octave": "hamacher_product"},
     )
@@ -140,6 +143,7 @@ def _register_tnorms() -> None:
         _t_einstein,
         dual="einstein",
         doc="ab / (2 − (a + b − ab))",
+        positive=True,
         names={"fll": "EinsteinProduct", "fis": "einstein_product", "fcl": "EPROD"}
         | {"octave": "einstein_product"},
     )

@@ -109,12 +109,12 @@ def _power(base: float, exponent: float) -> float:
     return math.copysign(math.inf, base) if odd else math.inf
 
 
-def _quiet(function: Callable[..., float], at_overflow: float = math.inf) -> Callable[..., float]:
+def _quiet(function: Callable[..., float]) -> Callable[..., float]:
     def quiet(*arguments: float) -> float:
         try:
             return float(function(*arguments))
         except OverflowError:
-            return at_overflow
+            return math.inf
         except ValueError:
             return math.nan
 

@@ -284,13 +284,9 @@ class Language(NamedTuple):
         text = template.format(*parts)
         return f"({text})" if own < binds else text
 
-    def lines(
-        self, body: Sequence[Statement], *, indent: str = "    ", made: Iterable[str] = ()
-    ) -> list[str]:
+    def lines(self, body: Sequence[Statement], *, made: Iterable[str] = ()) -> list[str]:
         """Return the lines of some statements; the variables in `made` exist already."""
-        return self._lines(body, set(made), indent)
-
-    def _lines(self, body: Sequence[Statement], made: set[str], indent: str) -> list[str]:
+        made = set(made)
         lines: list[str] = []
         for statement in body:
             name = statement.name
@@ -306,9 +302,9 @@ class Language(NamedTuple):
             made.add(name)
             before, between, behind = self.choose
             lines.append(before.format(condition=self.expression(statement.condition)))
-            lines += [indent + line for line in self._lines(statement.then, set(made), indent)]
+            lines += [f"    {line}" for line in self.lines(statement.then, made=made)]
             lines.append(between)
-            lines += [indent + line for line in self._lines(statement.otherwise, set(made), indent)]
+            lines += [f"    {line}" for line in self.lines(statement.otherwise, made=made)]
             if behind:
                 lines.append(behind)
         return lines

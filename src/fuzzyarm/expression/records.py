@@ -215,11 +215,14 @@ class Norm(Kind):
         bend them.
     aggregates : bool
         Whether it is for aggregation only, as a sum that may exceed 1 is.
+    positive : bool
+        Of a T-norm: whether it is known to be positive wherever both operands are.
     """
 
     dual: str = ""
     lines: Callable[[Any], tuple[tuple[Any, Any], ...]] | None = None
     aggregates: bool = False
+    positive: bool = False
 
     arguments: ClassVar[tuple[str, ...]] = ("a", "b")
 

@@ -1,7 +1,7 @@
 """Rule bases of other programs, in and out: FLL, FCL, FIS and scikit-fuzzy.
 
 Reading never raises: an :class:`Imported` has the rule base where there is no error, and
-every finding with its place. Writing gives an :class:`Exported` in the same way.
+every finding with its position. Writing gives an :class:`Exported` in the same way.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
+from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect
 from fuzzyarm.formats.findings import (
     MAX_CHARACTERS,
@@ -31,8 +32,10 @@ from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, Span
 VALUES = frozenset({"singleton", "linear", "formula"})
 """Kinds of shape that are a number rather than a set."""
 
-MONOTONIC = frozenset({"arc", "concave", "ramp", "sigmoid", "s", "z"})
-"""Kinds of shape that Tsukamoto's method can turn round."""
+
+def all_invertible(kinds: set[str]) -> bool:
+    """Whether Tsukamoto's method can invert every one of some kinds of shape."""
+    return all(SHAPES[kind].inverse is not None for kind in kinds)
 
 
 # --- The frame of all readers ---
@@ -221,10 +224,10 @@ def same_value(consequent: Consequent, variables: dict[str, Draft]) -> Consequen
 def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Findings) -> None:
     """Set fuzzylite's weighted defuzzifier; an ``Automatic`` `kind` is told from the terms."""
     if kind == "Automatic":
-        monotonic = draft.kinds and draft.kinds <= MONOTONIC
+        monotonic = draft.kinds and all_invertible(draft.kinds)
         kind = "Tsukamoto" if monotonic else "TakagiSugeno"
     if kind == "Tsukamoto":
-        if not draft.kinds <= MONOTONIC:
+        if not all_invertible(draft.kinds):
             message = f"'{draft.name}' has terms without an inverse, which Tsukamoto needs"
             findings.error("not-monotonic", message, at)
         if method == "weighted-sum":

@@ -27,7 +27,7 @@ from fuzzyarm.formats.writing import (
     identifiers,
     written_sentences,
 )
-from fuzzyarm.model.rulebase import Input, Output, RuleBase, RuleBlock, Shape, Term
+from fuzzyarm.model.rulebase import TAKAGI_SUGENO, Input, Output, RuleBase, RuleBlock, Shape, Term
 
 _RESERVED = FUZZYLITE_WORDS | frozenset(word.lower() for word in KEYWORDS) | {
     "real", "nan", "nc", "constant", "function", "linear", "discrete", "points",
@@ -124,7 +124,7 @@ class _Writer(Writer):
         kinds = {term.shape.kind for term in output.terms}
         if method == "tsukamoto" and self.own:
             return "COGS"
-        if method in ("weighted-average", "weighted-sum"):
+        if method in TAKAGI_SUGENO:
             self.need_values(output)
             if method == "weighted-average":
                 return "COGS" if kinds <= {"singleton"} or self.own else "COGF"

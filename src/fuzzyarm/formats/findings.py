@@ -224,11 +224,11 @@ class Findings:
         return tuple(found)
 
 
-def shortened(text: str, length: int = 60) -> str:
-    """Return `text`, cut in the middle where it is longer than `length`."""
-    if len(text) <= length:
+def shortened(text: str) -> str:
+    """Return `text`, cut in the middle where it is longer than 60 characters."""
+    if len(text) <= 60:
         return text
-    half = (length - 1) // 2
+    half = 29  # with the ellipsis, 59 characters
     return f"{text[:half]}…{text[-half:]}"
 
 
@@ -276,7 +276,7 @@ def number(text: str) -> float | None:
 
 
 def numbers(words: list[Word], findings: Findings) -> list[float] | None:
-    """Return the values of `words`; None, with findings, where one is no number."""
+    """Return the values of `words`; None, with findings, where one is not a number."""
     values: list[float] = []
     failed = False
     for word in words:

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
 from fuzzyarm.formats.drafts import (
-    MONOTONIC,
     VALUES,
     Draft,
+    all_invertible,
     imported,
     lines_of,
     maximum_of_nothing,
@@ -366,7 +366,7 @@ class _Reader:
     def _weighted(self, draft: Draft, method: str, at: Word) -> None:
         if self.dialect.producer == "matlab":
             draft.aggregation = "sum"  # every rule counts for itself, whatever AggMethod says
-        if draft.kinds and draft.kinds <= MONOTONIC:
+        if draft.kinds and all_invertible(draft.kinds):
             draft.defuzzifier = Defuzzifier("tsukamoto")
             return
         if not draft.kinds <= VALUES:
@@ -550,7 +550,7 @@ class _Reader:
         """Return term and hedges of an index; None for 0 or where it is at fault."""
         value = number(word.text)
         if value is None or math.isnan(value) or abs(value) > 1e6:
-            self.findings.error("not-a-number", f"'{word.text[:40]}' is no term index", word)
+            self.findings.error("not-a-number", f"'{word.text[:40]}' is not a term index", word)
             return None
         index = int(abs(value))
         fraction = round(abs(value) - index, 6)
@@ -578,7 +578,7 @@ class _Reader:
             message = "the rule has no weight in parentheses; 1 is taken"
             self.findings.warn("missing-weight", message, line)
         elif value is None or math.isnan(value):
-            message = f"'{text[:40]}' is no weight"
+            message = f"'{text[:40]}' is not a weight"
             self.findings.error("not-a-number", message, line)
         return 1.0 if value is None or math.isnan(value) else value
 

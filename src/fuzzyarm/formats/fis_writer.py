@@ -6,7 +6,7 @@ import math
 
 from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
-from fuzzyarm.formats.drafts import MONOTONIC, VALUES, maximum_of_nothing
+from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing
 from fuzzyarm.formats.findings import Exported, all_written, written
 from fuzzyarm.formats.fis_reader import fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
@@ -21,6 +21,7 @@ from fuzzyarm.formats.writing import (
     weight_before,
 )
 from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
     And,
     Consequent,
     Expression,
@@ -95,7 +96,7 @@ class _Writer(Writer):
 
     def _type(self) -> str:
         methods = {output.defuzzifier.method for output in self.rulebase.outputs}
-        if methods <= {"weighted-average", "weighted-sum"}:
+        if methods <= TAKAGI_SUGENO:
             return "sugeno"
         return "tsukamoto" if methods == {"tsukamoto"} else "mamdani"
 
@@ -113,11 +114,11 @@ class _Writer(Writer):
         method = output.defuzzifier.method
         kinds = {term.shape.kind for term in output.terms}
         if method == "tsukamoto":
-            if not self.is_own or not kinds <= MONOTONIC:
+            if not self.is_own or not all_invertible(kinds):
                 message = f"{self.program} has no Tsukamoto inference for '{output.name}'"
                 self.findings.loss("unsupported-defuzzifier", message)
             return "wtaver"
-        if method in ("weighted-average", "weighted-sum"):
+        if method in TAKAGI_SUGENO:
             self.need_values(output)
             if self.dialect.producer == "matlab" and output.aggregation != "sum":
                 message = f"MATLAB adds up the rules of '{output.name}' whatever the aggregation"
@@ -233,8 +234,7 @@ class _Writer(Writer):
         plain = Sentence(rule.antecedent, conclusions, rule.weight, rule)
         antecedent = rule.antecedent
         values = all(
-            self.outputs[c.variable].defuzzifier.method in ("weighted-average", "weighted-sum")
-            and not c.hedges
+            self.outputs[c.variable].defuzzifier.method in TAKAGI_SUGENO and not c.hedges
             for c in rule.consequents
         )
         if self.dialect.producer != "octave" or not isinstance(antecedent, Hedged) or not values:

@@ -35,7 +35,15 @@ from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
-from fuzzyarm.model.rulebase import Defuzzifier, Input, Output, RuleBase, RuleBlock, Shape
+from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
+    Defuzzifier,
+    Input,
+    Output,
+    RuleBase,
+    RuleBlock,
+    Shape,
+)
 
 # --- FLL text, line by line: `key: value` with `#` comments ---
 
@@ -138,7 +146,7 @@ def _resolution(words: list[Word], findings: Findings) -> int:
         return usual
     value = number(words[1].text)
     if value is None or not value.is_integer() or not 1 <= value <= MAX_RESOLUTION:
-        message = f"'{words[1].text[:40]}' is no resolution (1 to {MAX_RESOLUTION})"
+        message = f"'{words[1].text[:40]}' is not a resolution (1 to {MAX_RESOLUTION})"
         findings.error("bad-resolution", message, words[1])
         return usual
     return int(value)
@@ -323,7 +331,7 @@ class _Reader:
         match line.key.text:
             case "description":
                 if line.value.text:
-                    message = "the description of a rule block has no place in the model"
+                    message = "the model cannot hold the description of a rule block"
                     self.findings.info("dropped-description", message, line.key)
             case "enabled":
                 block.enabled = _flag(line, self.findings, default=True)
@@ -450,7 +458,7 @@ class _Writer(Writer):
         defuzzifier = output.defuzzifier
         if defuzzifier.method == "tsukamoto":
             return "WeightedAverage Tsukamoto"
-        if defuzzifier.method in ("weighted-average", "weighted-sum"):
+        if defuzzifier.method in TAKAGI_SUGENO:
             self.need_values(output)
             word = "Average" if defuzzifier.method == "weighted-average" else "Sum"
             return f"Weighted{word} TakagiSugeno"

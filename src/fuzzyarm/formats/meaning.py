@@ -16,6 +16,7 @@ from fuzzyarm.formats.drafts import Draft, same_value
 from fuzzyarm.formats.findings import Findings
 from fuzzyarm.formats.sentences import NOT, RuleText, hedged
 from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
     And,
     Consequent,
     Expression,
@@ -126,7 +127,7 @@ def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> l
     for consequent in rule.consequents:
         method = drafts[consequent.variable].defuzzifier.method
         named = same_value(consequent, drafts)
-        is_value = method in ("weighted-average", "weighted-sum")
+        is_value = method in TAKAGI_SUGENO
         (hedged_ones if is_value and named.hedges else plain).append(named)
     rules = [replace(rule, consequents=tuple(plain))] if plain else []
     for consequent in hedged_ones:

@@ -144,7 +144,7 @@ def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
         column = len(before) - before.rfind(b"\n")
         findings = Findings(path)
         byte = data[error.start]
-        message = f"the byte 0x{byte:02x} is no UTF-8; the whole file is read as Latin-1"
+        message = f"not UTF-8: byte 0x{byte:02x}; the whole file is read as Latin-1"
         findings.warn("not-utf-8", message, Span(line, column, line, column + 1))
         return data.decode("latin-1"), findings.all()
 

@@ -239,5 +239,5 @@ class _Parser:
         word = self.take()
         value = number(word.text)
         if value is None or math.isnan(value):
-            raise FaultError(f"'{word.text[:40]}' is no weight", word, "not-a-number")
+            raise FaultError(f"'{word.text[:40]}' is not a weight", word, "not-a-number")
         return value

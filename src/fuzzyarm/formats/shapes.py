@@ -61,7 +61,7 @@ def linear_shape(values: list[float], inputs: int, at: Word, findings: Findings)
 def formula_shape(formula: Word, dialect: formulas.Dialect, findings: Findings) -> Shape | None:
     """Return a formula, rewritten so that every reader takes it alike."""
     try:
-        # fuzzylite's pi is no variable, whatever the variables are called.
+        # fuzzylite's pi is not a variable, whatever the variables are called.
         root = put_in(read_formula(formula.text, dialect).root, formulas.CONSTANTS)
         text = write_formula(root)
         read_formula(text)  # the parentheses that it got may nest too deep

@@ -145,7 +145,7 @@ class Writer:
         if term.shape.height == 1.0:
             return term.shape
         what = f"the height of '{term.name}' of '{variable.name}'"
-        message = f"{what} has no place in {self.file}"
+        message = f"{self.file} cannot hold {what}"
         self.findings.loss("unsupported-height", message, term.span)
         return replace(term.shape, height=1.0)
 

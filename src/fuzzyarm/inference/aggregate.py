@@ -62,7 +62,7 @@ Fired = Sequence[tuple[int, float]]
 
 
 def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
-    """Return the aggregate as a function of the place in the output's range."""
+    """Return the aggregate as a function of the position in the output's range."""
     norm = SNORMS[plan.output.aggregation].scalar
     parts = [
         (TNORMS[plan.members[member].implication].scalar, strength, plan.members[member].membership)

@@ -43,7 +43,7 @@ class Strengths:
         self.shape = shape
         self._folded = folded
         self._entries: list[tuple[int, Array]] = []
-        self._place: dict[int, int] = {}
+        self._index_of: dict[int, int] = {}
         self._owned: set[int] = set()
 
     def __iter__(self) -> Iterator[tuple[int, Array]]:
@@ -54,18 +54,18 @@ class Strengths:
 
     def add(self, member: int, strength: Array) -> None:
         """Add the strength of one rule; it is not changed, but may be kept."""
-        place = self._place.get(member)
-        if not self._folded or place is None:
-            self._place[member] = len(self._entries)
+        index = self._index_of.get(member)
+        if not self._folded or index is None:
+            self._index_of[member] = len(self._entries)
             self._entries.append((member, strength))
             return
-        mine = self._entries[place][1]
+        mine = self._entries[index][1]
         # On an open mesh a rule on more inputs has strengths of a larger shape.
         fits = np.broadcast_shapes(mine.shape, strength.shape) == mine.shape
         if member in self._owned and fits:
             np.maximum(mine, strength, out=mine)
         else:
-            self._entries[place] = (member, np.maximum(mine, strength))
+            self._entries[index] = (member, np.maximum(mine, strength))
             self._owned.add(member)
 
     def flat(self) -> list[tuple[int, Array]]:
@@ -75,17 +75,10 @@ class Strengths:
             for member, strength in self._entries
         ]
 
-    def any_fired(self) -> NDArray[np.bool_]:
-        """Return where at least one strength is above 0."""
-        fired = np.zeros(self.shape, dtype=bool)
-        for _, strength in self._entries:
-            fired |= strength > 0.0
-        return fired
 
-
-def member_at(member: Member, places: Array) -> Array:
-    """Return the membership of places in the set of a member."""
-    return degrees(member.term.shape, places, member.hedges)
+def member_at(member: Member, xs: Array) -> Array:
+    """Return the membership of positions in the set of a member."""
+    return degrees(member.term.shape, xs, member.hedges)
 
 
 def fold_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict[int, Array]:
@@ -97,8 +90,8 @@ def fold_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict
     return folded
 
 
-def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Array) -> Array:
-    """Return the aggregate of P points at places of their own.
+def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) -> Array:
+    """Return the aggregate of P points at positions of their own.
 
     Parameters
     ----------
@@ -106,8 +99,8 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Arr
         The output.
     entries : list of (int, ndarray of shape (P,))
         Member and strength.
-    places : ndarray of shape (P, K)
-        K places for each point.
+    xs : ndarray of shape (P, K)
+        K positions for each point.
 
     Returns
     -------
@@ -115,8 +108,8 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Arr
         The aggregate there.
     """
     norm = SNORMS[plan.output.aggregation].array
-    total = np.zeros(places.shape)
-    low, high = places.min(axis=1), places.max(axis=1)
+    total = np.zeros(xs.shape)
+    low, high = xs.min(axis=1), xs.max(axis=1)
     for index, strength in entries:
         member = plan.members[index]
         start, end = _support(member)
@@ -124,7 +117,7 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], places: Arr
         if not rows.size:
             continue
         part = slice(None) if rows.size == strength.size else rows
-        degree = member_at(member, places[part])
+        degree = member_at(member, xs[part])
         cut = TNORMS[member.implication].array(strength[part, None], degree)
         total[part] = norm(total[part], cut)
     return total
@@ -139,7 +132,7 @@ def _support(member: Member) -> tuple[float, float]:
 
 
 def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
-    """Return the N sample places of the output and the aggregate there.
+    """Return the N samples of the output and the aggregate there.
 
     The aggregate has the shape (points of the chunk, N). Only the stretch where a set is not
     zero is touched: 0 changes no aggregate.
@@ -260,9 +253,9 @@ def _first_panels(
                 if straight and y0 != y1:
                     cuts = ((y0 - level) * (y1 - level) < 0.0) & (strength > 0.0)
                     if cuts.any():
-                        place = x0 + (x1 - x0) * ((level - y0) / (y1 - y0))
-                        edges.append(np.where(cuts, place, x0)[None, :])
-    edges += [place[None, :] for place in _crossings_over_arrays(plan, entries)]
+                        x = x0 + (x1 - x0) * ((level - y0) / (y1 - y0))
+                        edges.append(np.where(cuts, x, x0)[None, :])
+    edges += [cross[None, :] for cross in _crossings_over_arrays(plan, entries)]
     borders = np.sort(np.concatenate(edges), axis=0).T
     real = borders[:, 1:] > borders[:, :-1]
     return np.nonzero(real)[0], borders[:, :-1][real], borders[:, 1:][real]
@@ -305,10 +298,10 @@ def panel_rule(
         middle, half = 0.5 * (x0[part] + x1[part]), 0.5 * (x1[part] - x0[part])
         steps = half[:, None] * _NODES
         own = [(member, strength[point[part]]) for member, strength in entries]
-        places = middle[:, None] + steps
-        places[:, 0] = np.nextafter(x0[part], x1[part])
-        places[:, -1] = np.nextafter(x1[part], x0[part])
-        values = aggregate_at(plan, own, places) * _WEIGHTS
+        xs = middle[:, None] + steps
+        xs[:, 0] = np.nextafter(x0[part], x1[part])
+        xs[:, -1] = np.nextafter(x1[part], x0[part])
+        values = aggregate_at(plan, own, xs) * _WEIGHTS
         total = values.sum(axis=1)
         area[part] = half * total
         moment[part] = half * ((values * steps).sum(axis=1) + (middle - centre) * total)

@@ -100,7 +100,7 @@ def infer_arrays(
     Raises
     ------
     InferenceError
-        For names that are unknown or missing, and values that are no numbers.
+        For names that are unknown or missing, and values that are not numbers.
     NoRuleFiredError
         If no rule fires at some point for an output that has no value for that case.
     """
@@ -147,7 +147,7 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
         try:
             array = np.asarray(inputs[variable.name], dtype=float)
         except (TypeError, ValueError, OverflowError):
-            detail = f"is no array of numbers: {type(inputs[variable.name]).__name__}"
+            detail = f"is not an array of numbers: {type(inputs[variable.name]).__name__}"
             raise NotANumberError(variable.name, detail) from None
         if np.isnan(array).any():
             raise NotANumberError(variable.name)

@@ -6,7 +6,7 @@ The rarer defuzzifiers are imported where they are used: a check has to start at
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from fuzzyarm.inference.aggregate import Fired
 from fuzzyarm.inference.centroid import (
@@ -17,13 +17,14 @@ from fuzzyarm.inference.centroid import (
     sampled_centroid_at_point,
     sampled_centroid_over_arrays,
 )
-from fuzzyarm.inference.plan import WEIGHTED, Member, OutputPlan
+from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.weighted import (
     tsukamoto_at_point,
     tsukamoto_over_arrays,
     weighted_at_point,
     weighted_over_arrays,
 )
+from fuzzyarm.model.rulebase import WEIGHTED
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from fuzzyarm.inference.aggregate_arrays import Strengths
 
     Array = NDArray[np.float64]
+
+_Number = TypeVar("_Number")
 
 
 # --- At one point ---
@@ -60,7 +63,7 @@ def defuzzify_at_point(
     """
     method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
     if plan.discrete:
-        value_of = _values_at_point(plan, values, inputs)
+        value_of = _number_of(plan, tsukamoto_at_point, consequent_value, values, inputs)
         if method == "centroid" or method in WEIGHTED:
             return weighted_at_point(plan, fired, value_of)
         from fuzzyarm.inference.maxima import discrete_at_point
@@ -90,16 +93,22 @@ def _centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     return integrated_centroid_at_point(plan, fired)
 
 
-def _values_at_point(
-    plan: OutputPlan, values: Mapping[str, float], inputs: tuple[str, ...]
-) -> Callable[[int, float], float]:
-    def value_of(index: int, strength: float) -> float:
+def _number_of(
+    plan: OutputPlan,
+    invert: Callable[[OutputPlan, Member, _Number], _Number],
+    evaluate: Callable[[Member, Mapping[str, _Number], tuple[str, ...]], _Number],
+    values: Mapping[str, _Number],
+    inputs: tuple[str, ...],
+) -> Callable[[int, _Number], _Number | float]:
+    """Return what gives the number of a member at a strength (or at an array of them)."""
+
+    def value_of(index: int, strength: _Number) -> _Number | float:
         member = plan.members[index]
         if member.value is not None:
             return member.value
         if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
-            return tsukamoto_at_point(plan, member, strength)
-        return consequent_value(member, values, inputs)
+            return invert(plan, member, strength)
+        return evaluate(member, values, inputs)
 
     return value_of
 
@@ -155,7 +164,7 @@ def defuzzify_over_arrays(
     if not len(strengths):
         return np.zeros(strengths.shape), np.zeros(strengths.shape, dtype=bool)
     if plan.discrete:
-        value_of = _values_over_arrays(plan, values, inputs)
+        value_of = _number_of(plan, tsukamoto_over_arrays, consequent_values, values, inputs)
         average = method == "centroid" or method in WEIGHTED
         many = weighted_over_arrays if average else discrete_over_arrays
         value, weight = many(plan, strengths, value_of)
@@ -180,20 +189,6 @@ def _centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array
     if plan.closed is not None:
         return closed_centroid_over_arrays(plan, strengths)
     return integrated_centroid_over_arrays(plan, strengths)
-
-
-def _values_over_arrays(
-    plan: OutputPlan, values: Mapping[str, Array], inputs: tuple[str, ...]
-) -> Callable[[int, Array], Array | float]:
-    def value_of(index: int, strength: Array) -> Array | float:
-        member = plan.members[index]
-        if member.value is not None:
-            return member.value
-        if plan.output.defuzzifier.method == "tsukamoto" and member.pieces:
-            return tsukamoto_over_arrays(plan, member, strength)
-        return consequent_values(member, values, inputs)
-
-    return value_of
 
 
 def consequent_values(

@@ -6,7 +6,6 @@ import functools
 import math
 import os
 import struct
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
 from fuzzyarm.inference.kernel import MISSING, evaluate, run, sweep
 from fuzzyarm.inference.layout import Block, Layout, NotCoveredError, lay_out, make_block
-from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, merged, prepare
 from fuzzyarm.kernels import address_of, is_kept, jit_wanted
 from fuzzyarm.model.rulebase import RuleBase
@@ -303,20 +302,10 @@ class _Engine:
             result[where] = values
 
 
-_recent: OrderedDict[int, tuple[RuleBase, Compiled]] = OrderedDict()
-_REMEMBERED = 32
-
-
-def _remembered(rulebase: RuleBase) -> Compiled:
+@remembered
+def _compiled(rulebase: RuleBase) -> Compiled:
     """Return a rule base laid out for the kernel; the last few are remembered."""
-    known = _recent.get(id(rulebase))
-    if known is not None and known[0] is rulebase:
-        return known[1]
-    made = Compiled(rulebase)
-    _recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
-    while len(_recent) > _REMEMBERED:
-        _recent.popitem(last=False)
-    return made
+    return Compiled(rulebase)
 
 
 @functools.cache
@@ -339,7 +328,7 @@ def infer_many(
         points = max(getattr(value, "size", 1) for value in given.values())
         steps = points * (len(rulebase.rules) + 10)
         if _at_hand() or steps > STEPS_WORTH_COMPILING:
-            return _remembered(rulebase)(dict(given), held=held)
+            return _compiled(rulebase)(dict(given), held=held)
     return dict(infer_arrays(rulebase, given, held))
 
 
@@ -347,7 +336,7 @@ def infer_one(rulebase: RuleBase, given: Mapping[str, Any]) -> dict[str, float] 
     """Evaluate a point by the kernel; None where it does not cover it, or says what is wrong."""
     if not jit_wanted() or not _at_hand():
         return None
-    return _remembered(rulebase).ordinary(given)
+    return _compiled(rulebase).ordinary(given)
 
 
 def compiled(rulebase: RuleBase) -> Compiled:

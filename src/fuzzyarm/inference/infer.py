@@ -34,7 +34,7 @@ def infer(
     rulebase : RuleBase
         The model.
     inputs : mapping of str to float or array_like, optional
-        Inputs by name; for names that are no identifiers.
+        Inputs by name; for names that are not identifiers.
     held : mapping of str to float, optional
         Last values of outputs that hold where no rule fires.
     **named : float or array_like
@@ -50,7 +50,7 @@ def infer(
     ------
     InferenceError
         For a model that cannot be evaluated; names that are unknown, missing or given
-        twice; values that are no numbers or outside a range that forbids it.
+        twice; values that are not numbers or outside a range that forbids it.
     NoRuleFiredError
         If no rule fires for an output that has no value for that case.
 

@@ -30,18 +30,18 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-# --- Mean, smallest and largest of the places where an aggregate is greatest ---
+# --- Mean, smallest and largest of the positions where an aggregate is greatest ---
 #
-# Exact: under `aggregation max` the places are level cuts of the strongest sets; under
+# Exact: under `aggregation max` the positions are level cuts of the strongest sets; under
 # the others the greatest value is looked for at all corners, clipping edges and
-# `CANDIDATES` even places, which is exact for straight sets cut by min and within the
-# spacing of the places otherwise. Sampled: over the samples; the mean is that of all of them.
+# `CANDIDATES` even positions, which is exact for straight sets cut by min and within the
+# spacing of the positions otherwise. Sampled: over the samples; the mean is that of all of them.
 
 SAME = 1e-12
 """Heights that differ by a smaller share than this are equally great."""
 
 CANDIDATES = 2001
-"""Even places that are tried where the aggregation is not max."""
+"""Even positions that are tried where the aggregation is not max."""
 
 CLIPPING = frozenset({"min", "nilpotent"})
 """Implications that leave a plateau at the firing strength."""
@@ -50,7 +50,7 @@ Intervals = list[tuple[float, float]]
 
 
 def maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
-    """Return the exact place, or None where the aggregate is 0."""
+    """Return the exact position, or None where the aggregate is 0."""
     if plan.output.aggregation == "max":
         intervals = _strongest(plan, fired)
     else:
@@ -122,7 +122,7 @@ def _choose(method: str, intervals: Intervals) -> float:
 
 
 def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
-    """Return the exact places and the greatest strengths (0 where nothing fired).
+    """Return the exact positions and the greatest strengths (0 where nothing fired).
 
     The level cuts of a point are few numbers of irregular count; they are taken point by
     point in plain Python, once for each distinct combination of strengths.
@@ -148,7 +148,7 @@ def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, A
 
 
 def sampled_maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
-    """Return the place among the samples, or None where all are 0."""
+    """Return the choice among the samples, or None where all are 0."""
     samples, heights = sampled_aggregate_at_point(plan, fired)
     return greatest_of(plan.output.defuzzifier.method, samples, heights)
 
@@ -165,7 +165,7 @@ def greatest_of(method: str, samples: list[float], heights: list[float]) -> floa
 
 
 def sampled_maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
-    """Return the places among the samples and the greatest heights (0: nothing fired)."""
+    """Return the choices among the samples and the greatest heights (0: nothing fired)."""
     from fuzzyarm.inference.aggregate_arrays import sampled_aggregate_over_arrays
 
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
@@ -188,7 +188,7 @@ def greatest_of_many(method: str, samples: Array, heights: Array) -> tuple[Array
     return value, top
 
 
-# --- The place that halves the area of an aggregate ---
+# --- The position that halves the area of an aggregate ---
 #
 # Where the halves are parted by a gap, the middle of the gap. Sampled, the first sample at
 # which the running sum of the heights reaches half of the total, as in MATLAB; an exact half
@@ -252,13 +252,13 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
     value = np.zeros(size)
     for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
         reached = running >= (share * total)[point]
-        place = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
-        place = np.minimum(place, last)
-        wanted = share * total - (running[place] - area[place])
-        a, b, own = x0[place].copy(), x1[place].copy(), np.arange(size)
+        panel = np.minimum.reduceat(np.where(reached, np.arange(point.size), point.size), first)
+        panel = np.minimum(panel, last)
+        wanted = share * total - (running[panel] - area[panel])
+        a, b, own = x0[panel].copy(), x1[panel].copy(), np.arange(size)
         for _ in range(STEPS):
             middle = 0.5 * (a + b)
-            below = panel_rule(plan, entries, own, x0[place], middle, 0.0)[0] < wanted
+            below = panel_rule(plan, entries, own, x0[panel], middle, 0.0)[0] < wanted
             a, b = np.where(below, middle, a), np.where(below, b, middle)
         value += 0.5 * (0.5 * (a + b))
     return value.reshape(strengths.shape), total.reshape(strengths.shape)
@@ -296,18 +296,18 @@ def nearest_half(samples: list[float], heights: list[float]) -> float | None:
 
 
 def halve(samples: list[float], heights: list[float]) -> float | None:
-    """Return the place at which the running sum of `heights` reaches half of the total."""
+    """Return the position at which the running sum of `heights` reaches half of the total."""
     total = sum(heights)
     if not total > 0.0:
         return None
     low_share, high_share = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
     running, first = 0.0, None
-    for place, height in zip(samples, heights, strict=True):
+    for sample, height in zip(samples, heights, strict=True):
         running += height
         if first is None and running >= low_share:
-            first = place
+            first = sample
         if running >= high_share:
-            return 0.5 * ((first if first is not None else place) + place)
+            return 0.5 * ((first if first is not None else sample) + sample)
     return samples[-1]
 
 
@@ -353,7 +353,7 @@ def halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
 def discrete_at_point(
     plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]
 ) -> float | None:
-    """Return the place, or None where no rule fired."""
+    """Return the value, or None where no rule fired."""
     spikes = sorted((value_of(member, w), w) for member, w in fold_at_point(plan, fired).items())
     if not spikes:
         return None
@@ -367,7 +367,7 @@ def discrete_at_point(
 def discrete_over_arrays(
     plan: OutputPlan, strengths: Strengths, value_of: Callable[[int, Array], Array | float]
 ) -> tuple[Array, Array]:
-    """Return the places and the greatest strengths (0 where nothing fired)."""
+    """Return the values and the greatest strengths (0 where nothing fired)."""
     import numpy as np
 
     from fuzzyarm.inference.aggregate_arrays import fold_over_arrays
@@ -376,20 +376,20 @@ def discrete_over_arrays(
     if not folded:
         return np.zeros(strengths.shape), np.zeros(strengths.shape)
     size = int(np.prod(strengths.shape))
-    places, heights = np.empty((size, len(folded))), np.empty((size, len(folded)))
+    values, heights = np.empty((size, len(folded))), np.empty((size, len(folded)))
     for column, (member, strength) in enumerate(folded.items()):
         value = value_of(member, strength)
-        places[:, column] = np.broadcast_to(value, strengths.shape).ravel()
+        values[:, column] = np.broadcast_to(value, strengths.shape).ravel()
         heights[:, column] = np.broadcast_to(strength, strengths.shape).ravel()
-    order = np.argsort(places, axis=1, kind="stable")
-    places, heights = np.take_along_axis(places, order, 1), np.take_along_axis(heights, order, 1)
+    order = np.argsort(values, axis=1, kind="stable")
+    values, heights = np.take_along_axis(values, order, 1), np.take_along_axis(heights, order, 1)
     value = np.empty(size)
     method = plan.output.defuzzifier.method
     function = halve_many if method == "bisector" else greatest_of_many
     # The order differs from point to point only where values depend on the inputs.
-    for row in range(size) if (places != places[0]).any() else [slice(None)]:
+    for row in range(size) if (values != values[0]).any() else [slice(None)]:
         rows = slice(row, row + 1) if isinstance(row, int) else row
-        samples = places[rows][0]
+        samples = values[rows][0]
         args = (
             (samples, heights[rows]) if method == "bisector" else (method, samples, heights[rows])
         )

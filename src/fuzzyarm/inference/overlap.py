@@ -23,7 +23,7 @@ from typing import NamedTuple
 from fuzzyarm.inference.sets import Piece
 
 MOST_OVERLAPPING = 10
-"""With more sets than this over one place the closed form grows too long."""
+"""With more sets than this at one position the closed form grows too long."""
 
 SAME_LEVEL = 1e-13
 """Corner heights closer than this are the same."""
@@ -127,12 +127,12 @@ def _cells(profiles: Sequence[Sequence[Piece]]) -> list[list[tuple[int, _Line]]]
     """Cut all sets at all corners; a cell lists the sets that are not zero there."""
     edges = sorted({x for pieces in profiles for piece in pieces for x in (piece.x0, piece.x1)})
     cells: list[list[tuple[int, _Line]]] = [[] for _ in edges[1:]]
-    places = {x: i for i, x in enumerate(edges)}
+    index_of = {x: i for i, x in enumerate(edges)}
     for member, pieces in enumerate(profiles):
         for piece in pieces:
             if piece.y0 <= 0.0 and piece.y1 <= 0.0:
                 continue
-            for i in range(places[piece.x0], places[piece.x1]):
+            for i in range(index_of[piece.x0], index_of[piece.x1]):
                 cells[i].append((member, _part(piece, edges[i], edges[i + 1])))
     return cells
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from functools import wraps
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
@@ -25,6 +26,8 @@ from fuzzyarm.inference.sets import (
     term_function,
 )
 from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
+    WEIGHTED,
     Consequent,
     Hedge,
     Input,
@@ -41,9 +44,6 @@ from fuzzyarm.model.rulebase import (
 if TYPE_CHECKING:
     from fuzzyarm.expression.formulas import Formula
 
-WEIGHTED = frozenset({"weighted-average", "weighted-sum", "tsukamoto"})
-"""Defuzzifiers that turn every consequent into a number first."""
-
 
 class Member(NamedTuple):
     """A consequent of an output, once for all the rules that share it.
@@ -57,7 +57,7 @@ class Member(NamedTuple):
     implication : str
         How a firing strength cuts the set.
     membership : callable
-        The set, hedges included, at one place. Not for values.
+        The set, hedges included, at one position. Not for values.
     pieces : tuple of Piece
         The set over the range of the output; empty for values.
     value : float or None
@@ -135,10 +135,30 @@ class Plan(NamedTuple):
     steps: tuple[int | str, ...]
 
 
-_recent: OrderedDict[int, tuple[RuleBase, Plan]] = OrderedDict()
-_KEPT = 32
+_Made = TypeVar("_Made")
+
+_MOST_REMEMBERED = 32
 
 
+def remembered(make: Callable[[RuleBase], _Made]) -> Callable[[RuleBase], _Made]:
+    """Let a function remember what it made of the last few rule bases; a decorator."""
+    recent: OrderedDict[int, tuple[RuleBase, _Made]] = OrderedDict()
+
+    @wraps(make)
+    def remembering(rulebase: RuleBase) -> _Made:
+        known = recent.get(id(rulebase))
+        if known is not None and known[0] is rulebase:
+            return known[1]
+        made = make(rulebase)
+        recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
+        while len(recent) > _MOST_REMEMBERED:
+            recent.popitem(last=False)
+        return made
+
+    return remembering
+
+
+@remembered
 def plan(rulebase: RuleBase) -> Plan:
     """Prepare a rule base; the last few are remembered.
 
@@ -157,18 +177,6 @@ def plan(rulebase: RuleBase) -> Plan:
     InferenceError
         If the model cannot be evaluated; the message says where.
     """
-    known = _recent.get(id(rulebase))
-    if known is not None and known[0] is rulebase:
-        return known[1]
-    made = make_plan(rulebase)
-    _recent[id(rulebase)] = (rulebase, made)  # holding the model keeps its identity unique
-    while len(_recent) > _KEPT:
-        _recent.popitem(last=False)
-    return made
-
-
-def make_plan(rulebase: RuleBase) -> Plan:
-    """Prepare a rule base from scratch; see :func:`plan`."""
     _check_variables(rulebase)
     steps, rules = _order(rulebase)
     outputs = {output.name: _plan_output(rulebase, output) for output in rulebase.outputs}
@@ -325,7 +333,7 @@ def _is_integrated(output: Output, closed: ClosedForm | None) -> bool:
 
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
-    """Two singletons at one place are one set to be aggregated, whatever their names."""
+    """Two singletons at one position are one set to be aggregated, whatever their names."""
     seen: dict[float, int] = {}
     return [
         i if member.value is None else seen.setdefault(member.value, i)
@@ -380,7 +388,7 @@ def _member(
         value = shape.parameters[0] if shape.kind == "singleton" else None
         return Member(term, hedges, implication, function, value=value, formula=formula)
     pieces = _pieces(output, term, hedges, function, formula)
-    if output.defuzzifier.method in {"weighted-average", "weighted-sum"}:
+    if output.defuzzifier.method in TAKAGI_SUGENO:
         value = middle_of_core(pieces, function)
         return Member(term, hedges, implication, function, pieces, value)
     return Member(term, hedges, implication, function, pieces, formula=formula)
@@ -415,7 +423,7 @@ def _pieces(
             f"{output.defuzzifier.method} needs a finite range, and that of '{output.name}'"
             f" is {output.low:g} .. {output.high:g}"
         )
-    if formula is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown place
+    if formula is not None:  # a formula bends anywhere: frame it like a sigmoid of unknown position
         framed = Shape("arc", (output.low, output.high))
         return profile(framed, (), function, output.low, output.high)
     return profile(term.shape, hedges, function, output.low, output.high)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import pairwise, product
 from typing import Any, NamedTuple
@@ -24,7 +23,7 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
-from fuzzyarm.inference.plan import Plan, PlannedRule, plan
+from fuzzyarm.inference.plan import Plan, PlannedRule, plan, remembered
 from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import (
     And,
@@ -40,9 +39,9 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.model.shapes import apply_hedges, polyline
 
-# --- The terms of one variable that hold at a place, found by bisection ---
+# --- The terms of one variable that hold at a position, found by bisection ---
 #
-# At a place only a few terms of a variable are not zero. Straight terms are therefore cut
+# At a position only a few terms of a variable are not zero. Straight terms are therefore cut
 # at all their corners once; a value then finds its cell and evaluates that cell's lines.
 
 Degree = tuple[int, float]
@@ -78,9 +77,9 @@ class Partition:
             tuple(
                 (each.number, *line)
                 for each in straight
-                if (line := line_at(corners[each.number], each.hedges, place)) is not None
+                if (line := line_at(corners[each.number], each.hedges, position)) is not None
             )
-            for place in inside(self._edges)
+            for position in inside(self._edges)
         ]
 
     def at(self, x: float) -> list[Degree]:
@@ -107,7 +106,7 @@ def is_straight(shape: Shape, hedges: Sequence[Hedge]) -> bool:
 
 
 def inside(edges: list[float]) -> list[float]:
-    """Return one place inside each cell, the outer two included."""
+    """Return one position inside each cell, the outer two included."""
     if not edges:
         return [0.0]
     between = [0.5 * (a + b) for a, b in pairwise(edges)]
@@ -115,15 +114,15 @@ def inside(edges: list[float]) -> list[float]:
 
 
 def line_at(
-    corners: list[tuple[float, float]], hedges: Sequence[Hedge], place: float
+    corners: list[tuple[float, float]], hedges: Sequence[Hedge], position: float
 ) -> tuple[float, float, float] | None:
-    """Return (x0, y0, slope) of the line around `place`; None where it is zero."""
-    if place <= corners[0][0]:
+    """Return (x0, y0, slope) of the line around `position`; None where it is zero."""
+    if position <= corners[0][0]:
         x0, y0, slope = 0.0, corners[0][1], 0.0
-    elif place >= corners[-1][0]:
+    elif position >= corners[-1][0]:
         x0, y0, slope = 0.0, corners[-1][1], 0.0
     else:
-        i = next(i for i, (x, _) in enumerate(corners) if x > place)
+        i = next(i for i, (x, _) in enumerate(corners) if x > position)
         (x0, y0), (x1, y1) = corners[i - 1], corners[i]
         slope = (y1 - y0) / (x1 - x0)
         if slope < 0.0:  # fall towards the foot from the foot: no residue just before it
@@ -409,7 +408,7 @@ class Prepared:
                 check_names(inputs, self._names)
                 raise MissingInputError(n for n in self._names if n not in inputs) from None
             except (TypeError, ValueError, OverflowError):
-                raise NotANumberError(name, f"is no number: {inputs[name]!r}") from None
+                raise NotANumberError(name, f"is not a number: {inputs[name]!r}") from None
             if not low <= value <= high:
                 value = _outside(name, value, low, high, outside)
             values[name] = value
@@ -485,7 +484,7 @@ class Prepared:
         Raises
         ------
         InferenceError
-            For names that are unknown or missing and values that are no numbers.
+            For names that are unknown or missing and values that are not numbers.
         NoRuleFiredError
             If no rule fires for an output that has no value for that case.
         """
@@ -552,10 +551,7 @@ def _written(values: Mapping[str, float], names: tuple[str, ...]) -> str:
     return ", ".join(f"{name} = {values[name]:.6g}" for name in names)
 
 
-_recent: OrderedDict[int, tuple[RuleBase, Prepared]] = OrderedDict()
-_KEPT = 32
-
-
+@remembered
 def prepare(rulebase: RuleBase) -> Prepared:
     """Compile a rule base for evaluation point by point; the last few are remembered.
 
@@ -569,14 +565,7 @@ def prepare(rulebase: RuleBase) -> Prepared:
     Prepared
         Stateless: evaluating it leaves no trace in it.
     """
-    known = _recent.get(id(rulebase))
-    if known is not None and known[0] is rulebase:
-        return known[1]
-    prepared = Prepared(rulebase)
-    _recent[id(rulebase)] = (rulebase, prepared)
-    while len(_recent) > _KEPT:
-        _recent.popitem(last=False)
-    return prepared
+    return Prepared(rulebase)
 
 
 # ── inputs as a caller gives them ────────────────────────────────────────────────────

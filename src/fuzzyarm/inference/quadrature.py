@@ -41,7 +41,7 @@ ROUNDING = 2.0**-52
 def noise_of(plan: OutputPlan, strongest: float) -> float:
     """Return how far rounding may throw a height of the aggregate.
 
-    A smaller disagreement is no reason to halve a panel: it would never end. Heights
+    A smaller disagreement is not a reason to halve a panel: it would never end. Heights
     are rounded in proportion to the strongest rule, but for ``bounded``, which subtracts 1.
     """
     subtracts = any(member.implication == "bounded" for member in plan.members)
@@ -125,7 +125,7 @@ def leaves_at_point(
     Parameters
     ----------
     function : callable
-        The aggregate at a place.
+        The aggregate at a position.
     edges : list of float
         Of the panels, in order; the first and the last are the range.
     noise : float

@@ -9,7 +9,7 @@ vertical edges are jumps between pieces.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -87,23 +87,18 @@ def _not_a_set(shape: Shape) -> SetFunction:
 
 
 def degrees(
-    shape: Shape,
-    x: NDArray[np.float64],
-    hedges: Sequence[Hedge] = (),
-    values: Mapping[str, NDArray[np.float64]] | None = None,
+    shape: Shape, x: NDArray[np.float64], hedges: Sequence[Hedge] = ()
 ) -> NDArray[np.float64]:
     """Return the degree of every element of `x` in a set.
 
     Parameters
     ----------
     shape : Shape
-        A fuzzy shape, or a ``formula`` in `x` (and in `values`).
+        A fuzzy shape, or a ``formula`` in `x`.
     x : ndarray of float64
         Any shape.
     hedges : sequence of Hedge
         The last acts first.
-    values : mapping of str to ndarray, optional
-        Variables that a formula may use.
 
     Returns
     -------
@@ -113,7 +108,7 @@ def degrees(
     import numpy as np
 
     if shape.kind == "formula":
-        found = formula_of(shape).evaluate_arrays({**(values or {}), POSITION: x})
+        found = formula_of(shape).evaluate_arrays({POSITION: x})
     else:
         found = SHAPES[shape.kind].array(x, *shape.parameters)
     found = np.broadcast_to(found, np.broadcast_shapes(np.shape(found), x.shape))

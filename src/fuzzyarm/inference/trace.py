@@ -52,7 +52,7 @@ class RuleTrace:
     Attributes
     ----------
     number : int
-        Place among all rules, from 1.
+        Position among all rules, from 1.
     block : str
         Name of its block, maybe empty.
     line, column : int
@@ -89,7 +89,7 @@ class ConsequentTrace:
         The number that stands for it, under a weighted defuzzifier and for singletons.
     curve : tuple of (float, float)
         The set cut at `strength`, as corners to be joined by straight lines (two at one
-        place for a vertical edge); empty for a value.
+        position for a vertical edge); empty for a value.
     """
 
     term: str
@@ -177,7 +177,7 @@ def explain(
     rulebase : RuleBase
         The model.
     inputs : mapping of str to float, optional
-        Inputs by name; for names that are no identifiers.
+        Inputs by name; for names that are not identifiers.
     held : mapping of str to float, optional
         Last values of outputs that hold where no rule fires.
     **named : float
@@ -250,8 +250,8 @@ def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
     )
     union: Curve = ()
     if fired and not plan.discrete:
-        places = {x for each in consequents for x, _ in each.curve}
-        union = _union(aggregate(plan, fired), places, output.low, output.high)
+        corners = {x for each in consequents for x, _ in each.curve}
+        union = _union(aggregate(plan, fired), corners, output.low, output.high)
     defuzzifier = output.defuzzifier
     method = defuzzifier.method
     if defuzzifier.resolution is not None:
@@ -309,10 +309,10 @@ def _along(piece: Piece, member: Member, strength: float) -> list[tuple[float, f
     return [stops[0], *sorted(inside), stops[1]]
 
 
-def _union(function: Any, places: set[float], low: float, high: float) -> Curve:
+def _union(function: Any, corners: set[float], low: float, high: float) -> Curve:
     """Sample the aggregate at its corners, on both sides of vertical edges, and between."""
     even = {low + (high - low) * i / (SAMPLES - 1) for i in range(SAMPLES)} | {high}
-    xs = sorted(places | even)
+    xs = sorted(corners | even)
     curve = [(xs[0], function(xs[0]))]
     for a, b in pairwise(xs):
         start, end = function(math.nextafter(a, b)), function(math.nextafter(b, a))

@@ -68,7 +68,7 @@ def weighted_over_arrays(
     return np.divide(weighted, total, out=weighted, where=total > 0.0), total
 
 
-# --- The place where a monotonic set reaches the firing strength (Tsukamoto's consequents) ---
+# --- The position where a monotonic set reaches the firing strength (Tsukamoto's consequents) ---
 
 
 def tsukamoto_at_point(plan: OutputPlan, member: Member, strength: float) -> float:
@@ -99,7 +99,7 @@ def is_rising(plan: OutputPlan, member: Member) -> bool:
         return steps[0] > 0.0
     raise InferenceError(
         f"'{plan.output.name} is {member.term.name}' neither rises nor falls over the range,"
-        " so tsukamoto finds no place for a firing strength"
+        " so tsukamoto cannot invert it"
     )
 
 
@@ -127,7 +127,7 @@ def tsukamoto_over_arrays(plan: OutputPlan, member: Member, strength: Array) -> 
     import numpy as np
 
     distinct, back = np.unique(strength, return_inverse=True)
-    places = [
+    positions = [
         tsukamoto_at_point(plan, member, each) if each > 0.0 else 0.0 for each in distinct.tolist()
     ]
-    return np.array(places)[back].reshape(strength.shape)
+    return np.array(positions)[back].reshape(strength.shape)

@@ -17,7 +17,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import Word, name_text
-from fuzzyarm.model.rulebase import Defuzzifier, Shape, Term
+from fuzzyarm.model.rulebase import WEIGHTED, Defuzzifier, Shape, Term
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
     MAX_INPUTS,
@@ -508,7 +508,7 @@ def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
     if setting.resolution is None:
         return Defuzzifier(method)
     samples = setting.resolution.value
-    if method in ("weighted-average", "weighted-sum", "tsukamoto"):
+    if method in WEIGHTED:
         scope.report(
             "misplaced-setting", f"{method} takes no number of samples", setting.resolution.span
         )

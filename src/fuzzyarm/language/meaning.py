@@ -454,20 +454,20 @@ def _blocks(
     blocks: list[RuleBlock] = []
     rules: list[Rule] = []
     name, own = "", norms
-    places: dict[str, Span] = {}
+    first_spans: dict[str, Span] = {}
     budget = MAX_RULES
     for node in nodes:
         if isinstance(node, BlockNode):
             if rules or name:
                 blocks.append(RuleBlock(tuple(rules), name, **own))
-            if node.name.text in places:
+            if node.name.text in first_spans:
                 scope.report(
                     "duplicate-block",
                     f"two blocks are called '{node.name.text}'",
                     node.name.span,
-                    related=(Related("first here", places[node.name.text]),),
+                    related=(Related("first here", first_spans[node.name.text]),),
                 )
-            places[node.name.text] = node.name.span
+            first_spans[node.name.text] = node.name.span
             rules, name, own = [], node.name.text, block_norms(node, scope, norms)
         elif isinstance(node, RuleNode | GridNode):
             if budget < 0 or scope.overflows:

@@ -74,7 +74,7 @@ class Line(NamedTuple):
 
 
 def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[Line]:
-    """Return the lines of `text` as tokens; what is no token goes to `diagnostics`."""
+    """Return the lines of `text` as tokens; what is not a token goes to `diagnostics`."""
     return [
         tokenize_line(number, line, diagnostics)
         for number, line in enumerate(split_lines(text), start=1)

@@ -37,6 +37,7 @@ from fuzzyarm.language.statements import (
 )
 from fuzzyarm.language.tokens import Figure, Trivia, Word
 from fuzzyarm.model.rulebase import (
+    WEIGHTED,
     And,
     Defuzzifier,
     Expectation,
@@ -302,7 +303,7 @@ def _output_settings(output: Output) -> tuple[SettingNode, ...]:
 def _defuzzifier(defuzzifier: Defuzzifier) -> SettingNode:
     key, method = Word("defuzzifier"), Word(defuzzifier.method)
     if defuzzifier.resolution is None:
-        weighted = defuzzifier.method in ("weighted-average", "weighted-sum", "tsukamoto")
+        weighted = defuzzifier.method in WEIGHTED
         return SettingNode(key, method, exact=not weighted)
     return SettingNode(
         key,

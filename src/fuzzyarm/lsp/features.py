@@ -37,13 +37,13 @@ def _did_close(server: FuzzyarmServer, params: types.DidCloseTextDocumentParams)
 def _completion(
     session: Session, to: Converter, params: types.CompletionParams
 ) -> types.CompletionList:
-    offered = session.kind.complete(session.quick_reading, *to.place(params.position))
+    offered = session.kind.complete(session.quick_reading, *to.line_and_column(params.position))
     items = [to.completion(candidate, rank) for rank, candidate in enumerate(offered)]
     return types.CompletionList(is_incomplete=False, items=items)
 
 
 def _hover(session: Session, to: Converter, params: types.HoverParams) -> types.Hover | None:
-    found = session.kind.hover(session.reading, *to.place(params.position))
+    found = session.kind.hover(session.reading, *to.line_and_column(params.position))
     if found is None:
         return None
     content = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)
@@ -53,14 +53,14 @@ def _hover(session: Session, to: Converter, params: types.HoverParams) -> types.
 def _definition(
     session: Session, to: Converter, params: types.DefinitionParams
 ) -> list[types.Location]:
-    found = session.kind.occurrences(session.reading, *to.place(params.position))
+    found = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
     return [to.location(span) for span, declares in found if declares]
 
 
 def _references(
     session: Session, to: Converter, params: types.ReferenceParams
 ) -> list[types.Location]:
-    found = session.kind.occurrences(session.reading, *to.place(params.position))
+    found = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
     declared = params.context.include_declaration
     return [to.location(span) for span, declares in found if declared or not declares]
 
@@ -68,20 +68,22 @@ def _references(
 def _highlight(
     session: Session, to: Converter, params: types.DocumentHighlightParams
 ) -> list[types.DocumentHighlight]:
-    found = session.kind.occurrences(session.reading, *to.place(params.position))
+    found = session.kind.occurrences(session.reading, *to.line_and_column(params.position))
     return [types.DocumentHighlight(to.range(span)) for span, _ in found]
 
 
 def _prepare_rename(
     session: Session, to: Converter, params: types.PrepareRenameParams
 ) -> types.PrepareRenamePlaceholder | None:
-    found = session.kind.name_at(session.reading, *to.place(params.position))
+    found = session.kind.name_at(session.reading, *to.line_and_column(params.position))
     return found and types.PrepareRenamePlaceholder(to.range(found[1]), found[0])
 
 
 def _rename(session: Session, to: Converter, params: types.RenameParams) -> types.WorkspaceEdit:
     try:
-        edits = session.kind.rename(session.reading, *to.place(params.position), params.new_name)
+        edits = session.kind.rename(
+            session.reading, *to.line_and_column(params.position), params.new_name
+        )
     except RenameError as error:
         raise JsonRpcInvalidParams(message=str(error)) from error
     return to.workspace_edit(edits)

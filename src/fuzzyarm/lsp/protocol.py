@@ -59,7 +59,7 @@ class Converter:
     encoding: str
     snippets: bool = False
 
-    def place(self, position: types.Position) -> tuple[int, int]:
+    def line_and_column(self, position: types.Position) -> tuple[int, int]:
         """Return line and column, from 1."""
         return to_place(self.lines, position.line, position.character, self.encoding)
 
@@ -71,14 +71,14 @@ class Converter:
 
     def span(self, where: types.Range) -> Span:
         """Return a range as fuzzyarm counts."""
-        return Span(*self.place(where.start), *self.place(where.end))
+        return Span(*self.line_and_column(where.start), *self.line_and_column(where.end))
 
     def location(self, span: Span) -> types.Location:
         """Return a span with its file."""
         return types.Location(self.uri, self.range(span))
 
     def diagnostic(self, found: Diagnostic) -> types.Diagnostic:
-        """Return a finding with its hint, its other places and what a quick fix needs."""
+        """Return a finding with its hint, its other positions and what a quick fix needs."""
         unused = found.name in ("unused-term", "unused-variable", "duplicate-rule")
         return types.Diagnostic(
             range=self.range(found.span),

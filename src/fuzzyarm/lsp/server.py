@@ -77,7 +77,7 @@ class FuzzyarmServer(LanguageServer):
         return self.sessions[uri]
 
     def converter(self, uri: str) -> Converter:
-        """Return what turns positions in an open file into places, and back."""
+        """Return what turns positions in an open file into lines and columns, and back."""
         capabilities = self.client_capabilities.text_document
         completion = capabilities.completion if capabilities else None
         item = completion.completion_item if completion else None

@@ -70,7 +70,7 @@ def characters(text: str, count: int, encoding: str = UTF16) -> int:
 
 
 def to_position(lines: Sequence[str], line: int, column: int, encoding: str) -> tuple[int, int]:
-    """Return line and code unit, from 0, of a place that counts from 1."""
+    """Return line and code unit, from 0, of a position that counts from 1."""
     text = lines[line - 1] if 1 <= line <= len(lines) else ""
     return line - 1, units(text[: column - 1], encoding)
 

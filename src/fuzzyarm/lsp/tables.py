@@ -63,7 +63,7 @@ class TableText:
         return None
 
     def occurrences(self, line: int, column: int) -> list[tuple[Span, bool]]:
-        """Return every place of the name at a place, and whether it is declared there."""
+        """Return every occurrence of the name at a position, and whether it is declared there."""
         found = self.name_at(line, column)
         return [] if found is None else self._occurrences(found[0])
 
@@ -76,10 +76,10 @@ class TableText:
         ]
 
     def rename(self, line: int, column: int, new_name: str) -> list[Edit]:
-        """Return the edits that give the name at a place another one, or raise RenameError."""
+        """Return the edits that give the name at a position another one, or raise RenameError."""
         found = self.name_at(line, column)
         if found is None:
-            raise RenameError("there is no input or output at this place")
+            raise RenameError("there is no input or output at this position")
         name = new_name.strip().strip("'")
         if not name:
             raise RenameError("the new name is empty")
@@ -88,7 +88,7 @@ class TableText:
         return [Edit(span, name_text(name)) for span, _ in self._occurrences(found[0])]
 
     def complete(self, line: int, column: int) -> list[Candidate]:
-        """Return the words that could stand at a place of the header."""
+        """Return the words that could stand at a position of the header."""
         before = (self.lines[line - 1] if line <= len(self.lines) else "")[: column - 1]
         column = len(before) + 1
         match = re.search(r"[^\W\d][\w-]*\Z", before)

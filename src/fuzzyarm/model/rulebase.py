@@ -20,6 +20,12 @@ DEFUZZIFIERS = (
 )  # fmt: skip
 """Ways from a fuzzy output (or a list of fired consequents) to a number."""
 
+TAKAGI_SUGENO = frozenset({"weighted-average", "weighted-sum"})
+"""Defuzzifiers that weigh consequents which are values."""
+
+WEIGHTED = TAKAGI_SUGENO | {"tsukamoto"}
+"""Defuzzifiers that turn every consequent into a number first."""
+
 
 @dataclass(frozen=True, slots=True)
 class Shape:
@@ -71,6 +77,12 @@ class Defuzzifier:
     resolution: int | None = None
     sampling: str = "endpoints"
 
+    def __str__(self) -> str:
+        """Return the words of the language."""
+        if self.resolution is None:
+            return f"{self.method} exact" if self.method == "centroid" else self.method
+        return f"{self.method}({self.resolution}, {self.sampling})"
+
 
 @dataclass(frozen=True, slots=True)
 class Variable:
@@ -79,7 +91,7 @@ class Variable:
     Attributes
     ----------
     name : str
-        Any text; names that are no identifiers stand in single quotes in a file.
+        Any text; names that are not identifiers stand in single quotes in a file.
     low, high : float
         The range (universe of discourse), ``low < high``; infinite where unbounded.
     terms : tuple of Term

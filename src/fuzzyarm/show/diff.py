@@ -11,7 +11,7 @@ from fuzzyarm.language.queries.hover import rule_sentence
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import And, Expression, Is, Or, RuleBase, Variable
 from fuzzyarm.show.drawing import number_words
-from fuzzyarm.show.rulebase import defuzzifier_words, expression_words, norm_words
+from fuzzyarm.show.rulebase import expression_words, norm_words
 from fuzzyarm.show.table import table_grids
 from fuzzyarm.show.terms import shape_words
 from fuzzyarm.text.numbers import number_text, short_bins, short_levels
@@ -149,7 +149,7 @@ def _settings(rulebase: RuleBase) -> dict[str, str]:
             span = f"{number_words(variable.low, 12)} .. {number_words(variable.high, 12)}"
             settings[f"{role} {variable.name}"] = f"{span}, outside {variable.outside}"
     for output in rulebase.outputs:
-        settings[f"defuzzifier {output.name}"] = defuzzifier_words(output)
+        settings[f"defuzzifier {output.name}"] = str(output.defuzzifier)
         settings[f"aggregation {output.name}"] = output.aggregation
         settings[f"no-rule {output.name}"] = str(output.no_rule)
     for k, block in enumerate(rulebase.blocks):

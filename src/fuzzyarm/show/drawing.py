@@ -256,10 +256,10 @@ def curve_blocks(curve: Curve, low: float, high: float, width: int) -> str:
     return "".join(block(_largest(curve, a, b)) for a, b in pairwise(edges))
 
 
-def marker(value: float, low: float, high: float, width: int, mark: str = "^") -> str:
-    """Return a line with `mark` where `value` lies between `low` and `high`."""
+def marker(value: float, low: float, high: float, width: int) -> str:
+    """Return a line with ``^`` where `value` lies between `low` and `high`."""
     column = round((value - low) / (high - low) * (width - 1))
-    return " " * max(0, min(width - 1, column)) + mark
+    return " " * max(0, min(width - 1, column)) + "^"
 
 
 def ruler(low: float, high: float, width: int) -> str:

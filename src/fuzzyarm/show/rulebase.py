@@ -55,7 +55,7 @@ def _inference(rulebase: RuleBase) -> Text:
     for output in rulebase.outputs:
         absent = output.no_rule
         value = absent if isinstance(absent, str) else number_words(absent)
-        way = f"aggregation {output.aggregation}, {defuzzifier_words(output)}, no-rule {value}"
+        way = f"aggregation {output.aggregation}, {output.defuzzifier}, no-rule {value}"
         lines.append(f"{name_text(output.name)}: {way}")
     return Text("\n".join(dict.fromkeys(lines)), "dim")
 
@@ -63,14 +63,6 @@ def _inference(rulebase: RuleBase) -> Text:
 def norm_words(block: RuleBlock) -> str:
     """Return the norms of a block."""
     return f"and {block.conjunction}, or {block.disjunction}, implication {block.implication}"
-
-
-def defuzzifier_words(output: Output) -> str:
-    """Return the defuzzifier of an output."""
-    way = output.defuzzifier
-    if way.resolution is not None:
-        return f"{way.method}({way.resolution}, {way.sampling})"
-    return f"{way.method} exact" if way.method == "centroid" else way.method
 
 
 def expression_words(expression: Expression) -> str:

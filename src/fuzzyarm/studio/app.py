@@ -18,7 +18,7 @@ from fuzzyarm.language.queries import apply_edits
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.panes import Editor, View
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
-from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.files import stamp_of, write_atomically
 
 _PAUSE = 0.05
 _STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
@@ -60,7 +60,7 @@ class Studio(App[int]):
         self.document = document
         self.view_index = 0
         self._saved = document.text
-        self._stamp = _stamp(document.path)
+        self._stamp = stamp_of(document.path)
         self._waiting: Timer | None = None
         self._warned_of = ""
 
@@ -180,11 +180,11 @@ class Studio(App[int]):
         self._show_point()
 
     def on_view_jump(self, event: View.Jump) -> None:
-        """Go to a place in the text."""
+        """Go to a position in the text."""
         self.go_to(event.span)
 
     def go_to(self, span: Span) -> None:
-        """Put the cursor at a place and the focus on the text."""
+        """Put the cursor at a position and the focus on the text."""
         editor = self.query_one(Editor)
         editor.go_to(span.line, span.column)
         editor.focus()
@@ -245,7 +245,7 @@ class Studio(App[int]):
     def action_save(self) -> None:
         """Format the text and write the file; with mistakes it is written as it is."""
         self.read_text()
-        if _stamp(self.document.path) != self._stamp and self._warned_of != "disk":
+        if stamp_of(self.document.path) != self._stamp and self._warned_of != "disk":
             self._warned_of = "disk"
             self.notify(
                 "The file has changed on disk. Ctrl+S again replaces it.", severity="warning"
@@ -259,7 +259,7 @@ class Studio(App[int]):
             return
         if text != self.query_one(Editor).text:
             self.query_one(Editor).replace_all(text)
-        self._saved, self._stamp, self._warned_of = text, _stamp(self.document.path), ""
+        self._saved, self._stamp, self._warned_of = text, stamp_of(self.document.path), ""
         self.read_text()
         mistakes = sum(d.is_error for d in self.document.findings)
         self.notify("Saved as it is, with mistakes." if mistakes else "Formatted and saved.")
@@ -279,11 +279,3 @@ def _said(found: Diagnostic) -> str:
 
 def _gravity(found: Diagnostic) -> Any:
     return "information" if found.severity is Severity.INFO else str(found.severity)
-
-
-def _stamp(path: str) -> tuple[int, int] | None:
-    try:
-        status = Path(path).stat()
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size

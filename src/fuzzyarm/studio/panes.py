@@ -68,7 +68,7 @@ class Editor(TextArea):
             await self.run_action(own[0].action)
 
     def colour(self, words: Iterable[Coloured], findings: tuple[Diagnostic, ...]) -> None:
-        """Show words and findings, whose places are those of the text as it is now."""
+        """Show words and findings, whose positions are those of the text as it is now."""
         self._coloured = list(words)
         self._findings = findings
         self._build_highlight_map()
@@ -96,7 +96,7 @@ class Editor(TextArea):
         self._highlights[line - 1].append((start, stop, name))
 
     def go_to(self, line: int, column: int) -> None:
-        """Put the cursor at a place that counts from 1, and look at it."""
+        """Put the cursor at a position that counts from 1, and look at it."""
         row = min(line, self.document.line_count) - 1
         self.move_cursor((row, min(column - 1, len(self.document.get_line(row)))), center=True)
 
@@ -137,7 +137,7 @@ class View(VerticalScroll, can_focus=True):
         """The crisp inputs have changed."""
 
     class Jump(Message):
-        """A place of the text was pointed at."""
+        """A position in the text was pointed at."""
 
         def __init__(self, span: Span) -> None:
             super().__init__()

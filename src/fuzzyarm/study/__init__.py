@@ -11,7 +11,6 @@ from fuzzyarm.study.reproduce import (
     judge,
     reproduce,
     reproduce_row,
-    runnable,
     variants,
 )
 
@@ -27,6 +26,5 @@ __all__ = [
     "published_rows",
     "reproduce",
     "reproduce_row",
-    "runnable",
     "variants",
 ]

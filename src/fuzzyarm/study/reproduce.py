@@ -316,11 +316,6 @@ class Reproduced:
     ensemble: Ensemble | None = None
 
 
-def runnable(row: PublishedRow) -> bool:
-    """Tell whether this version has the controller of a row."""
-    return row.controller in CATALOGUE
-
-
 def chaotic(row: PublishedRow) -> bool:
     """Tell whether a row switches between the cells of a table."""
     return "table" in CATALOGUE[row.controller].takes

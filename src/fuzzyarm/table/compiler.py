@@ -263,16 +263,8 @@ def describe(
         provenance["source"] = Path(source).name
     provenance["sha256"] = hashlib.sha256(write(rulebase).encode()).hexdigest()
     provenance["engine"] = f"fuzzyarm {__version__}"
-    provenance["defuzzifier"] = defuzzifier_words(output)
+    provenance["defuzzifier"] = str(output.defuzzifier)
     provenance["sampled"] = f"at {DEFAULT_LEVELS} even levels by default" if default else given
     if date is not None:
         provenance["date"] = date
     return provenance
-
-
-def defuzzifier_words(output: Output) -> str:
-    """Return the defuzzifier of `output` as the language writes it."""
-    way = output.defuzzifier
-    if way.resolution is None:
-        return f"{way.method} exact" if way.method == "centroid" else way.method
-    return f"{way.method}({way.resolution}, {way.sampling})"

@@ -22,7 +22,6 @@ from fuzzyarm.table.compiler import (
     even_levels,
 )
 from fuzzyarm.table.table import LookupTable
-from fuzzyarm.text.numbers import number_text
 
 # --- How far a table is from the rule base that it stands for ---
 
@@ -58,11 +57,6 @@ class Fidelity:
     def __str__(self) -> str:
         size = " x ".join(map(str, self.points))
         return f"worst {self.worst:.4g}, rms {self.rms:.4g} over {size} points"
-
-    @property
-    def place(self) -> str:
-        """The inputs of the worst difference in words."""
-        return ", ".join(f"{name} = {number_text(x)}" for name, x in self.at)
 
 
 def measure_fidelity(

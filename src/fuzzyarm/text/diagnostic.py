@@ -1,4 +1,4 @@
-"""A mistake or a doubt with its place in the text, how it is shown, and when a text is absurd."""
+"""A mistake or a doubt with its position, how it is shown, and when a text is absurd."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
 
-# --- A mistake or a doubt, with its place in the text ---
+# --- A mistake or a doubt, with its position in the text ---
 
 
 class Severity(StrEnum):
@@ -35,11 +35,11 @@ class Span(NamedTuple):
 
 
 NOWHERE = Span(1, 1, 1, 1)
-"""The span of what has no place in a text, for instance a model built in Python."""
+"""The span of what has no position in a text, for instance a model built in Python."""
 
 
 class Related(NamedTuple):
-    """Another place that a diagnostic speaks of, for instance the first of two duplicates."""
+    """Another position that a diagnostic speaks of, for instance the first of two duplicates."""
 
     message: str
     span: Span
@@ -66,7 +66,7 @@ class Diagnostic:
     path : str
         The file, as the caller named it.
     related : tuple of Related
-        Other places that belong to the finding.
+        Other positions that belong to the finding.
     """
 
     name: str
@@ -94,9 +94,9 @@ class Diagnostic:
         return self.severity is Severity.ERROR
 
     def __str__(self) -> str:
-        place = f"{self.path or '<text>'}:{self.line}:{self.column}"
+        position = f"{self.path or '<text>'}:{self.line}:{self.column}"
         hint = f" ({self.hint})" if self.hint else ""
-        return f"{place}: {self.severity}[{self.name}]: {self.message}{hint}"
+        return f"{position}: {self.severity}[{self.name}]: {self.message}{hint}"
 
 
 class RuleBaseError(FuzzyarmError, ValueError):
@@ -153,7 +153,7 @@ MAX_DIAGNOSTICS = 1_000
 """Most findings that one run reports; behind them reading stops."""
 
 
-# --- Show a diagnostic to a person: place, source line, caret, hint. Plain text ---
+# --- Show a diagnostic to a person: position, source line, caret, hint. Plain text ---
 
 _COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
 _WIDEST = 160
@@ -182,33 +182,28 @@ def display_width(text: str) -> int:
     )
 
 
-def render(diagnostic: Diagnostic, text: str, *, colour: bool = False) -> str:
-    """Return a diagnostic as several lines: headline, source line, caret, hint, related places.
+def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = False) -> str:
+    """Return diagnostics of one text, each as headline, source line, caret, hint and relations.
 
     Parameters
     ----------
-    diagnostic : Diagnostic
+    diagnostics : sequence of Diagnostic
         What to show.
     text : str
-        The text it is about.
+        The text they are about.
     colour : bool
         Whether to use terminal colours.
     """
-    return render_all([diagnostic], text, colour=colour)
-
-
-def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = False) -> str:
-    """Return several diagnostics of one text, each as :func:`render` does."""
     lines = split_lines(text)
     return "\n".join("\n".join(_parts(d, lines, colour=colour)) for d in diagnostics)
 
 
 def _parts(diagnostic: Diagnostic, lines: list[str], *, colour: bool) -> list[str]:
-    place = f"{diagnostic.path or '<text>'}:{diagnostic.line}:{diagnostic.column}"
+    position = f"{diagnostic.path or '<text>'}:{diagnostic.line}:{diagnostic.column}"
     label = f"{diagnostic.severity}[{diagnostic.name}]"
     if colour:
         label = f"\x1b[1;{_COLOURS[diagnostic.severity]}m{label}\x1b[0m"
-    parts = [f"{place}: {label}: {diagnostic.message}"]
+    parts = [f"{position}: {label}: {diagnostic.message}"]
     parts += _excerpt(diagnostic.span, lines)
     if diagnostic.hint:
         parts.append(f"       = hint: {diagnostic.hint}")

@@ -1,4 +1,4 @@
-"""Files are replaced whole or not at all."""
+"""Files are replaced whole or not at all; whether one has changed on disk."""
 
 from __future__ import annotations
 
@@ -51,3 +51,12 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def stamp_of(path: str | Path) -> tuple[int, int, int] | None:
+    """Return what changes when a file does: time, size and inode; None without a file."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size, status.st_ino

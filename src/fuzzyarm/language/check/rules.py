@@ -10,6 +10,7 @@ from collections.abc import Hashable, Iterator
 from itertools import combinations, islice, product
 from math import prod
 
+from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.language.check.terms import FAINT, Subject
 from fuzzyarm.language.statements import CellNode, GridNode
 from fuzzyarm.model.rulebase import (
@@ -178,10 +179,8 @@ def _conflict(rule: Rule, consequent: Consequent, other: Rule, earlier: Conseque
 
 
 def _words(rule: Rule) -> str:
-    antecedent = rule.antecedent
-    parts = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
-    if all(isinstance(part, Is) and not part.hedges for part in parts):
-        pairs = (f"{p.variable} is {p.term}" for p in parts if isinstance(p, Is))
+    if _is_plain_rule(rule):
+        pairs = (f"{p.variable} is {p.term}" for p in _propositions(rule))
         return f"'{' and '.join(pairs)}'"
     return "with this antecedent"
 
@@ -199,8 +198,6 @@ def _key(expression: Expression) -> Hashable:
 # --- Inputs for which no rule fires, with one such input as evidence ---
 
 _MOST_POINTS = 40_000
-_POSITIVE_NORMS = ("min", "product", "hamacher", "einstein")
-"""Conjunctions that are positive wherever all their operands are."""
 
 
 def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
@@ -277,9 +274,8 @@ def _thinned(grids: list[list[_Active]]) -> list[list[_Active]]:
 
 
 def _is_plain_in_block(block: RuleBlock, rule: Rule) -> bool:
-    operands = rule.antecedent.operands if isinstance(rule.antecedent, And) else (rule.antecedent,)
-    positive = len(operands) == 1 or block.conjunction in _POSITIVE_NORMS
-    return positive and all(isinstance(o, Is) and not o.hedges for o in operands)
+    positive = len(_operands(rule)) == 1 or TNORMS[block.conjunction].positive
+    return positive and _is_plain_rule(rule)
 
 
 _Index = dict[tuple[str, ...], set[tuple[str, ...]]]
@@ -331,7 +327,7 @@ def _other_fires(rules: list[tuple[RuleBlock, Rule]], active: dict[str, dict[str
 
 
 def ranks(rulebase: RuleBase, name: str) -> dict[str, int] | None:
-    """Return the place of each term of the variable `name` by its middle; None for values."""
+    """Return the rank of each term of the variable `name` by its middle; None for values."""
     variable = rulebase.variable(name)
     middles = {}
     for term in variable.terms:

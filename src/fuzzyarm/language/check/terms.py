@@ -11,7 +11,7 @@ from typing import NamedTuple
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.document import Document
 from fuzzyarm.language.statements import EvenTermsNode, GridNode
-from fuzzyarm.model.rulebase import Input, Output, RuleBase, Variable, propositions
+from fuzzyarm.model.rulebase import WEIGHTED, Input, Output, RuleBase, Variable, propositions
 from fuzzyarm.model.shapes import corners, membership, probe_points
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 
@@ -71,9 +71,6 @@ def _gap(variable: Input, points: list[float], start: int, end: int) -> Diagnost
 
 # --- Outputs whose defuzzifier cannot work on their terms ---
 
-_WEIGHTED = ("weighted-average", "weighted-sum")
-_MONOTONIC = ("ramp", "sigmoid", "s", "z", "concave", "arc")
-
 
 def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``defuzzifier-does-not-fit`` and ``mixed-output-terms``."""
@@ -87,7 +84,7 @@ def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
 def _values(output: Output) -> Iterator[Diagnostic]:
     values = [term for term in output.terms if not SHAPES[term.shape.kind].fuzzy]
     method = output.defuzzifier.method
-    if values and method not in (*_WEIGHTED, "tsukamoto"):
+    if values and method not in WEIGHTED:
         yield Diagnostic(
             "defuzzifier-does-not-fit",
             f"'{values[0].name}' of '{output.name}' is a value, not a set; {method} needs sets",
@@ -97,7 +94,7 @@ def _values(output: Output) -> Iterator[Diagnostic]:
 
 
 def _mixture(output: Output) -> Iterator[Diagnostic]:
-    if output.defuzzifier.method in (*_WEIGHTED, "tsukamoto"):
+    if output.defuzzifier.method in WEIGHTED:
         return
     spikes = [term for term in output.terms if term.shape.kind == "singleton"]
     if spikes and len(spikes) < len(output.terms):
@@ -111,7 +108,8 @@ def _mixture(output: Output) -> Iterator[Diagnostic]:
 
 def _monotonic(output: Output) -> Iterator[Diagnostic]:
     for term in output.terms:
-        if SHAPES[term.shape.kind].fuzzy and term.shape.kind not in (*_MONOTONIC, "singleton"):
+        record = SHAPES[term.shape.kind]
+        if record.fuzzy and record.inverse is None and term.shape.kind != "singleton":
             yield Diagnostic(
                 "defuzzifier-does-not-fit",
                 f"tsukamoto needs monotonic terms; '{term.name}' of '{output.name}' is a"

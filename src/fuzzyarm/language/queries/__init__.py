@@ -20,7 +20,6 @@ from fuzzyarm.language.queries.outline import (
 from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.queries.references import (
     RenameError,
-    definitions,
     occurrence_at,
     references,
     rename,
@@ -42,7 +41,6 @@ __all__ = [
     "apply_edits",
     "coloured",
     "complete",
-    "definitions",
     "fixes",
     "folds",
     "hover",

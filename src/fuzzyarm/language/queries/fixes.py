@@ -98,10 +98,10 @@ def _grid_of(line: int, grids: Sequence[GridNode]) -> tuple[GridNode, RowNode | 
 
 
 def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNode]) -> list[Fix]:
-    place = _grid_of(diagnostic.line, grids)
-    if place is None:
+    found = _grid_of(diagnostic.line, grids)
+    if found is None:
         return []
-    grid, row = place
+    grid, row = found
     if row is None:
         return []
     missing = len(grid.columns) - len(row.cells)
@@ -117,10 +117,10 @@ def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNod
 
 
 def _missing_rows(diagnostic: Diagnostic, grids: Sequence[GridNode]) -> list[Fix]:
-    place = _grid_of(diagnostic.line, grids)
-    if place is None or place[1] is not None or "has no row" not in diagnostic.message:
+    found = _grid_of(diagnostic.line, grids)
+    if found is None or found[1] is not None or "has no row" not in diagnostic.message:
         return []
-    grid = place[0]
+    grid = found[0]
     names = diagnostic.message.rpartition(" for ")[2].partition(" is ")[2].split(", ")
     last = grid.rows[-1].label.span.line if grid.rows else grid.header_span.line
     rows = "".join(f"  {name_text(n)}{'  .' * len(grid.columns)}\n" for n in names)
@@ -140,8 +140,8 @@ def _remove_comment(diagnostic: Diagnostic, lines: Sequence[str]) -> list[Fix]:
     start = line.find("# allow")
     if start < 0:
         return []
-    kept = line[:start].rstrip()
-    edit = Edit(Span(diagnostic.line, len(kept) + 1, diagnostic.line, len(line) + 1), "")
+    rest = line[:start].rstrip()
+    edit = Edit(Span(diagnostic.line, len(rest) + 1, diagnostic.line, len(line) + 1), "")
     return [Fix("remove the comment", (edit,))]
 
 
@@ -161,7 +161,7 @@ def _allow(diagnostic: Diagnostic, lines: Sequence[str]) -> list[Fix]:
 
 
 def apply_edits(text: str, edits: Sequence[Edit]) -> str:
-    """Return `text` after `edits`, whose places are those of the text before.
+    """Return `text` after `edits`, whose positions are those of the text before.
 
     Line ends of other lines are kept as they are.
     """

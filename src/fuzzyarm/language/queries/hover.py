@@ -49,14 +49,14 @@ def picture(shape: Shape, variable: Variable) -> str:
 def _highest(shape: Shape, x: float, step: float) -> float:
     # A peak between two columns must not be lost, and a singleton has no width at all.
     inside = [c for c in corner_points(shape) if abs(c - x) <= 0.5 * step]
-    return max(membership(shape, place) for place in (x, *inside))
+    return max(membership(shape, each) for each in (x, *inside))
 
 
 def shown_range(variable: Variable) -> tuple[float, float]:
     """Return the range of `variable`; where it is unbounded, the stretch its terms mark."""
-    places = [x for term in variable.terms for x in corner_points(term.shape)]
+    xs = [x for term in variable.terms for x in corner_points(term.shape)]
     ends = [x for x in (variable.low, variable.high) if math.isfinite(x)]
-    known = [*places, *ends] or [0.0]
+    known = [*xs, *ends] or [0.0]
     low = variable.low if math.isfinite(variable.low) else min(known) - 1.0
     high = variable.high if math.isfinite(variable.high) else max(known) + 1.0
     return (low, high) if low < high else (low, low + 1.0)
@@ -90,7 +90,7 @@ class Hover:
 
 
 def hover(reading: Reading, line: int, column: int) -> Hover | None:
-    """Return what stands at a place, or None where nothing does."""
+    """Return what stands at a position, or None where nothing does."""
     cell = _cell_at(reading, line, column)
     if cell is not None:
         return _of_cell(reading, *cell)

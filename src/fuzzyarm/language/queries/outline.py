@@ -50,7 +50,7 @@ _WORDS: tuple[tuple[Container[str], str], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Coloured:
-    """A stretch of one line: its place, one of `COLOURS`, and whether a name is declared here."""
+    """A stretch of one line: its span, one of `COLOURS`, and whether a name is declared here."""
 
     line: int
     column: int

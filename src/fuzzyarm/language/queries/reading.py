@@ -99,7 +99,7 @@ class Reading:
 
     @cached_property
     def occurrences(self) -> tuple[Occurrence, ...]:
-        """Every place of every name, in the order of the text."""
+        """Every occurrence of every name, in the order of the text."""
         return find_occurrences(self.document, self.lines)
 
     def raw_line(self, line: int) -> str:
@@ -162,5 +162,5 @@ def read(text: str, path: str = "<text>", memory: ParseMemory | None = None) -> 
 
 
 def contains(span: Span, line: int, column: int) -> bool:
-    """Whether a cursor at this place touches `span`, its end included."""
+    """Whether a cursor at this position touches `span`, its end included."""
     return (span.line, span.column) <= (line, column) <= (span.end_line, span.end_column)

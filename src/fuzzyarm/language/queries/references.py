@@ -17,13 +17,8 @@ def occurrence_at(reading: Reading, line: int, column: int) -> Occurrence | None
     return touched[-1] if touched else None
 
 
-def definitions(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
-    """Return where the thing that `occurrence` names is declared; several if the file does."""
-    return [o for o in references(reading, occurrence) if o.is_definition]
-
-
 def references(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
-    """Return every place that names the same thing as `occurrence`, in order."""
+    """Return every occurrence that names the same thing as `occurrence`, in order."""
     return [o for o in reading.occurrences if _same(o, occurrence)]
 
 
@@ -34,7 +29,7 @@ def _same(one: Occurrence, other: Occurrence) -> bool:
 
 
 def family(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
-    """Return every place that must change if the name at `occurrence` does.
+    """Return every occurrence that must change if the name at `occurrence` does.
 
     A line that declares a term of several variables ties their terms together.
     """
@@ -57,18 +52,18 @@ def family(reading: Reading, occurrence: Occurrence) -> list[Occurrence]:
 
 
 class RenameError(FuzzyarmError, ValueError):
-    """A name that cannot be given, or a place without a name."""
+    """A name that cannot be given, or a position without a name."""
 
 
 def rename(reading: Reading, line: int, column: int, new_name: str) -> list[Edit]:
-    """Return the edits that give what stands at a place the name `new_name`.
+    """Return the edits that give what stands at a position the name `new_name`.
 
     Parameters
     ----------
     reading : Reading
         The text.
     line, column : int
-        A place on the old name.
+        A position on the old name.
     new_name : str
         With or without single quotes; the edits have quotes where the language needs them.
 
@@ -79,13 +74,13 @@ def rename(reading: Reading, line: int, column: int, new_name: str) -> list[Edit
     """
     occurrence = occurrence_at(reading, line, column)
     if occurrence is None:
-        raise RenameError("there is no variable, term or block at this place")
+        raise RenameError("there is no variable, term or block at this position")
     name = _bare(new_name)
     if not name.strip():
         raise RenameError("the new name is empty")
-    places = family(reading, occurrence)
-    _refuse_taken(reading, occurrence, places, name)
-    return [Edit(place.span, _written(place, name, reading)) for place in places]
+    occurrences = family(reading, occurrence)
+    _refuse_taken(reading, occurrence, occurrences, name)
+    return [Edit(each.span, _written(each, name, reading)) for each in occurrences]
 
 
 def _bare(name: str) -> str:
@@ -95,11 +90,11 @@ def _bare(name: str) -> str:
 
 
 def _refuse_taken(
-    reading: Reading, occurrence: Occurrence, places: list[Occurrence], name: str
+    reading: Reading, occurrence: Occurrence, occurrences: list[Occurrence], name: str
 ) -> None:
     if name == occurrence.name:
         return
-    owners = {owner for place in places for owner in place.owners}
+    owners = {owner for each in occurrences for owner in each.owners}
     for other in reading.occurrences:
         if other.kind is not occurrence.kind or other.name != name or not other.is_definition:
             continue
@@ -114,12 +109,12 @@ def _refuse_taken(
             )
 
 
-def _written(place: Occurrence, name: str, reading: Reading) -> str:
+def _written(each: Occurrence, name: str, reading: Reading) -> str:
     # A name inside a formula stands in a text already; there only odd names have quotes.
-    line = reading.raw_line(place.span.line)
+    line = reading.raw_line(each.span.line)
     inside_formula = any(
-        token.kind == "string" and token.column < place.span.column < token.end
-        for token in reading.tokens_of(place.span.line)
+        token.kind == "string" and token.column < each.span.column < token.end
+        for token in reading.tokens_of(each.span.line)
     )
     if inside_formula and line:
         return name if name.isidentifier() else f"'{name}'"
