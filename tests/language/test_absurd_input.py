@@ -63,3 +63,11 @@ def test_many_mistakes_end_the_reading():
 
 def test_as_many_lines_as_there_may_be():
     assert [d.name for d in parse("# c\n" * 150_001).diagnostics] == ["file-too-large"]
+
+
+@pytest.mark.parametrize(
+    "levels", ["-6 .. 6 step 1e-320", "-6 .. 6 count inf", "-inf .. 6 count 3"]
+)
+def test_levels_beyond_counting(levels):
+    text = f"{HEAD}rule if e is N then u is N\nlookup\n  levels e: {levels}\n"
+    assert parse(text).rulebase is None

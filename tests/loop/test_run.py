@@ -215,3 +215,10 @@ def test_maximum_counts_as_the_conventions_do():
         controller("ct"), path, payload=True, conventions=STUDY_CONVENTIONAL, options=INTERPRETED
     )
     np.testing.assert_array_equal(study.maximum, study.errors.max(axis=0))
+
+
+def test_the_old_name_of_the_package_still_leads_there() -> None:
+    from fuzzyarm import control, controller, loop
+
+    assert control.Controller is controller.Controller
+    assert control.simulate is loop.simulate

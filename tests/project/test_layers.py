@@ -26,6 +26,7 @@ ORDER = (
     "plant",
     "controller",
     "loop",
+    "control",
     "learning",
     "study",
     "show",

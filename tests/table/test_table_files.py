@@ -69,6 +69,20 @@ def test_other_programs_read_the_npz(tmp_path):
         np.testing.assert_array_equal(archive["levels_1"], [0, 10, 20, 40])
 
 
+@pytest.mark.parametrize("character", [0x110000, 0xFFFFFFFF, 0xD800])
+def test_an_npz_whose_text_is_not_text_is_refused(tmp_path, character):
+    path = tmp_path / "table.npz"
+    write_table(ASYMMETRIC, path)
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    code_points = np.frombuffer(arrays["header"].tobytes(), np.uint32).copy()
+    code_points[len(code_points) // 2] = character
+    header = np.frombuffer(code_points.tobytes(), arrays["header"].dtype)[0:1].reshape(())
+    np.savez(path, **{**arrays, "header": header})
+    with pytest.raises(TableFileError, match="UnicodeDecodeError"):
+        read_table(path)
+
+
 def test_an_unknown_suffix_is_refused_before_anything_is_written(tmp_path):
     for act in (lambda p: write_table(ASYMMETRIC, p), read_table):
         with pytest.raises(TableError, match=r"no suffix of a table .*\.lut"):

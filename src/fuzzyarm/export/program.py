@@ -279,7 +279,9 @@ class _Builder:
             raise refuse(f"implication {' and '.join(sorted(kinds))} of '{name}'")
         for member in output.members:
             if any(not piece.straight for piece in member.pieces):
-                raise refuse(f"term '{member.term.name}' of '{name}' is not straight")
+                words = [*(hedge.name for hedge in member.hedges), member.term.shape.kind]
+                form = " ".join(words)
+                raise refuse(f"term '{member.term.name}' of '{name}' is not straight ({form})")
         if kinds == {"min"} and output.closed is None:
             raise refuse(f"too many sets of '{name}' overlap")
 

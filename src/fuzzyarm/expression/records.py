@@ -337,9 +337,13 @@ def load_entry_points() -> None:
     from importlib.metadata import entry_points
 
     for point in entry_points(group=ENTRY_POINT):
-        found = point.load()
-        if callable(found):
-            found()
+        try:
+            found = point.load()
+            if callable(found):
+                found()
+        except Exception as error:  # whatever the code of other people raises
+            message = f"the kinds '{point.name}' ({point.value}) cannot be loaded: {error}"
+            raise KindError(message, point.name) from error
 
 
 # ── registration ─────────────────────────────────────────────────────────────────────

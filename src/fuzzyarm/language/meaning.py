@@ -346,11 +346,12 @@ def _levels(item: LookupItem, scope: Scope) -> tuple[float, ...] | None:
         return None
     if item.form == "count":
         intervals = third - 1.0
-        fits = third == int(third) and third >= 2
+        fits = math.isfinite(third) and third == int(third) and third >= 2
     else:
         intervals = (high - low) / third if third > 0.0 else 0.0
-        fits = intervals >= 1 and abs(intervals - round(intervals)) < 1e-6
-    if not fits or not math.isfinite(intervals):
+        finite = math.isfinite(intervals)
+        fits = finite and intervals >= 1 and abs(intervals - round(intervals)) < 1e-6
+    if not fits:
         scope.report(
             "bad-levels",
             f"the {item.form} {third:g} does not divide the levels {low:g} .. {high:g}",

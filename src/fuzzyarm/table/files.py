@@ -422,7 +422,9 @@ def read_npz(data: bytes, path: str) -> LookupTable:
 
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            head = header_from(json.loads(str(archive["header"][()])))
+            # NumPy takes any 32 bits for a character; what is not one must not get into a text.
+            header = np.asarray(archive["header"], dtype="<U").tobytes().decode("utf-32-le")
+            head = header_from(json.loads(header.rstrip("\0")))
             values = np.asarray(archive["values"], dtype=np.float64)
         values.setflags(write=False)
         return LookupTable(**head.head(), values=values)

@@ -16,16 +16,13 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.kernels import build, jit_wanted, kernel
 from fuzzyarm.table.axis import Axis, TableError
-
-if TYPE_CHECKING:
-    from fuzzyarm.table.table import LookupTable
 
 __all__ = [
     "AT_POINT",
@@ -551,9 +548,12 @@ _CHUNK = 16_384
 
 
 def look_up_arrays(
-    table: LookupTable, inputs: Sequence[NDArray[np.float64]], mode: str
+    axes: Sequence[Axis],
+    cells: NDArray[np.float64],
+    inputs: Sequence[NDArray[np.float64]],
+    mode: str,
 ) -> NDArray[np.float64]:
-    """Return the values of `table` at inputs that are broadcast; no temporary exceeds a chunk.
+    """Return the values of a table at inputs that are broadcast; no temporary exceeds a chunk.
 
     Raises
     ------
@@ -566,14 +566,14 @@ def look_up_arrays(
         shapes = ", ".join(str(array.shape) for array in inputs)
         raise TableError(f"inputs of shapes {shapes} do not fit each other") from None
     values = np.empty(shape)
-    evaluate = _machine_code(table, mode) if worthwhile(values.size) else None
+    evaluate = _machine_code(axes, cells, mode) if worthwhile(values.size) else None
     threads = 1
     if evaluate is None:
-        evaluate = _plain(table, mode)
+        evaluate = _plain(axes, cells, mode)
     elif values.size >= WORTH_THREADS:
         threads = os.cpu_count() or 1
     if threads == 1:
-        _fill(table, evaluate, inputs, values)
+        _fill(axes, evaluate, inputs, values)
         return values
     from concurrent.futures import ThreadPoolExecutor
 
@@ -583,7 +583,7 @@ def look_up_arrays(
     parts = [(slice(None),) * axis + (slice(*ends),) for ends in itertools.pairwise(edges)]
     with ThreadPoolExecutor(threads) as pool:
         jobs = [
-            pool.submit(_fill, table, evaluate, [x[part] for x in full], values[part])
+            pool.submit(_fill, axes, evaluate, [x[part] for x in full], values[part])
             for part in parts
         ]
     for job in jobs:
@@ -592,7 +592,7 @@ def look_up_arrays(
 
 
 def _fill(
-    table: LookupTable,
+    axes: Sequence[Axis],
     evaluate: Evaluate,
     inputs: Sequence[NDArray[np.float64]],
     values: NDArray[np.float64],
@@ -608,24 +608,22 @@ def _fill(
         for chunk in chunks:
             *columns, out = chunk
             if not evaluate(columns, out):
-                bad = (
-                    a.name for a, x in zip(table.axes, columns, strict=True) if np.isnan(x).any()
-                )
+                bad = (a.name for a, x in zip(axes, columns, strict=True) if np.isnan(x).any())
                 raise TableError(f"input '{next(bad)}' of the table is not a number (NaN)")
 
 
-def _machine_code(table: LookupTable, mode: str) -> Evaluate | None:
+def _machine_code(axes: Sequence[Axis], cells: NDArray[np.float64], mode: str) -> Evaluate | None:
     """Return the reading in machine code; None where an axis is too uneven for it."""
     if mode == "linear":
-        return interpolator(table.values, [axis.levels for axis in table.axes])
-    return picker(table.values, [axis.thresholds(mode) for axis in table.axes])
+        return interpolator(cells, [axis.levels for axis in axes])
+    return picker(cells, [axis.thresholds(mode) for axis in axes])
 
 
-def _plain(table: LookupTable, mode: str) -> Evaluate:
+def _plain(axes: Sequence[Axis], cells: NDArray[np.float64], mode: str) -> Evaluate:
     """Return the reading with NumPy."""
     linear = mode == "linear"
-    points = [np.array(a.levels if linear else a.thresholds(mode)) for a in table.axes]
-    grid = Grid.of(table.shape, points, table.values.ravel(), OVER_ARRAYS)
+    points = [np.array(a.levels if linear else a.thresholds(mode)) for a in axes]
+    grid = Grid.of(cells.shape, points, cells.ravel(), OVER_ARRAYS)
     look_up = grid.interpolate if linear else grid.pick
 
     def evaluate(columns: Sequence[_Array], out: _Array) -> bool:

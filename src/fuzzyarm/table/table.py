@@ -99,7 +99,7 @@ class LookupTable(TableHeader):
         arrays = [np.asarray(x, dtype=np.float64) for x in inputs]
         if all(array.ndim == 0 for array in arrays):
             return self._at_point(tuple(array.item() for array in arrays), chosen)
-        return look_up_arrays(self, arrays, chosen)
+        return look_up_arrays(self.axes, self.values, arrays, chosen)
 
     def cell(self, *inputs: float, mode: str | None = None) -> tuple[int, ...]:
         """Return the index of the cell that `inputs` fall into, by bins or nearest level."""
