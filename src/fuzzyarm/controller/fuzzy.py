@@ -71,11 +71,11 @@ def fuzzy_rules_torque(
     each.
     """
     _, state, _, clock = now
-    control = (
-        concluded_control(0, now, numbers, memory, links),
-        concluded_control(1, now, numbers, memory, links),
-    )
-    return motor_torques(control, state, numbers, clock.single)
+    first = second = 0.0
+    for joint in range(2):  # called in one line: it is compiled once for both joints
+        concluded = concluded_control(joint, now, numbers, memory, links)
+        first, second = second, concluded
+    return motor_torques((first, second), state, numbers, clock.single)
 
 
 @kernel

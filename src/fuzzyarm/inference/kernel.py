@@ -110,7 +110,8 @@ def evaluate(block: Any) -> None:
     """Evaluate the one point in a block; ``k[MISSING]`` outputs are NaN then."""
     k = block.view(np.int64)
     f = block[k[FLOATS] : k[ROOM]]
-    programs = k[k[ORDER] : k[ORDER] + 1]
+    begin = k[ORDER]
+    programs = k[begin : begin + 1]
     programs[0] = 0
     for i in range(k[INPUTS]):
         begin = k[COLUMNS] + i * k[WIDTH]
@@ -140,9 +141,12 @@ def sweep(block: Any) -> None:
     f = block[k[FLOATS] : k[ROOM]]
     points = k[POINTS]
     width = k[WIDTH]
-    programs = k[k[ORDER] : k[ORDER] + points]
-    origin = k[k[ORDER] + width : k[ORDER] + width + points]
-    ends = k[k[ENDS] : k[ENDS] + k[PROGRAMS] + 2]
+    begin = k[ORDER]
+    programs = k[begin : begin + points]
+    begin = k[ORDER] + width
+    origin = k[begin : begin + points]
+    begin = k[ENDS]
+    ends = k[begin : begin + k[PROGRAMS] + 2]
     for point in range(points):
         programs[point] = 0
     for i in range(k[INPUTS]):
@@ -234,11 +238,15 @@ def run(block: Any) -> None:
     width = k[WIDTH]
     at = k[PROGRAM]
     for i in range(k[INPUTS]):
-        fuzzify(k, f, room, i, k[at], k[at + 1], block[k[INPUT_ROWS] + i * width :][:count])
+        begin = k[INPUT_ROWS] + i * width
+        fuzzify(k, f, room, i, k[at], k[at + 1], block[begin : begin + count])
         at += 2
-    total = room[(k[WORK] + TOTAL) * width :][:count]
-    moment = room[(k[WORK] + MOMENT) * width :][:count]
-    origin = k[k[ORDER] + width + k[FIRST] :][:count]
+    begin = (k[WORK] + TOTAL) * width
+    total = room[begin : begin + count]
+    begin = (k[WORK] + MOMENT) * width
+    moment = room[begin : begin + count]
+    begin = k[ORDER] + width + k[FIRST]
+    origin = k[begin : begin + count]
     head = k[OUTPUTS_AT]
     for o in range(k[OUTPUTS]):
         for point in range(count):
@@ -249,11 +257,13 @@ def run(block: Any) -> None:
         k[NEXT] = fold_heights(k, f, room, at, k[head + AGGREGATION], count)
         call(k[head + DEFUZZIFIER], block)  # fills total and moment; moves k[NEXT]
         at = k[NEXT]
-        bounds = f[k[head + FLOATS_AT] :][:OUTPUT_RANGE]
+        begin = k[head + FLOATS_AT]
+        bounds = f[begin : begin + OUTPUT_RANGE]
         if k[head + IS_MEAN] != 0:
             for point in range(count):
                 moment[point] = bounds[3] + moment[point] / total[point]
-        results = block[k[RESULTS] + o * width :][: k[POINTS]]
+        begin = k[RESULTS] + o * width
+        results = block[begin : begin + k[POINTS]]
         k[MISSING] += settle(k[head + OUT_MODE], bounds, total, moment, results, origin)
         head += OUTPUT_HEAD
 
@@ -266,7 +276,8 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
     head = HEAD + INPUT_HEAD * i
     row = k[head + SLOT]
     for _ in range(lines):
-        degrees = room[row * width :][:count]
+        begin = row * width
+        degrees = room[begin : begin + count]
         height, x_0, slope = f[line], f[line + 1], f[line + 2]
         for point in range(count):
             degrees[point] = max(0.0, height + (x[point] - x_0) * slope)
@@ -275,8 +286,10 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
     row = k[head + SLOT] + k[head + MOST_LINES]
     curve = k[head + CURVES_AT]
     for _ in range(k[head + CURVES]):
-        numbers = f[k[curve + 1] :][: k[curve + 2]]
-        call(k[curve], x, numbers, room[row * width :][:count])
+        begin = k[curve + 1]
+        numbers = f[begin : begin + k[curve + 2]]
+        begin = row * width
+        call(k[curve], x, numbers, room[begin : begin + count])
         curve += CURVE
         row += 1
 
@@ -287,9 +300,11 @@ def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> i
     width = k[WIDTH]
     groups = k[at]
     at += 1
-    strength = room[(k[WORK] + STRENGTH) * width :][:count]
+    begin = (k[WORK] + STRENGTH) * width
+    strength = room[begin : begin + count]
     for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
-        folded = room[group * width :][:count]
+        begin = group * width
+        folded = room[begin : begin + count]
         rules = k[at]
         at += GROUP_HEAD
         for i in range(rules):
@@ -308,10 +323,12 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
     norm = k[rule]
     weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
     first = rule + RULE_HEAD
-    degrees = room[k[first] * width :][:count]
+    begin = k[first] * width
+    degrees = room[begin : begin + count]
     # A rule of one operand has a neutral second one: the strength is written in any case.
     for operand in range(min(first + 1, first + k[OPERANDS] - 1), first + k[OPERANDS]):
-        join(norm, degrees, room[k[operand] * width :][:count], strength)
+        begin = k[operand] * width
+        join(norm, degrees, room[begin : begin + count], strength)
         degrees = strength
     if weight != 1.0 or threshold > 0.0:
         for point in range(count):
@@ -379,8 +396,10 @@ def closed_centroid(block: Any) -> None:
     room = block[k[ROOM] : k[COLUMNS]]
     count = k[COUNT]
     width = k[WIDTH]
-    total = room[(k[WORK] + TOTAL) * width :][:count]
-    moment = room[(k[WORK] + MOMENT) * width :][:count]
+    begin = (k[WORK] + TOTAL) * width
+    total = room[begin : begin + count]
+    begin = (k[WORK] + MOMENT) * width
+    moment = room[begin : begin + count]
     groups = k[k[GROUPS]]
     first = k[HEIGHTS] * width
     at = k[NEXT]
@@ -388,20 +407,24 @@ def closed_centroid(block: Any) -> None:
     at += 1
     for union in range(groups, groups + unions):
         others = k[at]
-        most = room[first + union * width :][:count]
+        begin = first + union * width
+        most = room[begin : begin + count]
         for point in range(count):
             most[point] = 0.0
         for other in range(at + 1, at + 1 + others):
-            height = room[first + k[other] * width :][:count]
+            begin = first + k[other] * width
+            height = room[begin : begin + count]
             for point in range(count):
                 most[point] = max(most[point], height[point])
         at += 1 + others
     terms = k[at]
     at += 1
     for _ in range(terms):
-        one = room[first + k[at] * width :][:count]
-        other = room[first + k[at + 1] * width :][:count]
-        add_layer(f[k[at + 2] :][:LAYER], one, other, total, moment)
+        begin = first + k[at] * width
+        one = room[begin : begin + count]
+        begin = first + k[at + 1] * width
+        other = room[begin : begin + count]
+        add_layer(f[k[at + 2] : k[at + 2] + LAYER], one, other, total, moment)
         at += 3
     k[NEXT] = at
 
@@ -428,19 +451,24 @@ def weighted(block: Any) -> None:
     room = block[k[ROOM] : k[COLUMNS]]
     count = k[COUNT]
     width = k[WIDTH]
-    total = room[(k[WORK] + TOTAL) * width :][:count]
-    moment = room[(k[WORK] + MOMENT) * width :][:count]
-    value = room[(k[WORK] + STRENGTH) * width :][:count]
+    begin = (k[WORK] + TOTAL) * width
+    total = room[begin : begin + count]
+    begin = (k[WORK] + MOMENT) * width
+    moment = room[begin : begin + count]
+    begin = (k[WORK] + STRENGTH) * width
+    value = room[begin : begin + count]
     linear = k[k[OUTPUT] + DETAIL]
     at = k[GROUPS] + 1
     for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
-        weight = room[group * width :][:count]
+        begin = group * width
+        weight = room[begin : begin + count]
         values = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
         for point in range(count):
             value[point] = f[values]
         for i in range(linear):
-            inputs = block[k[INPUT_ROWS] + i * width :][:count]
+            begin = k[INPUT_ROWS] + i * width
+            inputs = block[begin : begin + count]
             for point in range(count):
                 value[point] += f[values + 1 + i] * inputs[point]
         for point in range(count):
@@ -460,13 +488,16 @@ def sampled_centroid(block: Any) -> None:
     f = block[k[FLOATS] : k[ROOM]]
     room = block[k[ROOM] : k[COLUMNS]]
     width = k[WIDTH]
-    total = room[(k[WORK] + TOTAL) * width :][: k[COUNT]]
-    moment = room[(k[WORK] + MOMENT) * width :][: k[COUNT]]
+    begin = (k[WORK] + TOTAL) * width
+    total = room[begin : begin + k[COUNT]]
+    begin = (k[WORK] + MOMENT) * width
+    moment = room[begin : begin + k[COUNT]]
     head = k[OUTPUT]
     fold = k[head + AGGREGATION]
     samples = k[head + DETAIL]
     numbers = k[head + FLOATS_AT] + OUTPUT_RANGE
-    positions, weights = f[numbers:][:samples], f[numbers + samples :][:samples]
+    positions = f[numbers : numbers + samples]
+    weights = f[numbers + samples : numbers + 2 * samples]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     for point in range(total.shape[0]):
@@ -481,7 +512,7 @@ def sampled_centroid(block: Any) -> None:
             if height > 0.0:
                 begin, end = k[consequent], k[consequent + 1]
                 first, last = min(first, begin), max(last, end)
-                degrees = f[k[consequent + 2] :][: end - begin]
+                degrees = f[k[consequent + 2] : k[consequent + 2] + (end - begin)]
                 implication = k[consequent + 3]
                 so_far = aggregate[begin:end]
                 cut_in(implication, fold, height, degrees, so_far, cut[: end - begin])
@@ -509,8 +540,10 @@ def enveloped_centroid(block: Any) -> None:
     f = block[k[FLOATS] : k[ROOM]]
     room = block[k[ROOM] : k[COLUMNS]]
     width = k[WIDTH]
-    total = room[(k[WORK] + TOTAL) * width :][: k[COUNT]]
-    moment = room[(k[WORK] + MOMENT) * width :][: k[COUNT]]
+    begin = (k[WORK] + TOTAL) * width
+    total = room[begin : begin + k[COUNT]]
+    begin = (k[WORK] + MOMENT) * width
+    moment = room[begin : begin + k[COUNT]]
     heap = room[(k[WORK] + WORK_ROWS) * width :]  # the lines, behind them where they begin or end
     for point in range(total.shape[0]):
         events = 0
@@ -519,7 +552,8 @@ def enveloped_centroid(block: Any) -> None:
             consequent = k[at + 1]
             at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
             height = room[group * width + point]
-            pieces = f[k[consequent + 1] :][: PIECE * k[consequent]]
+            begin = k[consequent + 1]
+            pieces = f[begin : begin + PIECE * k[consequent]]
             if height > 0.0:
                 events = cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
         count = 0
