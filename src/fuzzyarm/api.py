@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import Parsed, load_rulebase, parse, read_text
@@ -73,8 +72,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     raise UnknownKindError(name)
 
 
-@dataclass(frozen=True, slots=True)
-class Review:
+class Review(NamedTuple):
     """What a check of one text found.
 
     Attributes

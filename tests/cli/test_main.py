@@ -57,6 +57,26 @@ def test_check_of_a_good_file(capsys):
     assert run("check", GOOD, capsys=capsys) == (0, f"{GOOD}: no findings\n", "")
 
 
+def test_a_check_loads_only_what_it_uses():
+    unused = ("numpy", "difflib", "heapq", "json", "shutil", "fuzzyarm.expression.formulas")
+    code = (
+        f"import sys; from fuzzyarm.cli import main; main(['check', {GOOD!r}])\n"
+        f"print([name for name in {unused} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_help_page_follows_the_width_of_the_terminal(monkeypatch, capsys):
+    widths = {}
+    for columns in (60, 140):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        _, out, _ = run("simulate", "--help", capsys=capsys)
+        usage, _, _ = out.partition("\n\n")
+        widths[columns] = max(map(len, usage.splitlines()))
+    assert widths[60] <= 80 < widths[140] <= 140
+
+
 def test_check_of_a_bad_file(tmp_path, capsys):
     path = tmp_path / "bad.frb"
     path.write_text(shipped("pd7.frb").read_text().replace("PS  PM", "PX  PM", 1))

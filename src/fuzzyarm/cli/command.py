@@ -9,8 +9,8 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TextIO
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import Diagnostic, render_all
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 # --- The record of a command ---
 
 
-@dataclass(frozen=True, slots=True)
-class Argument:
+class Argument(NamedTuple):
     """One argument: its names and options as `add_argument` takes them, and where it stands.
 
     `group` is a title on the help page; arguments of a group with the same word in `either`
@@ -38,8 +37,7 @@ class Argument:
     either: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """One command: the word behind ``fuzzyarm``, its help page, what it does, its arguments.
 
     `run` takes the parsed arguments and returns the exit status. The line on the page of all
@@ -56,7 +54,9 @@ class Command:
         parser = argparse.ArgumentParser(
             prog=f"fuzzyarm {self.name}",
             description=self.description,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            # argparse makes a formatter for each argument that is added: a given width saves
+            # it the question how wide the terminal is, and the imports for that.
+            formatter_class=partial(argparse.RawDescriptionHelpFormatter, width=80),
         )
         # A list of numbers with a sign, such as the way point -30,45, is not an option.
         parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
@@ -70,6 +70,7 @@ class Command:
                     groups[each.group, each.either] = home.add_mutually_exclusive_group()
                 home = groups[each.group, each.either]
             home.add_argument(*each.names, **each.options)
+        parser.formatter_class = argparse.RawDescriptionHelpFormatter
         return parser
 
 
@@ -106,7 +107,7 @@ def flag(words: str, text: str | None = None, *, either: str = "") -> Argument:
 
 def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
     """Return the arguments under a title of the help page."""
-    return tuple(replace(each, group=title) for each in arguments)
+    return tuple(each._replace(group=title) for each in arguments)
 
 
 # --- Arguments of several commands ---

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+import atexit
 import gc
 import importlib
 import os
@@ -59,6 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # A command makes many small objects and ends soon: looking for cycles among them takes
     # longer than reading the file that they come from.
     gc.set_threshold(200_000)
+    if arguments is None:  # the process ends with the command: no last search for cycles either
+        atexit.register(gc.freeze)
     _prepare_output()
     if sys.stderr.isatty():
         from fuzzyarm.kernels import watch_compiling
@@ -102,11 +106,17 @@ def _run(words: list[str]) -> int:
     if name not in COMMANDS or words[0] != name:
         return _overview(words, name)
     try:
-        # Options may stand anywhere among the names, as in `eval FILE --json e=1 ce=2`.
         command = find_command(name)
-        return command.run(command.parser().parse_intermixed_args(words[1:]))
+        return command.run(_parse(command.parser(), words[1:]))
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
+
+
+def _parse(parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
+    """Parse the words behind a command's name; options may stand anywhere among the others."""
+    if words and not any(word.startswith("-") for word in words):
+        return parser.parse_args(words)  # nothing to intermix: the usage need not be written
+    return parser.parse_intermixed_args(words)  # as in `eval FILE --json e=1 ce=2`
 
 
 def find_command(name: str) -> Command:

@@ -143,7 +143,7 @@ class Listing:
                 }
                 columns = {name: symbol(_element(each, name)) for name in each.columns}
                 body = (
-                    replace(step, value=substitute(step.value, {**parts, **columns}))
+                    step._replace(value=substitute(step.value, {**parts, **columns}))
                     for step in each.body
                 )
                 written.append(Loop(each, tuple(body)))
@@ -152,7 +152,7 @@ class Listing:
             if each.value is not before:  # else nothing was added: it is closed here
                 own = {} if before is None else {before: symbol(each.name)}
                 value = self._written(each.value, program.calls, known, own)
-                written.append(replace(each, value=value))
+                written.append(each._replace(value=value))
             growing[each.name] = each.value
             if index == last[each.name]:
                 known[each.value] = symbol(each.name)
@@ -355,4 +355,4 @@ def _language(writer: CWriter, real: type[np.floating]) -> Language:
         sign = "-" if value < 0.0 else ""
         return f"{sign}{name}" if kind == "float" else f"{sign}({kind}){name}"
 
-    return replace(basis, text=text, number=number, rename={})
+    return basis._replace(text=text, number=number, rename={})

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.nodes import Node, Number, apply, constant
@@ -38,8 +37,7 @@ Bounds = Callable[..., Interval]
 Partials = Callable[..., tuple[Number, ...]]
 
 
-@dataclass(frozen=True, slots=True)
-class Operation:
+class Operation(NamedTuple):
     """What one operation is to each of its readers.
 
     Attributes

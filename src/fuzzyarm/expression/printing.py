@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
 from itertools import count
+from typing import NamedTuple
 
 from fuzzyarm.expression.nodes import (
     Apply,
@@ -62,8 +62,7 @@ class NotPrintableError(Exception):
         self.language = language
 
 
-@dataclass(frozen=True, slots=True)
-class Assign:
+class Assign(NamedTuple):
     """Set a variable; the remark becomes a comment."""
 
     name: str
@@ -71,8 +70,7 @@ class Assign:
     remark: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Choose:
+class Choose(NamedTuple):
     """Run one of two lists of statements; both set the variable `name`."""
 
     name: str
@@ -222,8 +220,7 @@ def _renamed(statement: Statement, name: str, remark: str) -> Statement:
 # ── statements to text ───────────────────────────────────────────────────────────────
 
 
-@dataclass(frozen=True)
-class Language:
+class Language(NamedTuple):
     """How a language writes what all languages have.
 
     Attributes
@@ -244,6 +241,8 @@ class Language:
         ``condition``.
     remark : str
         What follows a statement with a remark.
+    rename : dict of str to str
+        Texts of symbols that are not written by their names.
     """
 
     name: str
@@ -254,7 +253,7 @@ class Language:
     declare_only: str
     choose: tuple[str, str, str]
     remark: str
-    rename: dict[str, str] = field(default_factory=dict)
+    rename: dict[str, str]
 
     def expression(self, node: Node, binds: int = 0) -> str:
         """Return the text of an expression, in parentheses where it binds less than `binds`."""
@@ -330,6 +329,7 @@ PYTHON = Language(
     "",
     ("if {condition}:", "else:", ""),
     "  # {}",
+    {},
 )
 """Python over floats, for the interpreter and for numba."""
 
@@ -359,6 +359,7 @@ def c_language(real: str = "double") -> Language:
         f"{real} {{name}};",
         ("if ({condition}) {{", "} else {", "}"),
         " /* {} */",
+        {},
     )
 
 
@@ -377,6 +378,7 @@ STRUCTURED_TEXT = Language(
     "",
     ("IF {condition} THEN", "ELSE", "END_IF;"),
     " (* {} *)",
+    {},
 )
 """IEC 61131-3 Structured Text; its variables are declared apart, see `variables`."""
 

@@ -11,9 +11,8 @@ import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from functools import wraps
-from typing import NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from fuzzyarm.expression.formulas import CONSTANTS, Formula
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
 from fuzzyarm.inference.sets import (
@@ -41,6 +40,9 @@ from fuzzyarm.model.rulebase import (
     Term,
     propositions,
 )
+
+if TYPE_CHECKING:
+    from fuzzyarm.expression.formulas import Formula
 
 
 class Member(NamedTuple):
@@ -395,6 +397,8 @@ def _member(
 def _check_formula(
     rulebase: RuleBase, output: Output, term: Term, formula: Formula, *, discrete: bool
 ) -> None:
+    from fuzzyarm.expression.formulas import CONSTANTS
+
     known = [variable.name for variable in (*rulebase.inputs, *rulebase.outputs)]
     for name in formula.names:
         if name == POSITION and name not in known and not discrete:

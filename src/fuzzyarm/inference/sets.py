@@ -14,7 +14,6 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fuzzyarm.expression.formulas import Formula, read_formula
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import Hedge, Shape
@@ -23,6 +22,8 @@ from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, polyline
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from fuzzyarm.expression.formulas import Formula
 
 POSITION = "x"
 """The name under which a formula that is a membership function knows where it is."""
@@ -37,6 +38,8 @@ SetFunction = Callable[[float], float]
 @lru_cache(maxsize=512)
 def formula_of(shape: Shape) -> Formula:
     """Return the formula of a shape, read once."""
+    from fuzzyarm.expression.formulas import read_formula
+
     return read_formula(shape.formula)
 
 

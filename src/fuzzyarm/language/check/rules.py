@@ -394,8 +394,9 @@ def _ranks_of_used(grid: GridNode, subject: Subject) -> dict[str, int] | None:
 def _telling(pairs: list[_Pair], grid: GridNode) -> list[_Pair]:
     """Leave out pairs of the term that most cells have: they mirror whatever the grid is like."""
     terms = [cell.term.text for row in grid.rows for cell in row.cells if cell.term]
-    common, count = Counter(terms).most_common(1)[0] if terms else ("", 0)
-    if 2 * count <= len(terms):
+    counts = Counter(terms)
+    common = max(terms, key=counts.__getitem__, default="")
+    if 2 * counts[common] <= len(terms):
         return pairs
     return [p for p in pairs if not all(c.term and c.term.text == common for c in p)]
 
