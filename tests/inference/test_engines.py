@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer, prepare
-from fuzzyarm.inference.arrays import blocks
+from fuzzyarm.inference.arrays import blocks, infer_arrays
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import And, Defuzzifier, Expression, Hedged, Is, Or, Output, RuleBase
 from tests.strategies import SMOOTH, STRAIGHT, input_points, plain_mamdani, rulebases
@@ -337,3 +337,27 @@ rule if a is HI and b is HI then y is HI
     for i, j in np.ndindex(whole.shape):
         one = infer(parse(text).rulebase, a=float(a[i, 0]), b=float(b[0, j]))["y"]
         assert whole[i, j] == pytest.approx(one, rel=1e-12)
+
+
+def test_rules_on_fewer_inputs_join_on_an_open_mesh() -> None:
+    """Rules on y alone for A and B, on x alone for C: heights of three shapes meet."""
+    text = """
+rulebase mesh
+input x 0 .. 2
+input y 0 .. 2
+output u 0 .. 4
+terms x, y: triangles LOW HIGH
+term u A: triangle 0 1 3
+term u B: triangle 0 2 4
+term u C: triangle 1 2 4
+rule if y is LOW then u is A
+rule if y is HIGH then u is B
+rule if x is LOW then u is C
+rule if x is HIGH then u is C
+"""
+    parsed = parse(text).rulebase
+    assert parsed is not None
+    x, y = np.linspace(0.0, 2.0, 5), np.linspace(0.0, 2.0, 7)
+    mesh = infer_arrays(parsed, {"x": x[:, None], "y": y[None, :]})["u"]
+    one = [[prepare(parsed).evaluate({"x": a, "y": b})["u"] for b in y] for a in x]
+    np.testing.assert_allclose(mesh, one, rtol=0, atol=1e-12)

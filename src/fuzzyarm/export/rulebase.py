@@ -21,7 +21,7 @@ from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
-from fuzzyarm.inference import infer
+from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output
@@ -214,7 +214,9 @@ class DirectRoutine:
         }
         last = self._last() if held is None else held
         holding = {o.name: last for o in self.rulebase.outputs if o.no_rule == "hold"}
-        found = infer(_forgiving(self.rulebase), named, held=holding)[self.name]
+        # The array engine divides as the exported program does; where the inference jumps, the
+        # kernel, which multiplies by slopes, may stand on the other side by one last bit.
+        found = infer_arrays(_forgiving(self.rulebase), named, holding)[self.name]
         return np.broadcast_to(np.asarray(found), np.broadcast_shapes(*(x.shape for x in inputs)))
 
     def _last(self) -> float:

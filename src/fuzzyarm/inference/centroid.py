@@ -6,6 +6,7 @@ imported where it is used, because a check has to start at once.
 
 from __future__ import annotations
 
+from functools import reduce
 from operator import mul
 from typing import TYPE_CHECKING
 
@@ -154,10 +155,8 @@ def closed_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple
             above = [heights[other] for other in others if other in heights]
             if member not in heights or not above:
                 continue
-            if len(above) == 1:
-                np.minimum(heights[member], above[0], out=cut)
-            else:
-                np.minimum(heights[member], np.maximum.reduce(above), out=cut)
+            # On an open mesh the heights of rules on fewer inputs have smaller shapes.
+            np.minimum(heights[member], reduce(np.maximum, above), out=cut)
             work.add(layers, cut, -1.0)
     value = np.divide(work.moment, work.area, out=work.moment, where=work.area > 0.0)
     value += form.centre
