@@ -215,7 +215,7 @@ class _Engine:
             plain = kernel_of(evaluate, compiled=False)
         free: list[tuple[NDArray[np.float64], memoryview, int]] = []
         take, give = free.pop, free.append
-        compiled, isnan = self._compiled, math.isnan
+        compiled, isnan, several = self._compiled, math.isnan, len(first.results) > 1
 
         def one(*values: float) -> tuple[float, ...] | None:
             try:
@@ -230,7 +230,9 @@ class _Engine:
                 plain(room[0])
             found: tuple[float, ...] = unpack(room[1], y_at)
             give(room)
-            return None if any(map(isnan, found)) else found
+            if isnan(found[0]) or (several and any(map(isnan, found))):
+                return None
+            return found
 
         return one
 
