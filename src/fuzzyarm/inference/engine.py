@@ -310,9 +310,13 @@ def _compiled(rulebase: RuleBase) -> Compiled:
     return Compiled(rulebase)
 
 
-@functools.cache
 def _at_hand() -> bool:
     """Whether the kernel is compiled already, in this process or on disk."""
+    return _entry.cache_info().currsize > 0 or _on_disk()
+
+
+@functools.cache
+def _on_disk() -> bool:
     return is_kept(sweep, 1) and is_kept(run, 1)
 
 
@@ -327,7 +331,10 @@ def infer_many(
         As :func:`fuzzyarm.infer`.
     """
     if jit_wanted():
-        points = max(getattr(value, "size", 1) for value in given.values())
+        try:
+            points = math.prod(np.broadcast_shapes(*map(np.shape, given.values())))
+        except ValueError:  # they do not fit each other: the engine for arrays says so
+            points = 0
         steps = points * (len(rulebase.rules) + 10)
         if _at_hand() or steps > STEPS_WORTH_COMPILING:
             return _compiled(rulebase)(dict(given), held=held)
