@@ -170,7 +170,8 @@ def is_at_hand(function: Callable[..., None], arrays: int | str) -> bool:
 @functools.cache
 def _is_on_disk(function: Callable[..., None], types: str) -> bool:
     label, digest = _label_and_digest(function, types, {}, inline=False)
-    return any((folder / f"{label}.{digest}.code").is_file() for folder in _folders(function))
+    # Unlike that of a path, this question has an answer where a folder cannot be searched.
+    return any(os.path.isfile(folder / f"{label}.{digest}.code") for folder in _folders(function))
 
 
 def _label_and_digest(
@@ -255,10 +256,11 @@ def _folders(function: Callable[..., Any]) -> list[Path]:
     if chosen:
         return [Path(chosen)]
     own = Path(function.__code__.co_filename).parent / "__pycache__"
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     # A function printed from an expression has no file.
     found = own if own.parent.is_dir() and own.parent.is_absolute() else _HERE / "__pycache__"
-    return [found, Path(user) / "fuzzyarm"]
+    user = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
+    # Without a home (a container may run under any number) the "~" stays as it is.
+    return [found, user / "fuzzyarm"] if user.is_absolute() else [found]
 
 
 _HERE = Path(__file__).resolve().parent
@@ -287,11 +289,12 @@ def _keep(code: bytes, folders: Sequence[Path], label: str, digest: str) -> None
         try:
             folder.mkdir(parents=True, exist_ok=True)
             write_atomically(folder / f"{label}.{digest}.code", _head(code) + code)
+        except OSError:  # read-only, or the disk is full
+            continue
+        with contextlib.suppress(OSError):  # another process may tidy up, too
             known = sorted(folder.glob(f"{label}.*.code"), key=lambda each: each.stat().st_mtime)
             for old in known[:-_VERSIONS]:
                 old.unlink()
-        except OSError:  # read-only, the disk is full, or another process was faster
-            continue
         return
 
 

@@ -3,11 +3,16 @@
 import errno
 import json
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fuzzyarm import kernels
 from fuzzyarm.kernels import address_of, build, call, jit_wanted, kernel, routine
@@ -49,15 +54,24 @@ def test_environment_switches_compilation(monkeypatch, value, wanted):
     assert jit_wanted() is wanted
 
 
-def in_new_process(code, **environment):
-    done = subprocess.run(
+def new_process(code, **environment):
+    return subprocess.Popen(
         [sys.executable, "-c", code],
         env={**os.environ, **environment},
-        capture_output=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
-        check=True,
     )
-    return json.loads(done.stdout)
+
+
+def told_by(process):
+    printed, errors = process.communicate()
+    assert (process.returncode, errors) == (0, "")
+    return json.loads(printed)
+
+
+def in_new_process(code, **environment):
+    return told_by(new_process(code, **environment))
 
 
 def test_importing_does_not_load_numba_or_scipy_or_matplotlib():
@@ -148,6 +162,127 @@ def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
     assert wanted[0] != wanted[1]
     assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
     assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
+
+
+ALL_WAYS = """
+import json, sys
+import numpy as np
+from fuzzyarm import compiled, kernels
+from fuzzyarm.controller import controller
+from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import reach
+from fuzzyarm.table import lookup
+lookup.ONCE_LOADED = lookup.WORTH_LOADING = 0
+told = []
+kernels.watch_compiling(told.append)
+x = np.linspace(-6.0, 6.0, 7)
+run = simulate(controller("pd"), reach(segment=0.1))
+control = compiled(shipped_rulebase("pd7.frb"))(e=x, ce=x[::-1])
+table = shipped_table("thesis-6.1.lut").lookup(x, x[::-1])
+print(json.dumps([list(run.rms), control["u"].tolist(), table.tolist(), len(told)]))
+"""
+"""Runs a loop, a rule base and a table as machine code; tells how much was compiled."""
+
+
+def truncated(files):
+    for path in files:
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def overwritten(files):
+    for path in files:
+        path.write_bytes(b"\x80\x04nonsense" + bytes(path.stat().st_size))
+
+
+def one_bit_flipped(files):
+    """In files that have a checksum, and in the index of those of numba."""
+    for path in files:
+        if path.suffix in {".code", ".nbi"}:
+            content = bytearray(path.read_bytes())
+            content[len(content) // 3] ^= 4
+            path.write_bytes(content)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", [truncated, overwritten, one_bit_flipped])
+def test_a_damaged_cache_heals(tmp_path, kept_code, damage):
+    folder, wanted = kept_code
+    cache = shutil.copytree(folder, tmp_path / "cache")
+    environment = {"NUMBA_CACHE_DIR": str(cache), "FUZZYARM_JIT": "1"}
+    damage([path for path in cache.rglob("*") if path.is_file()])
+    *found, compiled = in_new_process(ALL_WAYS, **environment)
+    assert found == wanted
+    assert compiled > 0
+    assert in_new_process(ALL_WAYS, **environment) == [*wanted, 0]
+
+
+@pytest.fixture(scope="module")
+def kept_code(tmp_path_factory):
+    """Return a cache that two processes filled at the same time, and what they told."""
+    folder = tmp_path_factory.mktemp("cache")
+    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": "1"}
+    processes = [new_process(ALL_WAYS, **environment) for _ in range(2)]
+    wanted, again = ([*told_by(each)][:-1] for each in processes)
+    assert wanted == again
+    return folder, wanted
+
+
+@pytest.mark.slow
+def test_two_processes_at_once_fill_one_cache(kept_code):
+    folder, wanted = kept_code
+    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": "1"}
+    assert in_new_process(ALL_WAYS, **environment) == [*wanted, 0]
+    assert not list(folder.rglob("*.part"))
+    interpreted = in_new_process(ALL_WAYS, **environment | {"FUZZYARM_JIT": "0"})
+    assert interpreted == [*wanted, 0]
+
+
+@pytest.mark.slow
+def test_a_full_disk_under_the_cache(tmp_path, kept_code):
+    pytest.importorskip("resource")
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (99, 99))\n"
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
+    for _ in range(2):
+        *found, compiled = in_new_process(limit + ALL_WAYS, **environment)
+        assert found == kept_code[1]
+        assert compiled > 0
+    assert not [path for path in tmp_path.rglob("*") if path.is_file() and path.stat().st_size]
+
+
+@pytest.mark.slow
+def test_a_cache_that_cannot_be_written(tmp_path, kept_code):
+    # Permissions do not stop the superuser; a file in the place of a folder does.
+    (tmp_path / "file").write_bytes(b"")
+    folder = str(tmp_path / "file" / "cache")
+    *found, _ = in_new_process(ALL_WAYS, NUMBA_CACHE_DIR=folder, FUZZYARM_JIT="1")
+    assert found == kept_code[1]
+
+
+@given(st.binary(max_size=300), st.data())
+def test_code_is_read_as_it_was_written_or_not_at_all(code, data):
+    whole = kernels._head(code) + code
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.code"
+        assert kernels._read_code(path) is None
+        path.write_bytes(whole)
+        assert kernels._read_code(path) == code
+        begin = data.draw(st.integers(0, len(whole)))
+        end = data.draw(st.integers(begin, len(whole)))
+        damaged = whole[:begin] + data.draw(st.binary(max_size=20)) + whole[end:]
+        path.write_bytes(damaged)
+        assert kernels._read_code(path) == (code if damaged == whole else None)
+        path.unlink()
+        path.mkdir()
+        assert kernels._read_code(path) is None
+
+
+def test_without_a_home_only_the_folder_of_the_package_is_used(monkeypatch):
+    for name in ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)
+    (only,) = kernels._folders(doubled)
+    assert only == Path(__file__).parent / "__pycache__"
 
 
 @pytest.mark.slow
