@@ -88,7 +88,7 @@ def test_interpreted_run_does_not_load_numba():
     code = (
         "import sys, json;from fuzzyarm.plant import reach;"
         "from fuzzyarm.controller import *;from fuzzyarm.loop import *;"
-        "run = simulate(controller('pd'), reach(segment=0.1));"
+        "run = simulate(controller('pd'), reach(segment=0.1, hold=0.1));"
         "print(json.dumps([run.compiled, 'numba' in sys.modules]))"
     )
     assert in_new_process(code, FUZZYARM_JIT="0") == [False, False]
@@ -107,7 +107,7 @@ RUN_AND_TELL = (
     "import sys, json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
     "from fuzzyarm.loop import simulate; from fuzzyarm import kernels; told = [];"
     "kernels.watch_compiling(told.append);"
-    "run = simulate(controller('cdid'), reach(segment=0.1));"
+    "run = simulate(controller('cdid'), reach(segment=0.1, hold=0.1));"
     "print(json.dumps([list(run.rms), 'numba' in sys.modules, told]))"
 )
 
@@ -127,7 +127,7 @@ RUN_IN_ORDER = (
     "import sys, json; from dataclasses import replace; from fuzzyarm.plant import reach;"
     "from fuzzyarm.controller import controller; from fuzzyarm.loop import simulate;"
     "from fuzzyarm.plant.setting import STUDY_CONVENTIONAL as study;"
-    "runs = [simulate(controller('cdid+ie'), reach(segment=0.5),"
+    "runs = [simulate(controller('cdid+ie'), reach(segment=0.5, hold=0.5),"
     " conventions=replace(study, precision=each)) for each in {order}];"
     "print(json.dumps([[list(run.rms) for run in runs], 'numba' in sys.modules]))"
 )
@@ -153,7 +153,7 @@ def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
     code = (
         "import json; from fuzzyarm.plant import *; from fuzzyarm.controller import *;"
         "from fuzzyarm.loop import simulate;"
-        "runs = [simulate(controller('cdid'), reach(segment=0.1), conventions=each)"
+        "runs = [simulate(controller('cdid'), reach(segment=0.1, hold=0.1), conventions=each)"
         " for each in (PLAIN, STUDY_CONVENTIONAL, PLAIN)];"
         "print(json.dumps([list(run.rms) for run in runs]))"
     )
@@ -177,7 +177,7 @@ lookup.ONCE_LOADED = lookup.WORTH_LOADING = 0
 told = []
 kernels.watch_compiling(told.append)
 x = np.linspace(-6.0, 6.0, 7)
-run = simulate(controller("pd"), reach(segment=0.1))
+run = simulate(controller("pd"), reach(segment=0.1, hold=0.1))
 control = compiled(shipped_rulebase("pd7.frb"))(e=x, ce=x[::-1])
 table = shipped_table("thesis-6.1.lut").lookup(x, x[::-1])
 print(json.dumps([list(run.rms), control["u"].tolist(), table.tolist(), len(told)]))

@@ -30,7 +30,7 @@ Origin = Literal["printed", "identified", "own", "given"]
 
 
 class GainError(FuzzyarmError, ValueError):
-    """A gain is unknown or its value is out of sense; `name` and `value` say which."""
+    """A gain is unknown or its value is out of range; `name` and `value` say which."""
 
     def __init__(self, message: str, *, name: str, value: object = None, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -56,7 +56,9 @@ class Gain:
         Printed in the study, identified from its figures, chosen here, or given by
         the user.
     positive : bool, optional
-        Whether zero and below are out of sense.
+        Whether zero and below are out of range.
+    bounds : pair of float, optional
+        Smallest and largest value; by default anything below 1e12 in magnitude.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Gain:
     meaning: str
     origin: Origin = "printed"
     positive: bool = False
+    bounds: tuple[float, float] | None = None
 
     def with_value(self, value: Sequence[float], origin: Origin = "given") -> Gain:
         """Return the gain with another value; a single number goes for all places.
@@ -72,7 +75,7 @@ class Gain:
         Raises
         ------
         GainError
-            If the count does not fit or a number is out of sense.
+            If the count does not fit or a number is out of range.
         """
         values = tuple(float(each) for each in value)
         if len(values) == 1:
@@ -83,15 +86,14 @@ class Gain:
                 name=self.name,
                 value=value,
             )
+        low, high = self.bounds or (-1e12, 1e12)
+        wanted = f"a {'positive' if self.positive else 'finite'} number below 1e12"
+        if self.bounds:
+            wanted = f"a number from {low:g} to {high:g}"
         for each in values:
-            if not math.isfinite(each) or abs(each) > 1e12 or (self.positive and each <= 0):
-                wanted = "a positive number" if self.positive else "a finite number"
-                raise GainError(
-                    f"gain {self.name} = {each} is out of sense",
-                    name=self.name,
-                    value=each,
-                    hint=f"{wanted} below 1e12",
-                )
+            if not low <= each <= high or (self.positive and each <= 0):
+                message = f"gain {self.name} = {each} is out of range"
+                raise GainError(message, name=self.name, value=each, hint=wanted)
         return replace(self, value=values, origin=origin)
 
 

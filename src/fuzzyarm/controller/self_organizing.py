@@ -25,7 +25,11 @@ from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import cell_of, grid_length
 
 LEARNING = Gain(
-    "learning_rate", (1.0,), "1", "share of the performance value that corrects; 0: no learning"
+    "learning_rate",
+    (1.0,),
+    "1",
+    "share of the performance value that corrects; 0: no learning",
+    bounds=(0.0, 10.0),
 )
 DELAY = Gain("delay", (1.0,), "control periods", "how long ago the responsible cell was in use")
 BOUND = Gain("bound", (6.0,), "1", "largest magnitude of a cell", positive=True)
@@ -140,7 +144,7 @@ def starting_tables(start: LookupTable | None, judge: JointTables) -> JointTable
 def _check(delay: float) -> None:
     if delay != int(delay) or not 0 <= delay <= LONGEST_DELAY:
         raise SourceError(
-            f"a delay of {delay:g} control periods is out of sense",
+            f"a delay of {delay:g} control periods is out of range",
             hint=f"a whole number from 0 to {LONGEST_DELAY}",
         )
 

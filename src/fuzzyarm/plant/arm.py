@@ -83,7 +83,7 @@ class ArmParameters:
             value = getattr(self, field.name)
             if not math.isfinite(value) or (value < 0 and field.name != "g"):
                 raise ArmError(
-                    f"arm parameter {field.name} = {value} is out of sense",
+                    f"arm parameter {field.name} = {value} is out of range",
                     name=field.name,
                     value=value,
                 )

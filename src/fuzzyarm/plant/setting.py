@@ -74,7 +74,7 @@ STUDY_DIRECT = Conventions("study", "float64", math.pi, False, False, "magnitude
 
 
 class ArmError(FuzzyarmError, ValueError):
-    """An angle, a time, a schedule or a parameter is out of sense.
+    """An angle, a time, a schedule or a parameter is out of range.
 
     Parameters
     ----------
