@@ -265,6 +265,8 @@ def summed_torque(
     signals: list[float],
 ) -> Pair:
     """Return the sum of the torques of all laws, called one after the other."""
+    # Only arrays cross an address, so the moment is written down once for all laws; they read
+    # 0 … 16 and write 17 and 18.
     reference, state, pose, clock = now
     signals[0], signals[1] = reference.position
     signals[2], signals[3] = reference.velocity
@@ -275,6 +277,7 @@ def summed_torque(
     signals[14] = clock.step
     signals[15] = 1.0 if clock.last else 0.0
     signals[16] = 1.0 if clock.single else 0.0
+    # In the order of the sum as it is written: the order of additions is part of the bits.
     first = 0.0
     second = 0.0
     for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
@@ -317,6 +320,8 @@ def law_at_address(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]
 ) -> None:
     """Run a law on the signals of :func:`summed_torque`."""
+    # Back into named tuples, which cost nothing: in machine code they are registers, and the
+    # law, inlined here, uses what it needs of them.
     reference = Reference(
         (signals[0], signals[1]), (signals[2], signals[3]), (signals[4], signals[5])
     )

@@ -48,6 +48,7 @@ def self_organizing_torque(
     `delay` cells of joint 1 and of joint 2 (each a ring), the tables of both joints, and how
     often each of their cells was used.
     """
+    # Both joints first, then the ring moves on: they share its index.
     _, state, _, clock = now
     control = (
         corrected_control(0, now, numbers, memory),
@@ -75,6 +76,8 @@ def corrected_control(joint: int, now: Moment, numbers: list[float], memory: lis
     table = 1 + 2 * delay + joint * cells
     visits = table + 2 * cells
 
+    # The study's order: the cell in use `delay` periods ago is corrected by how the state is now,
+    # and only then the control is looked up; with delay 0 that is the corrected value itself.
     e, ce = scaled_errors(joint, reference, state, numbers, clock.single)
     cell = cell_of(numbers, grid, e, ce)
     judgement = numbers[judged + (cell if alike else cell_of(numbers, judge, e, ce))]
@@ -83,6 +86,7 @@ def corrected_control(joint: int, now: Moment, numbers: list[float], memory: lis
         value = stored(memory[table + responsible] + rate * judgement, clock.single)
         memory[table + responsible] = min(max(value, -bound), bound)
     memory[visits + cell] += 1.0
+    # What `delay` periods from now is responsible takes the place of what has been judged.
     if delay > 0:
         memory[latest] = cell
     return memory[table + cell]
