@@ -219,15 +219,12 @@ def in_threads(job: Callable[[], _Result], workers: int) -> list[_Result]:
     """
     if workers == 1:
         return [job()]
-    from concurrent.futures import wait
-
     others = [_threads().submit(job) for _ in range(workers - 1)]
     try:
         found = [job()]
-    finally:
-        begun = [each for each in others if not each.cancel()]
-        wait(begun)
-    return found + [each.result() for each in begun]
+    finally:  # nothing goes on behind the back of an exception
+        found_too = [each.result() for each in others if not each.cancel()]
+    return found + found_too
 
 
 @functools.cache

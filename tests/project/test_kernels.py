@@ -1,12 +1,14 @@
 """Interpreted and compiled kernels, laziness, and the cache on disk."""
 
 import errno
+import itertools
 import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm import kernels
-from fuzzyarm.kernels import address_of, build, call, jit_wanted, kernel, routine
+from fuzzyarm.kernels import address_of, build, call, in_threads, jit_wanted, kernel, routine
 
 
 @kernel
@@ -390,3 +392,41 @@ def test_without_any_writable_folder_it_compiles_anew(monkeypatch):
 
     monkeypatch.setattr(CompileResultCacheImpl, "_locator_classes", [])
     assert build(added, compiled=True)(0.1, 0.2) == added(0.1, 0.2)
+
+
+def test_threads_share_what_there_is_to_do():
+    numbers = iter(range(1000))
+    parts = in_threads(lambda: list(numbers), 4)
+    assert len(parts) <= 4
+    assert sorted(itertools.chain(*parts)) == list(range(1000))
+    assert in_threads(threading.get_ident, 1) == [threading.get_ident()]
+
+
+def test_threads_work_at_the_same_time():
+    together = threading.Barrier(2, timeout=60)
+    assert sorted(in_threads(together.wait, 2)) == [0, 1]
+
+
+def test_what_a_thread_raises_comes_back():
+    together = threading.Barrier(2, timeout=60)
+
+    def fail_elsewhere():
+        together.wait()
+        if threading.current_thread() is not threading.main_thread():
+            raise ValueError("elsewhere")
+
+    with pytest.raises(ValueError, match="elsewhere"):
+        in_threads(fail_elsewhere, 2)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_a_forked_process_has_threads_of_its_own():
+    code = (
+        "import json, os, threading, warnings; from fuzzyarm.kernels import in_threads;"
+        "warnings.simplefilter('ignore');"
+        "work = lambda: in_threads(threading.Barrier(2, timeout=60).wait, 2);"
+        "work(); child = os.fork(); found = sorted(work());"
+        "child or os._exit(7 if found == [0, 1] else 1);"
+        "print(json.dumps([found, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])]))"
+    )
+    assert in_new_process(code) == [[0, 1], 7]
