@@ -26,7 +26,7 @@ import functools
 import importlib.util
 import os
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -36,6 +36,7 @@ SWITCH = "FUZZYARM_JIT"
 
 _MARK = "__fuzzyarm_kernel__"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+_Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 _Bindings = Mapping[str, Callable[..., Any]]
 
@@ -202,13 +203,17 @@ def _machine_address(
 # --- Several processors ---
 
 
-def in_threads(job: Callable[[], _Result], workers: int) -> list[_Result]:
-    """Do a job in this thread and, at the same time, in others, which stay for the next call.
+def in_threads(
+    job: Callable[[Iterator[_Item]], _Result], items: Iterable[_Item], workers: int
+) -> list[_Result]:
+    """Share items between this thread and others at the same time, which stay for the next call.
 
     Parameters
     ----------
     job : callable
-        Takes its share of something that all of them share, until nothing is left of it.
+        Takes items from the iterator that it is given, until nothing is left of it.
+    items : iterable
+        What there is to do; in parts so large that taking one costs nothing beside it.
     workers : int
         Threads, this one among them.
 
@@ -217,14 +222,16 @@ def in_threads(job: Callable[[], _Result], workers: int) -> list[_Result]:
     list
         What the jobs returned; one that had not begun when this thread was done is left out.
     """
-    if workers == 1:
-        return [job()]
-    others = [_threads().submit(job) for _ in range(workers - 1)]
+    left = iter(list(items))
+    others = [_threads().submit(job, left) for _ in range(workers - 1)]
     try:
-        found = [job()]
-    finally:  # nothing goes on behind the back of an exception
-        found_too = [each.result() for each in others if not each.cancel()]
-    return found + found_too
+        found = [job(left)]
+    except BaseException:
+        list(left)  # so that the others begin nothing more
+        raise
+    finally:
+        elsewhere = [each.result() for each in others if not each.cancel()]
+    return found + elsewhere
 
 
 @functools.cache

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -395,28 +396,44 @@ def test_without_any_writable_folder_it_compiles_anew(monkeypatch):
 
 
 def test_threads_share_what_there_is_to_do():
-    numbers = iter(range(1000))
-    parts = in_threads(lambda: list(numbers), 4)
+    parts = in_threads(list, range(1000), 4)
     assert len(parts) <= 4
     assert sorted(itertools.chain(*parts)) == list(range(1000))
-    assert in_threads(threading.get_ident, 1) == [threading.get_ident()]
+    assert in_threads(lambda _: threading.get_ident(), [], 1) == [threading.get_ident()]
 
 
 def test_threads_work_at_the_same_time():
     together = threading.Barrier(2, timeout=60)
-    assert sorted(in_threads(together.wait, 2)) == [0, 1]
+    assert sorted(in_threads(lambda _: together.wait(), [], 2)) == [0, 1]
 
 
 def test_what_a_thread_raises_comes_back():
     together = threading.Barrier(2, timeout=60)
 
-    def fail_elsewhere():
+    def fail_elsewhere(_):
         together.wait()
         if threading.current_thread() is not threading.main_thread():
             raise ValueError("elsewhere")
 
     with pytest.raises(ValueError, match="elsewhere"):
-        in_threads(fail_elsewhere, 2)
+        in_threads(fail_elsewhere, [], 2)
+
+
+def test_after_an_exception_nothing_more_is_begun():
+    together = threading.Barrier(2, timeout=60)
+    taken = []
+
+    def fail_here(numbers):
+        together.wait()
+        if threading.current_thread() is threading.main_thread():
+            raise KeyboardInterrupt
+        for number in numbers:
+            taken.append(number)
+            time.sleep(0.01)
+
+    with pytest.raises(KeyboardInterrupt):
+        in_threads(fail_here, range(1_000_000), 2)
+    assert len(taken) < 1_000_000
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
@@ -424,7 +441,7 @@ def test_a_forked_process_has_threads_of_its_own():
     code = (
         "import json, os, threading, warnings; from fuzzyarm.kernels import in_threads;"
         "warnings.simplefilter('ignore');"
-        "work = lambda: in_threads(threading.Barrier(2, timeout=60).wait, 2);"
+        "work = lambda: in_threads(lambda _, b=threading.Barrier(2, timeout=60): b.wait(), [], 2);"
         "work(); child = os.fork(); found = sorted(work());"
         "child or os._exit(7 if found == [0, 1] else 1);"
         "print(json.dumps([found, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])]))"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import struct
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache, partial
 from typing import Any
 
@@ -252,13 +252,12 @@ class _Engine:
         results = np.empty((len(self.rulebase.outputs), *working))
         workers = (os.cpu_count() or 1) if size >= MANY and self._compiled else 1
         turns = max(1, math.ceil(size / (workers * self._chunk)))
-        parts = iter(list(blocks(working, math.ceil(size / (workers * turns)))) if size else [])
+        parts = blocks(working, math.ceil(size / (workers * turns))) if size else ()
 
-        def fill() -> int:
-            """Take parts until none is left: a job for each part would take as long as the part."""
-            return sum(self._fill(arrays, working, results, part) for part in parts)
+        def fill(some: Iterator[tuple[slice, ...]]) -> int:
+            return sum(self._fill(arrays, working, results, part) for part in some)
 
-        missing = sum(in_threads(fill, workers))
+        missing = sum(in_threads(fill, parts, workers))
         if missing:
             self._complete(arrays, working, results, held)
         names = [output.name for output in self.rulebase.outputs]
