@@ -47,9 +47,10 @@ def imported(
     read: Callable[[str, Findings], tuple[RuleBase | None, Dialect]],
     *,
     lossy: bool,
+    strict: bool,
 ) -> Imported:
     """Refuse a text of absurd length, else have it read with line ends of one kind."""
-    findings = Findings(path, lossy=lossy)
+    findings = Findings(path, lossy=lossy, strict=strict)
     if len(text) > MAX_CHARACTERS:
         message = (
             f"the file has {len(text)} characters, more than the {MAX_CHARACTERS} that are read"

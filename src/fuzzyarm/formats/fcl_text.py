@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect, Spelling, all_spellings
@@ -21,12 +22,12 @@ _TOKEN = re.compile(
 )
 _PERCENT_LINE = re.compile(r"^[^\S\n]*%[^\n]*", re.MULTILINE)
 
+SECTION_ENDS = ("END_VAR", "END_FUZZIFY", "END_DEFUZZIFY", "END_RULEBLOCK", "END_FUNCTION_BLOCK")
 SECTIONS = ("FUNCTION_BLOCK", "VAR_INPUT", "VAR_OUTPUT", "FUZZIFY", "DEFUZZIFY", "RULEBLOCK")
 
 KEYWORDS = frozenset(
-    f"VAR OPTIONS OPTION {' '.join(SECTIONS)} END_FUNCTION_BLOCK END_VAR END_FUZZIFY "
-    "END_DEFUZZIFY END_RULEBLOCK END_OPTIONS END_OPTION TERM RANGE METHOD DEFAULT ACCU ACT AND "
-    "OR RULE ENABLED LOCK".split()
+    f"VAR OPTIONS OPTION {' '.join((*SECTIONS, *SECTION_ENDS))} END_OPTIONS END_OPTION TERM RANGE "
+    "METHOD DEFAULT ACCU ACT AND OR RULE ENABLED LOCK".split()
 )
 """Words that begin a statement or end a section, in capitals."""
 
@@ -56,6 +57,12 @@ def fcl_words(text: str, findings: Findings) -> list[Word]:
         elif kind in ("number", "word", "sign"):
             words.append(Word(piece, Span(line, column, line, column + len(piece))))
     return words
+
+
+MEAN_OF_MAXIMUM = (
+    "releases of jFuzzyLogic divide the last of the maximal samples by their number; here it is "
+    "their mean"
+)
 
 
 class Cursor:
@@ -108,6 +115,26 @@ class Cursor:
         if self.ended or not (self.word.text[0].isalpha() or self.word.text[0] in "_0123456789"):
             raise FaultError(f"the name of {what} is expected here", self.word)
         return self.take()
+
+    def title(self, keys: frozenset[str], *, setting: bool = False) -> Word:
+        """Return the rest of the line up to one of `keys`, as the name of a block.
+
+        With `setting` a key ends it only where a colon follows at once or after one more word.
+        """
+        start, line = self.at, self.word.span.line
+        while not self.ended and self.word.span.line == line and self.key() != ";":
+            follows = not setting or ":" in (self.key(1), self.key(2))
+            if self.key() in keys and follows:
+                break
+            self.at += 1
+        words = self.words[start : self.at]
+        if not words:
+            return Word("", self.word.span)
+        text = words[0].text
+        for before, word in pairwise(words):
+            apart = before.span.end_column < word.span.column
+            text += f" {word.text}" if apart else word.text
+        return Word(text, words[0].span.to(words[-1].span))
 
     def number(self) -> float:
         """Return the number that follows, with its signs."""
@@ -202,7 +229,7 @@ def _shape(
             "jFuzzyLogic takes 0 where the difference of the sigmoids is negative, the model "
             "its magnitude"
         )
-        findings.warn("negative-difference", message, word)
+        findings.loss("negative-difference", message, word, slight=True)
     return shape
 
 

@@ -241,7 +241,12 @@ _MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
 
 
 def parse_fis(
-    text: str, path: str = "<text>", *, producer: str | None = None, lossy: bool = False
+    text: str,
+    path: str = "<text>",
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
 
@@ -249,7 +254,7 @@ def parse_fis(
         found = FIS[producer or _detect(plain)]
         return _Reader(plain, found, findings).read(), found
 
-    return imported(text, path, read, lossy=lossy)
+    return imported(text, path, read, lossy=lossy, strict=strict)
 
 
 class _Reader:

@@ -45,10 +45,17 @@ _Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
 """Output → its conclusion and the hedges before it."""
 
 
-def write_fis(rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False) -> Exported:
+def write_fis(
+    rulebase: RuleBase,
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
     """Write a fuzzy inference system: :func:`~fuzzyarm.formats.registry.write` of ``.fis``."""
     producers = (producer,) if producer is not None else tuple(FIS)
-    return best([_Writer(rulebase, FIS[each], lossy=lossy).export() for each in producers])
+    dialects = [FIS[each] for each in producers]
+    return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
 
 
 class _Writer(Writer):
@@ -148,7 +155,7 @@ class _Writer(Writer):
             f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
             f"{self.program} does"
         )
-        self.findings.loss("sampling", message)
+        self.findings.loss("sampling", message, slight=True)
         return _METHODS[defuzzifier.method]
 
     def _variable(self, variable: Input | Output) -> list[str]:
