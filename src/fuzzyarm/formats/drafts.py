@@ -121,6 +121,7 @@ class Draft:
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
     _index: dict[str, Term] = field(default_factory=dict)
+    refused: set[str] = field(default_factory=set)  # names of terms that have findings
 
     @property
     def name(self) -> str:

@@ -372,8 +372,10 @@ class _Reader:
                 cursor.take()
                 word = cursor.name("a term")
                 cursor.skip(":=", "=", ":")
+                draft.refused.add(word.text)  # unless what follows is a function
                 shape = read_shape(cursor, self.dialect, inputs, self.findings)
                 if shape is not None:
+                    draft.refused.discard(word.text)
                     keep = "first" if self._own else "last"
                     add_term(draft, word, shape, self.findings, keep=keep)
             case "RANGE":

@@ -16,7 +16,8 @@ _TOKEN = re.compile(
     r"(?P<space>[^\S\n]+)|(?P<newline>\n)"
     r"|(?P<line>(?://|#)[^\n]*)|(?P<block>/\*.*?\*/|\(\*.*?\*\))"
     r"|(?P<open>/\*|\(\*)"
-    r"|(?P<number>(?:\d+(?:\.(?!\.)\d*)?|\.\d+)(?:[eE][+-]?\d+)?(?!\w))"
+    r"|(?P<number>(?:\d+(?:\.(?!\.)\d*)?|\.\d+)(?:[eE][+-]?\d+)?(?!\w|\.\d))"
+    r"|(?P<bad>\d*\.\d[\w.]*)"
     r"|(?P<word>\w+)|(?P<sign>:=|\.\.|\*\*|\S)",
     re.DOTALL,
 )
@@ -54,7 +55,7 @@ def fcl_words(text: str, findings: Findings) -> list[Word]:
             word = Word(piece, Span(line, column, line, column + 2))
             findings.error("open-comment", "the comment that begins here never ends", word)
             break
-        elif kind in ("number", "word", "sign"):
+        elif kind in ("number", "bad", "word", "sign"):
             words.append(Word(piece, Span(line, column, line, column + len(piece))))
     return words
 
@@ -145,7 +146,8 @@ class Cursor:
                 sign = -sign
         value = number(self.word.text) if not self.ended else None
         if value is None:
-            raise FaultError("a number is expected here", first, "not-a-number")
+            found = f", not '{self.word.text[:40]}'" if not self.ended else ""
+            raise FaultError(f"a number is expected here{found}", first, "not-a-number")
         self.at += 1
         return sign * value
 
@@ -190,6 +192,8 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
         return _points(cursor, dialect, findings)
     if cursor.at_number():
         return make_shape("singleton", [cursor.number()], word, findings)
+    if not cursor.ended and word.text[0] in ".0123456789":
+        cursor.number()
     if cursor.ended or not word.text[0].isalpha():
         raise FaultError("a membership function is expected here", word)
     cursor.take()
@@ -248,6 +252,8 @@ def _numbers(cursor: Cursor, findings: Findings) -> list[float] | None:
 
 
 def _moving(word: Word, findings: Findings) -> None:
+    if not word.text[0].isalpha():
+        raise FaultError(f"'{word.text[:40]}' is not a number", word, "not-a-number")
     message = (
         f"the corner '{word.text[:40]}' is a variable; a term whose shape moves cannot be carried"
     )

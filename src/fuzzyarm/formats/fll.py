@@ -325,7 +325,9 @@ class _Reader:
             message = f"fuzzylite calls the term '{name.text[:60]}' {cleaned}"
             self.findings.info("renamed", message, name)
         shape = _shape(kind, parameters, formula, inputs, self.findings)
-        if shape is not None:
+        if shape is None:
+            draft.refused.add(cleaned)
+        else:
             add_term(draft, Word(cleaned, name.span), shape, self.findings, keep="last")
 
     # --- Rule blocks ---
