@@ -8,15 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect
-from fuzzyarm.formats.findings import (
-    MAX_CHARACTERS,
-    MAX_TERMS,
-    Findings,
-    Imported,
-    Word,
-    number,
-    rounded,
-)
+from fuzzyarm.formats.findings import Findings, Imported, Word, number, rounded
 from fuzzyarm.model.rulebase import (
     Consequent,
     Defuzzifier,
@@ -27,7 +19,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, Span
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS, MAX_MAGNITUDE, MAX_TERMS, Span
 
 VALUES = frozenset({"singleton", "linear", "formula"})
 """Kinds of shape that are a number rather than a set."""
@@ -52,7 +44,7 @@ def imported(
     findings = Findings(path, lossy=lossy)
     if len(text) > MAX_CHARACTERS:
         message = (
-            f"the file has {len(text)} characters, more than the {MAX_CHARACTERS} that are read"
+            f"the file has {len(text):,} characters, more than the {MAX_CHARACTERS:,} that are read"
         )
         findings.error("too-long", message)
         return Imported(None, findings.all())
@@ -120,6 +112,7 @@ class Draft:
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
     _index: dict[str, Term] = field(default_factory=dict)
+    refused: set[str] = field(default_factory=set)  # names of terms that have findings
 
     @property
     def name(self) -> str:
@@ -201,6 +194,8 @@ def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep
     if earlier is None:
         if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
             draft.add(term)
+        else:
+            draft.refused.add(term.name)
         return
     message = f"'{draft.name}' has two terms called '{word.text}'; the {keep} counts"
     findings.duplicate("duplicate-term-name", message, word, earlier.span)
@@ -245,9 +240,11 @@ def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Fi
 
 
 def maximum_of_nothing(output: Draft | Output) -> float:
-    """Return what fuzzylite 7 takes for the maximum of an empty output: all samples are it."""
+    """Return the maximum of nothing to fuzzylite 7 and Octave: all samples are it."""
     defuzzifier = output.defuzzifier
-    half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
+    half_step = 0.0
+    if defuzzifier.sampling == "midpoints":
+        half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
     match defuzzifier.method:
         case "mean-of-maximum":
             return 0.5 * (output.low + output.high)

@@ -347,7 +347,9 @@ class _Reader:
                 word = cursor.name("a term")
                 cursor.skip(":=", "=", ":")
                 shape = read_shape(cursor, self.dialect, inputs, self.findings)
-                if shape is not None:
+                if shape is None:
+                    draft.refused.add(word.text)
+                else:
                     keep = "last" if self.dialect.producer == "jfuzzylogic" else "first"
                     add_term(draft, word, shape, self.findings, keep=keep)
             case "RANGE":

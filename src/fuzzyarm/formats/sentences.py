@@ -218,7 +218,7 @@ class _Parser:
         return draft.terms[0].name
 
     def _term(self, draft: Draft, word: Word) -> str:
-        if draft.term(word.text) is not None:
+        if draft.term(word.text) is not None or word.text in draft.refused:
             return word.text
         same = [t.name for t in draft.terms if t.name.lower() == word.text.lower()]
         if self.dialect.any_case and len(same) == 1:
