@@ -10,6 +10,7 @@ import pytest
 from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS
 
 DATA = Path(__file__).parent / "data"
 
@@ -179,7 +180,6 @@ def test_fll_faults_have_a_name_and_a_place(text: str, name: str, line: int) -> 
 def test_every_mistake_of_a_file_in_one_run_with_what_was_meant() -> None:
     text = FLL.replace("Ramp", "Rampp").replace("Maximum\n  def", "Maximun\n  def")
     errors = parse_fll(text.replace("RULE", "if x is a then y is lo")).errors
-    # Of the term with the unknown shape nothing more is said where a rule uses it.
     assert [d.name for d in errors] == ["unknown-shape", "unknown-norm", "undefined-term"]
     assert errors[0].replacement == "Ramp"
     assert errors[1].replacement == "Maximum"
@@ -448,7 +448,7 @@ def test_latin_1_is_read_and_said(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".fll", ".fcl", ".fis"])
 def test_absurd_length_is_refused(suffix: str) -> None:
-    assert names(parse("x" * 200_001, suffix)) == {"too-long"}
+    assert names(parse("x" * (MAX_CHARACTERS + 1), suffix)) == {"too-long"}
 
 
 @pytest.mark.parametrize("suffix", [".fll", ".fcl", ".fis"])

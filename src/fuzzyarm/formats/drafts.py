@@ -10,16 +10,7 @@ from graphlib import CycleError, TopologicalSorter
 from fuzzyarm.expression.formulas import read_formula
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect
-from fuzzyarm.formats.findings import (
-    MAX_CHARACTERS,
-    MAX_TERMS,
-    Findings,
-    Imported,
-    Word,
-    number,
-    rounded,
-    shortened,
-)
+from fuzzyarm.formats.findings import Findings, Imported, Word, number, rounded, shortened
 from fuzzyarm.model.rulebase import (
     TAKAGI_SUGENO,
     Consequent,
@@ -33,7 +24,7 @@ from fuzzyarm.model.rulebase import (
     Term,
     propositions,
 )
-from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, Span
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS, MAX_MAGNITUDE, MAX_TERMS, Span
 
 VALUES = frozenset({"singleton", "linear", "formula"})
 """Kinds of shape that are a number rather than a set."""
@@ -59,7 +50,7 @@ def imported(
     findings = Findings(path, lossy=lossy, strict=strict)
     if len(text) > MAX_CHARACTERS:
         message = (
-            f"the file has {len(text)} characters, more than the {MAX_CHARACTERS} that are read"
+            f"the file has {len(text):,} characters, more than the {MAX_CHARACTERS:,} that are read"
         )
         findings.error("too-long", message)
         return Imported(None, findings.all())
@@ -262,6 +253,8 @@ def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep
     if earlier is None:
         if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
             draft.add(term)
+        else:
+            draft.refused.add(term.name)
         return
     message = f"'{draft.name}' has two terms called '{word.text}'; the {keep} counts"
     findings.duplicate("duplicate-term-name", message, word, earlier.span)
@@ -306,9 +299,11 @@ def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Fi
 
 
 def maximum_of_nothing(output: Draft | Output) -> float:
-    """Return what fuzzylite 7 takes for the maximum of an empty output: all samples are it."""
+    """Return the maximum of nothing to fuzzylite 7 and Octave: all samples are it."""
     defuzzifier = output.defuzzifier
-    half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
+    half_step = 0.0
+    if defuzzifier.sampling == "midpoints":
+        half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
     match defuzzifier.method:
         case "mean-of-maximum":
             return 0.5 * (output.low + output.high)

@@ -6,7 +6,7 @@ import re
 from itertools import pairwise
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.formats.dialects import Dialect, Spelling, all_spellings
+from fuzzyarm.formats.dialects import FCL, Dialect, Spelling, all_spellings
 from fuzzyarm.formats.findings import FaultError, Findings, Word, number
 from fuzzyarm.formats.shapes import formula_shape, make_shape, spelled_shape
 from fuzzyarm.model.rulebase import Shape
@@ -227,7 +227,9 @@ def _shape(
     if key == "GENERALIZEDBELL":
         message = f"'{word.text}' is taken for a bell with width, slope and centre"
         findings.warn("guessed-shape", message, word)
-    shape = spelled_shape(spelling, values, inputs, word, findings, "last")
+    is_fuzzylites = spelling in all_spellings(SHAPES, "fcl").values()
+    program = FCL["fuzzylite"] if is_fuzzylites else dialect
+    shape = spelled_shape(spelling, values, inputs, word, findings, program)
     if key == "DSIGM" and shape is not None and is_cut(shape):
         message = (
             "jFuzzyLogic takes 0 where the difference of the sigmoids is negative, the model "

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -20,9 +20,6 @@ from fuzzyarm.text.names import near_hint
 
 # --- What a reader or writer of a foreign format hands back, and how it collects findings ---
 
-MAX_CHARACTERS = 200_000
-"""Longest foreign text that is read: some hundred times the largest that people write."""
-
 MAX_FINDINGS = 300
 """Most findings that one reading lists; the rest is counted."""
 
@@ -32,7 +29,6 @@ MAX_HINTS = 20
 MAX_CHOICES = 300
 """Names that are compared for such a guess."""
 
-MAX_TERMS = 1_000
 MAX_VARIABLES = 200
 MAX_RULES = 10_000
 
@@ -188,6 +184,15 @@ class Findings:
             hint, replacement = near_hint(word.text, islice(choices, MAX_CHOICES))
         message = f"{what} '{shortened(word.text)}' is not known"
         self._add(name, message, word, Severity.ERROR, hint, replacement)
+
+    def ignored_key(self, word: Word, choices: Sequence[str]) -> None:
+        """Record a key that has no effect: an error where one of `choices` may be meant."""
+        hint, _ = near_hint(word.text.lower(), [choice.lower() for choice in choices])
+        if hint:
+            self.unknown("unknown-key", "the key", word, choices)
+        else:
+            message = f"the key '{shortened(word.text)}' is not known; it is left out"
+            self.warn("unknown-key", message, word)
 
     def norm(self, what: str, word: Word, table: Mapping[str, str], key: str = "") -> str | None:
         """Return the norm that `key` (the word itself) names in a table of words."""

@@ -8,7 +8,7 @@ from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing
 from fuzzyarm.formats.findings import Exported, all_written, written
-from fuzzyarm.formats.fis_reader import fractions, hedges_of
+from fuzzyarm.formats.fis_reader import by_magnitude, fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import fuzzylite_formula, fuzzylite_shape, word_and_numbers
@@ -146,17 +146,25 @@ class _Writer(Writer):
         defuzzifier = output.defuzzifier
         resolution, sampling = self.dialect.samples
         found = (defuzzifier.resolution, defuzzifier.sampling)
-        if self.dialect.producer == "octave" and found == (resolution, "trapezoid"):
-            if defuzzifier.method == "centroid":
-                return "centroid_integral"
-        elif found == (resolution, sampling):
-            return _METHODS[defuzzifier.method]
-        message = (
-            f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
-            f"{self.program} does"
-        )
-        self.findings.loss("sampling", message, slight=True)
-        return _METHODS[defuzzifier.method]
+        of_integral = ("centroid", resolution, "trapezoid")
+        if self.dialect.producer == "octave" and (defuzzifier.method, *found) == of_integral:
+            return "centroid_integral"
+        if found != (resolution, sampling):
+            message = (
+                f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
+                f"{self.program} does"
+            )
+            self.findings.loss("sampling", message, slight=True)
+        method: str | None = defuzzifier.method
+        if self.dialect.producer == "matlab":
+            method = by_magnitude(defuzzifier.method, output.low, output.high)
+        if method is None:
+            message = (
+                f"MATLAB takes the maximum of '{output.name}' that is nearest to 0 for som and "
+                "the farthest for lom, not the lowest and the highest"
+            )
+            self.findings.loss("maximum-by-magnitude", message, slight=True)
+        return _METHODS[method or defuzzifier.method]
 
     def _variable(self, variable: Input | Output) -> list[str]:
         lines = [
@@ -173,7 +181,7 @@ class _Writer(Writer):
 
     def _term(self, variable: Input | Output, term: Term) -> str:
         shape = fuzzylite_shape(term.shape) if self.is_own else term.shape
-        if shape.kind in VALUES:
+        if shape.kind in VALUES or not self.dialect.heights:
             shape = self.without_height(variable, term)
         known = word_and_numbers(shape, self.dialect.kinds)
         found = known or word_and_numbers(shape, "fis")
@@ -181,7 +189,7 @@ class _Writer(Writer):
             self.nothing_like(variable, term)
             return ""
         word, values = found
-        if not self.is_own and (known is None or term.shape.height != 1.0):
+        if not self.is_own and known is None:
             message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({word})"
             self.findings.loss("unsupported-shape", message)
         if shape.kind != "formula":
@@ -220,7 +228,7 @@ class _Writer(Writer):
     def _usual(self, output: Output) -> float:
         if self.dialect.producer == "matlab":
             return 0.5 * (output.low + output.high)
-        return maximum_of_nothing(output) if self.is_own else math.nan
+        return maximum_of_nothing(output)
 
     # --- Rules: a term index for each variable, weight, and connective ---
 

@@ -21,7 +21,6 @@ from fuzzyarm.formats.drafts import (
 )
 from fuzzyarm.formats.findings import (
     MAX_RULES,
-    MAX_TERMS,
     MAX_VARIABLES,
     Exported,
     Findings,
@@ -44,6 +43,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
 )
+from fuzzyarm.text.diagnostic import MAX_TERMS
 
 # --- FLL text, line by line: `key: value` with `#` comments ---
 
@@ -169,7 +169,7 @@ def _shape(
     if spelling.kind == "ramp" and len(values) in (2, 3) and values[0] == values[1]:
         findings.error("unordered-corners", "a Ramp from a number to itself is nowhere", name)
         return None
-    return spelled_shape(spelling, values, inputs, name, findings, FLL.ties)
+    return spelled_shape(spelling, values, inputs, name, findings, FLL)
 
 
 # --- Read FLL ---

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 import os
 from dataclasses import replace
@@ -11,14 +12,13 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.dialects import FCL, FIS, FLL
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
-from fuzzyarm.formats.findings import MAX_CHARACTERS, Exported, Findings, Imported
+from fuzzyarm.formats.findings import Exported, Findings, Imported
 from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
-from fuzzyarm.text.diagnostic import Diagnostic, Span
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS, Diagnostic, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
 """Suffixes of other programs' files."""
@@ -131,17 +131,27 @@ def read(
     """
     suffix = suffix_of(path)
     name = os.fspath(path)
-    most = MAX_CHARACTERS if suffix in FOREIGN else MAX_OWN_CHARACTERS
     with Path(path).open("rb") as file:
-        data = file.read(4 * most + 1)
+        data = file.read(4 * MAX_CHARACTERS + 1)
     text, findings = decoded(data, name)
+    if any(diagnostic.is_error for diagnostic in findings):
+        return Imported(None, findings)
     imported = parse(text, suffix, name, producer=producer, block=block, lossy=lossy, strict=strict)
     diagnostics = tuple(sorted((*findings, *imported.diagnostics), key=lambda d: d.span))
     return replace(imported, diagnostics=diagnostics)
 
 
 def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
-    """Return the text of UTF-8 bytes, or of Latin-1 with a warning at the first bad byte."""
+    """Return the text of UTF-8 bytes, or of Latin-1 with a warning at the first bad byte.
+
+    UTF-16 with its mark is read as well; other bytes with a NUL among them are not a text.
+    """
+    if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        return data.decode("utf-16", errors="replace"), ()
+    if b"\0" in data:
+        findings = Findings(path)
+        findings.error("not-text", "not a text file")
+        return "", findings.all()
     try:
         return data.decode("utf-8-sig"), ()
     except UnicodeDecodeError as error:
