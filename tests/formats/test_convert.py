@@ -19,8 +19,9 @@ from fuzzyarm.cli.main import main
 from fuzzyarm.formats import same_model, write
 from fuzzyarm.formats.registry import read
 from fuzzyarm.formats.tables import in_tables
-from fuzzyarm.inference import InferenceError, infer
+from fuzzyarm.inference import InferenceError, infer, prepare
 from fuzzyarm.language import load_rulebase
+from fuzzyarm.model.rulebase import RuleBase
 
 DATA = Path(__file__).parent / "data"
 
@@ -272,13 +273,15 @@ def test_tables_mean_what_the_rules_meant(data: st.DataObject) -> None:
         points = data.draw(input_points(one, 3))
         for row in zip(*points.values(), strict=True):
             at = dict(zip(points, row, strict=True))
-            held = {output.name: 0.25 for output in one.outputs}
-            try:
-                found = infer(one, at, held=held)
-            except InferenceError as error:
-                with pytest.raises(type(error)):
-                    infer(other, at, held=held)
-                continue
-            again = infer(other, at, held=held)
-            for name, value in found.items():
-                assert again[name] == pytest.approx(value, rel=1e-9, abs=1e-12, nan_ok=True)
+            assert outcome(other, at) == pytest.approx(
+                outcome(one, at), rel=1e-9, abs=1e-12, nan_ok=True
+            )
+
+
+def outcome(rulebase: RuleBase, at: dict[str, float]) -> dict[str, float]:
+    """The outputs at a point; none where the model gives an error."""
+    held = {output.name: 0.25 for output in rulebase.outputs}
+    try:
+        return prepare(rulebase).evaluate(at, held)
+    except InferenceError:
+        return {}
