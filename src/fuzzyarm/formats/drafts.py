@@ -5,19 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from graphlib import CycleError, TopologicalSorter
 
+from fuzzyarm.expression.formulas import read_formula
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect
-from fuzzyarm.formats.findings import Findings, Imported, Word, number, rounded
+from fuzzyarm.formats.findings import Findings, Imported, Word, number, rounded, shortened
 from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
     Consequent,
     Defuzzifier,
     Input,
     Output,
+    Rule,
     RuleBase,
     RuleBlock,
     Shape,
     Term,
+    propositions,
 )
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS, MAX_MAGNITUDE, MAX_TERMS, Span
 
@@ -39,9 +44,10 @@ def imported(
     read: Callable[[str, Findings], tuple[RuleBase | None, Dialect]],
     *,
     lossy: bool,
+    strict: bool,
 ) -> Imported:
     """Refuse a text of absurd length, else have it read with line ends of one kind."""
-    findings = Findings(path, lossy=lossy)
+    findings = Findings(path, lossy=lossy, strict=strict)
     if len(text) > MAX_CHARACTERS:
         message = (
             f"the file has {len(text):,} characters, more than the {MAX_CHARACTERS:,} that are read"
@@ -50,11 +56,64 @@ def imported(
         return Imported(None, findings.all())
     plain = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     rulebase, dialect = read(plain, findings)
+    if rulebase is not None and not findings.failed:
+        _refuse_unknown_names(rulebase, findings)
+        _refuse_circles(rulebase, dialect, findings)
     if dialect.assumed:
         findings.info("assumed-producer", dialect.assumed)
     if findings.failed:
         rulebase = None
     return Imported(rulebase, findings.all(), dialect.producer)
+
+
+def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
+    """Report formulas of values that name no variable, and of sets that name one."""
+    values = [o for o in rulebase.outputs if o.defuzzifier.method in TAKAGI_SUGENO]
+    known = {each.name for each in (*rulebase.inputs, *rulebase.outputs)}
+    for variable in (*rulebase.inputs, *values):
+        is_set = isinstance(variable, Input)
+        for term in variable.terms:
+            names = read_formula(term.shape.formula).names if term.shape.formula else ()
+            for name in sorted(set(names) - ({"x"} if is_set else known)):
+                message = f"the formula of '{term.name}' asks for '{shortened(name)}', "
+                message += "but a set depends on x alone" if is_set else "an unknown variable"
+                findings.error("undefined-variable", message, term.span)
+
+
+def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) -> None:
+    """Report outputs that wait for themselves: other programs have their last value there."""
+    outputs = {output.name: index for index, output in enumerate(rulebase.outputs)}
+    formulas = {
+        (output.name, term.name): set(read_formula(term.shape.formula).names) & outputs.keys()
+        for output in rulebase.outputs
+        for term in output.terms
+        if term.shape.kind == "formula"
+    }
+    last: dict[str, int] = {}
+    for index, block in enumerate(rulebase.blocks):
+        last |= {c.variable: index for rule in block.rules for c in rule.consequents}
+    waits: dict[str, set[str]] = {}
+    reader: dict[str, Rule] = {}
+    late: list[str] = []
+    for index, block in enumerate(rulebase.blocks):
+        for rule in block.rules:
+            used = {part.variable for part in propositions(rule.antecedent)} & outputs.keys()
+            for name, term in [(c.variable, c.term) for c in rule.consequents]:
+                own = formulas.get((name, term), set())
+                late += [other for other in own if outputs[other] >= outputs[name]]
+                late += [other for other in used | own if last.get(other, -1) > index]
+                waits.setdefault(name, set()).update(used, own)
+                reader |= dict.fromkeys(used | own, rule)
+    try:
+        TopologicalSorter(waits).prepare()
+    except CycleError as error:
+        late += error.args[1]
+    if late:
+        message = (
+            f"'{late[0]}' is asked for before all rules that conclude it; {dialect.program} takes "
+            "its last value, which the model does not have"
+        )
+        findings.error("chained-output", message, reader[late[0]].span)
 
 
 def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[Word]:

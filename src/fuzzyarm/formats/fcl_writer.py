@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 from fuzzyarm.expression.formulas import CONSTANTS, FRB, FormulaError, read_formula, write_formula
@@ -16,7 +17,8 @@ from fuzzyarm.formats.dialects import (
     Dialect,
     word_of,
 )
-from fuzzyarm.formats.fcl_text import KEYWORDS, is_cut
+from fuzzyarm.formats.drafts import VALUES
+from fuzzyarm.formats.fcl_text import KEYWORDS, MEAN_OF_MAXIMUM, is_cut
 from fuzzyarm.formats.findings import Exported, all_written, written
 from fuzzyarm.formats.shapes import larger_wins, word_and_numbers
 from fuzzyarm.formats.writing import (
@@ -24,6 +26,7 @@ from fuzzyarm.formats.writing import (
     HEADER,
     Writer,
     best,
+    identifier,
     identifiers,
     written_sentences,
 )
@@ -41,13 +44,20 @@ _ALL_FUNCTIONS = replace(
 """For --lossy: the functions that jFuzzyLogic lacks are written by their names here."""
 
 
-def write_fcl(rulebase: RuleBase, *, dialect: str | None = None, lossy: bool = False) -> Exported:
+def write_fcl(
+    rulebase: RuleBase,
+    *,
+    dialect: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
     """Write a function block: :func:`~fuzzyarm.formats.registry.write` of ``.fcl``.
 
     The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
     """
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
-    return best([_Writer(rulebase, FCL[each], lossy=lossy).export() for each in producers])
+    dialects = [FCL[each] for each in producers]
+    return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
 
 
 class _Writer(Writer):
@@ -56,7 +66,7 @@ class _Writer(Writer):
     def lines(self) -> list[str]:
         rulebase = self.rulebase
         self.names = identifiers(rulebase, self.findings, _RESERVED, ignore_case=True)
-        name = self.one_line(rulebase.name, ";:#/()")
+        name = self._title(rulebase.name)
         lines = [f"// {HEADER} for {self.program}.", "", f"FUNCTION_BLOCK {name}".rstrip()]
         lines += self._declared("VAR_INPUT", rulebase.inputs)
         lines += self._declared("VAR_OUTPUT", rulebase.outputs)
@@ -72,6 +82,19 @@ class _Writer(Writer):
     def own(self) -> bool:
         """Whether it is for fuzzylite, else for jFuzzyLogic."""
         return self.dialect.producer == "fuzzylite"
+
+    def _title(self, name: str) -> str:
+        """Return the name of a block, an identifier to jFuzzyLogic."""
+        if not self.own:
+            title = identifier(name, _RESERVED, ignore_case=True) if name else ""
+        else:
+            plain = re.sub(r"[;:#]|/[/*]|\(\*", " ", name)
+            words = "".join(c if c.isprintable() else " " for c in plain).split()
+            title = " ".join(f"{w}_" if w.upper() in KEYWORDS else w for w in words)
+        if title != name:
+            message = f"the block '{name[:40]}' is written as '{title[:40]}'"
+            self.findings.info("changed-text", message)
+        return title
 
     def _declared(self, key: str, variables: tuple[Input | Output, ...]) -> list[str]:
         lines = ["", key]
@@ -126,30 +149,32 @@ class _Writer(Writer):
             return "COGS"
         if method in TAKAGI_SUGENO:
             self.need_values(output)
-            if method == "weighted-average":
-                return "COGS" if kinds <= {"singleton"} or self.own else "COGF"
             if self.own:
-                return "COGSS"
+                return "COGS" if method == "weighted-average" else "COGSS"
         if method not in _METHODS:
-            message = f"{self.program} has no {method} for '{output.name}'"
-            self.findings.loss("unsupported-defuzzifier", message)
-            return "COGS"
-        if not self.own and kinds == {"singleton"}:
-            message = f"'{output.name}' has singletons for terms but integrates sets"
-            self.findings.warn("value-as-set", message)
-        else:
-            self.need_sets(output)
+            if method != "weighted-average":
+                message = f"{self.program} has no {method} for '{output.name}'"
+                self.findings.loss("unsupported-defuzzifier", message)
+            if kinds & VALUES and not kinds <= VALUES:
+                message = f"{self.program} refuses sets and values in one output, '{output.name}'"
+                self.findings.error("set-as-value", message)
+            if not kinds <= VALUES:
+                return "COG"
+            return "COGS" if kinds <= {"singleton"} else "COGF"
+        self.need_sets(output)
+        if method == "mean-of-maximum" and not self.own:
+            self.findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, slight=True)
         resolution, sampling = self.dialect.samples
         if (output.defuzzifier.resolution, output.defuzzifier.sampling) != self.dialect.samples:
             message = (
                 f"'{output.name}' is not defuzzified over {resolution} {sampling} samples, as "
                 f"{self.program} does"
             )
-            self.findings.loss("sampling", message)
+            self.findings.loss("sampling", message, slight=True)
         return _METHODS[method]
 
     def _block(self, block: RuleBlock) -> list[str]:
-        lines = [f"RULEBLOCK {self.one_line(block.name, ';:#/() ')}".rstrip()]
+        lines = [f"RULEBLOCK {self._title(block.name)}".rstrip()]
         if self.own:
             lines += [
                 f"  AND : {self.tnorm(block.conjunction)};",

@@ -124,11 +124,14 @@ class Findings:
         The file, as the caller named it.
     lossy : bool
         Whether a loss that changes numbers is a warning rather than an error.
+    strict : bool
+        Whether a slight loss is an error too.
     """
 
-    def __init__(self, path: str = "", *, lossy: bool = False) -> None:
+    def __init__(self, path: str = "", *, lossy: bool = False, strict: bool = False) -> None:
         self.path = path
         self.lossy = lossy
+        self.strict = strict
         self._items: list[Diagnostic] = []
         self._left_out = 0
         self._errors = 0
@@ -148,10 +151,22 @@ class Findings:
         """Record what ended the reading of a part."""
         self.error(fault.name, str(fault), fault.word)
 
-    def loss(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
-        """Record what cannot be carried and changes numbers."""
-        severity = Severity.WARNING if self.lossy else Severity.ERROR
-        self._add(name, message, at, severity, hint or ("" if self.lossy else LOSSY_HINT))
+    def loss(
+        self,
+        name: str,
+        message: str,
+        at: Word | Span = NOWHERE,
+        hint: str = "",
+        *,
+        slight: bool = False,
+    ) -> None:
+        """Record what cannot be carried and changes numbers.
+
+        A `slight` loss, such as another sampling, is a warning unless the caller is strict.
+        """
+        allowed = self.lossy or (slight and not self.strict)
+        severity = Severity.WARNING if allowed else Severity.ERROR
+        self._add(name, message, at, severity, hint or ("" if allowed else LOSSY_HINT))
 
     def warn(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
         """Record a doubt that changes no number."""

@@ -270,7 +270,12 @@ _MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
 
 
 def parse_fis(
-    text: str, path: str = "<text>", *, producer: str | None = None, lossy: bool = False
+    text: str,
+    path: str = "<text>",
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
 
@@ -282,7 +287,7 @@ def parse_fis(
             findings.fault(fault)
             return None, found
 
-    return imported(text, path, read, lossy=lossy)
+    return imported(text, path, read, lossy=lossy, strict=strict)
 
 
 class _Reader:
@@ -427,7 +432,7 @@ class _Reader:
                 f"MATLAB takes the maximum of '{draft.name}' that is nearest to 0 for som and the "
                 "farthest for lom; here the lowest and the highest are taken"
             )
-            self.findings.warn("maximum-by-magnitude", message, at)
+            self.findings.loss("maximum-by-magnitude", message, at, slight=True)
         return found or method
 
     def _weighted(self, draft: Draft, method: str, at: Word) -> None:

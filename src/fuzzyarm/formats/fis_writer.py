@@ -45,10 +45,17 @@ _Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
 """Output → its conclusion and the hedges before it."""
 
 
-def write_fis(rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False) -> Exported:
+def write_fis(
+    rulebase: RuleBase,
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
     """Write a fuzzy inference system: :func:`~fuzzyarm.formats.registry.write` of ``.fis``."""
     producers = (producer,) if producer is not None else tuple(FIS)
-    return best([_Writer(rulebase, FIS[each], lossy=lossy).export() for each in producers])
+    dialects = [FIS[each] for each in producers]
+    return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
 
 
 class _Writer(Writer):
@@ -147,7 +154,7 @@ class _Writer(Writer):
                 f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
                 f"{self.program} does"
             )
-            self.findings.loss("sampling", message)
+            self.findings.loss("sampling", message, slight=True)
         method: str | None = defuzzifier.method
         if self.dialect.producer == "matlab":
             method = by_magnitude(defuzzifier.method, output.low, output.high)
@@ -156,7 +163,7 @@ class _Writer(Writer):
                 f"MATLAB takes the maximum of '{output.name}' that is nearest to 0 for som and "
                 "the farthest for lom, not the lowest and the highest"
             )
-            self.findings.warn("maximum-by-magnitude", message)
+            self.findings.loss("maximum-by-magnitude", message, slight=True)
         return _METHODS[method or defuzzifier.method]
 
     def _variable(self, variable: Input | Output) -> list[str]:
@@ -174,7 +181,7 @@ class _Writer(Writer):
 
     def _term(self, variable: Input | Output, term: Term) -> str:
         shape = fuzzylite_shape(term.shape) if self.is_own else term.shape
-        if shape.kind in VALUES:
+        if shape.kind in VALUES or not self.dialect.heights:
             shape = self.without_height(variable, term)
         known = word_and_numbers(shape, self.dialect.kinds)
         found = known or word_and_numbers(shape, "fis")
@@ -182,7 +189,7 @@ class _Writer(Writer):
             self.nothing_like(variable, term)
             return ""
         word, values = found
-        if not self.is_own and (known is None or term.shape.height != 1.0):
+        if not self.is_own and known is None:
             message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({word})"
             self.findings.loss("unsupported-shape", message)
         if shape.kind != "formula":

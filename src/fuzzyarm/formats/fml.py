@@ -152,7 +152,9 @@ _VARIABLES = {
 """Variable → its terms."""
 
 
-def parse_fml(text: str, path: str = "<text>", *, lossy: bool = False) -> Imported:
+def parse_fml(
+    text: str, path: str = "<text>", *, lossy: bool = False, strict: bool = False
+) -> Imported:
     """Read a fuzzy system: :func:`~fuzzyarm.formats.registry.parse` of ``.fml``."""
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
@@ -162,7 +164,7 @@ def parse_fml(text: str, path: str = "<text>", *, lossy: bool = False) -> Import
             findings.fault(fault)
             return None, FML
 
-    return imported(text, path, read, lossy=lossy)
+    return imported(text, path, read, lossy=lossy, strict=strict)
 
 
 class _Reader:

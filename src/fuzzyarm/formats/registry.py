@@ -62,6 +62,7 @@ def parse(
     producer: str | None = None,
     block: str | None = None,
     lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read `text` as the format of `suffix`; never raises on any text.
 
@@ -80,6 +81,8 @@ def parse(
         The function block of an FCL file with several.
     lossy : bool
         Whether a loss that changes numbers is a warning rather than an error.
+    strict : bool
+        Whether a slight loss, as by another sampling, is an error rather than a warning.
 
     Raises
     ------
@@ -89,13 +92,13 @@ def parse(
     _demand_program(producer, suffix, "writes")
     match suffix:
         case ".fll":
-            return parse_fll(text, path, lossy=lossy)
+            return parse_fll(text, path, lossy=lossy, strict=strict)
         case ".fcl":
-            return parse_fcl(text, path, dialect=producer, block=block, lossy=lossy)
+            return parse_fcl(text, path, dialect=producer, block=block, lossy=lossy, strict=strict)
         case ".fis":
-            return parse_fis(text, path, producer=producer, lossy=lossy)
+            return parse_fis(text, path, producer=producer, lossy=lossy, strict=strict)
         case ".fml" | ".xml":
-            return parse_fml(text, path, lossy=lossy)
+            return parse_fml(text, path, lossy=lossy, strict=strict)
         case ".frb":
             return _own(text, path)
     raise FormatError(f"no format has the suffix '{suffix}'")
@@ -114,6 +117,7 @@ def read(
     producer: str | None = None,
     block: str | None = None,
     lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read the file at `path` by its suffix.
 
@@ -122,7 +126,7 @@ def read(
     path : str or PathLike
         A ``.frb``, ``.fll``, ``.fcl``, ``.fis`` or ``.fml`` (``.xml``) file, UTF-8 or else
         Latin-1.
-    producer, block, lossy
+    producer, block, lossy, strict
         As for :func:`parse`.
 
     Raises
@@ -139,7 +143,7 @@ def read(
     text, findings = decoded(data, name)
     if any(diagnostic.is_error for diagnostic in findings):
         return Imported(None, findings)
-    imported = parse(text, suffix, name, producer=producer, block=block, lossy=lossy)
+    imported = parse(text, suffix, name, producer=producer, block=block, lossy=lossy, strict=strict)
     diagnostics = tuple(sorted((*findings, *imported.diagnostics), key=lambda d: d.span))
     return replace(imported, diagnostics=diagnostics)
 
@@ -169,7 +173,12 @@ def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
 
 
 def write(
-    rulebase: RuleBase, suffix: str, *, producer: str | None = None, lossy: bool = False
+    rulebase: RuleBase,
+    suffix: str,
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
 ) -> Exported:
     """Return `rulebase` in the format of `suffix`.
 
@@ -184,6 +193,8 @@ def write(
         one whose sampling the outputs have.
     lossy : bool
         Whether to write even where that program would give other numbers.
+    strict : bool
+        Whether to refuse slight losses too, such as another sampling.
 
     Raises
     ------
@@ -193,23 +204,23 @@ def write(
     _demand_program(producer, suffix, "reads")
     match suffix:
         case ".fll":
-            return write_fll(rulebase, lossy=lossy)
+            return write_fll(rulebase, lossy=lossy, strict=strict)
         case ".fcl":
-            return write_fcl(rulebase, dialect=producer, lossy=lossy)
+            return write_fcl(rulebase, dialect=producer, lossy=lossy, strict=strict)
         case ".fis":
-            return write_fis(rulebase, producer=producer, lossy=lossy)
+            return write_fis(rulebase, producer=producer, lossy=lossy, strict=strict)
         case ".frb":
-            return _write_own(rulebase, lossy=lossy)
+            return _write_own(rulebase, lossy=lossy, strict=strict)
     raise FormatError(f"no format has the suffix '{suffix}'")
 
 
-def _write_own(rulebase: RuleBase, *, lossy: bool) -> Exported:
+def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
     """Write a ``.frb`` text; refuse where the language would, or would read another model."""
     from fuzzyarm.language import parse as parse_rulebase
     from fuzzyarm.language import write as write_rulebase
 
     text = write_rulebase(rulebase)
-    findings = Findings(lossy=lossy)
+    findings = Findings(lossy=lossy, strict=strict)
     parsed = parse_rulebase(text)
     for diagnostic in parsed.diagnostics:
         if diagnostic.is_error:
