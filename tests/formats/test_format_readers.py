@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read
+from fuzzyarm.formats.findings import MAX_CHARACTERS
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
-from fuzzyarm.text.diagnostic import MAX_CHARACTERS
 
 DATA = Path(__file__).parent / "data"
 

@@ -12,14 +12,14 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.dialects import FCL, FIS, FLL
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
-from fuzzyarm.formats.findings import Exported, Findings, Imported
+from fuzzyarm.formats.findings import MAX_CHARACTERS, Exported, Findings, Imported
 from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import MAX_CHARACTERS, Diagnostic, Span
+from fuzzyarm.text.diagnostic import Diagnostic, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
 """Suffixes of other programs' files."""
