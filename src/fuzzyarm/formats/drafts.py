@@ -67,6 +67,8 @@ def imported(
     if rulebase is not None and not findings.failed:
         _refuse_unknown_names(rulebase, findings)
         _refuse_circles(rulebase, dialect, findings)
+    if rulebase is not None and not findings.failed and not rulebase.rules:
+        findings.warn("no-rules", "there is no rule in this file that counts")
     if dialect.assumed:
         findings.info("assumed-producer", dialect.assumed)
     if findings.failed:

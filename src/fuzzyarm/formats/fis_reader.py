@@ -511,22 +511,20 @@ class _Reader:
             ("numrules", len(self.rules), "rules"),
         )
         if not has_system:
-            message = "there is no section [System] in this file"
-            self.findings.error("no-engine", message)
+            self.findings.error("no-engine", "there is no section [System] in this file")
             return
         for key, counted, what in counts:
             word = self.settings.get(key)
             if word is not None and not self._check_count(word, counted, what):
                 return
         system = self.seen["system", 0]
+        ends = [bool(_ENDING.search(self.rules[index].text)) for index in (0, -1) if self.rules]
         if not self.inputs or not self.outputs:
             what = "input" if not self.inputs else "output"
             self.findings.error("no-engine", f"there is no {what} in this file", system)
         elif ("rules", 0) not in self.seen:
             self.findings.error("no-rules", "there is no section [Rules] in this file", system)
-        elif not self.rules:
-            self.findings.warn("no-rules", "the file has no rules", self.seen["rules", 0])
-        elif _ENDING.search(self.rules[0].text) and not _ENDING.search(self.rules[-1].text):
+        elif ends == [True, False]:
             message = "the last rule lacks the ending of the others: the file is cut off"
             self.findings.error("syntax", message, self.rules.pop())
 
