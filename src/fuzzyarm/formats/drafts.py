@@ -66,6 +66,7 @@ def imported(
     rulebase, dialect = read(plain, findings)
     if rulebase is not None and not findings.failed:
         _refuse_unknown_names(rulebase, findings)
+        _refuse_without_inverse(rulebase, findings)
         _refuse_circles(rulebase, dialect, findings)
     if rulebase is not None and not findings.failed and not rulebase.rules:
         findings.warn("no-rules", "there is no rule in this file that counts")
@@ -88,6 +89,17 @@ def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
                 message = f"the formula of '{term.name}' asks for '{shortened(name)}', "
                 message += "but a set depends on x alone" if is_set else "an unknown variable"
                 findings.error("undefined-variable", message, term.span)
+
+
+def _refuse_without_inverse(rulebase: RuleBase, findings: Findings) -> None:
+    """Report terms that rules conclude for Tsukamoto's method, which cannot invert them."""
+    tsukamoto = {o.name for o in rulebase.outputs if o.defuzzifier.method == "tsukamoto"}
+    concluded = {(c.variable, c.term) for rule in rulebase.rules for c in rule.consequents}
+    for name, word in sorted(each for each in concluded if each[0] in tsukamoto):
+        term = rulebase.variable(name).term(word)
+        if not all_invertible({term.shape.kind}):
+            message = f"'{word}' of '{name}' has no inverse, which Tsukamoto needs"
+            findings.error("not-monotonic", message, term.span)
 
 
 def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) -> None:
@@ -291,9 +303,6 @@ def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Fi
         monotonic = draft.kinds and all_invertible(draft.kinds)
         kind = "Tsukamoto" if monotonic else "TakagiSugeno"
     if kind == "Tsukamoto":
-        if not all_invertible(draft.kinds):
-            message = f"'{draft.name}' has terms without an inverse, which Tsukamoto needs"
-            findings.error("not-monotonic", message, at)
         if method == "weighted-sum":
             message = "a weighted sum of Tsukamoto terms cannot be carried"
             findings.loss("weighted-sum-of-tsukamoto", message, at)

@@ -17,7 +17,7 @@ from fuzzyarm.formats.dialects import (
     Dialect,
     word_of,
 )
-from fuzzyarm.formats.drafts import VALUES
+from fuzzyarm.formats.drafts import VALUES, all_invertible
 from fuzzyarm.formats.fcl_text import KEYWORDS, MEAN_OF_MAXIMUM, is_cut
 from fuzzyarm.formats.findings import Exported, all_written, written
 from fuzzyarm.formats.shapes import larger_wins, word_and_numbers
@@ -36,12 +36,6 @@ _RESERVED = FUZZYLITE_WORDS | frozenset(word.lower() for word in KEYWORDS) | {
     "real", "nan", "nc", "constant", "function", "linear", "discrete", "points",
 }  # fmt: skip
 _METHODS = {method: word for word, method in FCL["fuzzylite"].integral.items()}
-_ALL_FUNCTIONS = replace(
-    FCL["jfuzzylogic"].formula,
-    functions={**FRB.functions, **FCL["jfuzzylogic"].formula.functions},
-    comparisons=True,
-)
-"""For --lossy: the functions that jFuzzyLogic lacks are written by their names here."""
 
 
 def write_fcl(
@@ -144,23 +138,8 @@ class _Writer(Writer):
 
     def _method(self, output: Output) -> str:
         method = output.defuzzifier.method
-        kinds = {term.shape.kind for term in output.terms}
-        if method == "tsukamoto" and self.own:
-            return "COGS"
-        if method in TAKAGI_SUGENO:
-            self.need_values(output)
-            if self.own:
-                return "COGS" if method == "weighted-average" else "COGSS"
         if method not in _METHODS:
-            if method != "weighted-average":
-                message = f"{self.program} has no {method} for '{output.name}'"
-                self.findings.loss("unsupported-defuzzifier", message)
-            if kinds & VALUES and not kinds <= VALUES:
-                message = f"{self.program} refuses sets and values in one output, '{output.name}'"
-                self.findings.error("set-as-value", message)
-            if not kinds <= VALUES:
-                return "COG"
-            return "COGS" if kinds <= {"singleton"} else "COGF"
+            return self._weighted(output) if self.own else self._plain_weighted(output)
         self.need_sets(output)
         if method == "mean-of-maximum" and not self.own:
             self.findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, slight=True)
@@ -172,6 +151,29 @@ class _Writer(Writer):
             )
             self.findings.loss("sampling", message, slight=True)
         return _METHODS[method]
+
+    def _weighted(self, output: Output) -> str:
+        if output.defuzzifier.method in TAKAGI_SUGENO:
+            self.need_values(output)
+        elif not all_invertible({term.shape.kind for term in output.terms}):
+            message = (
+                f"to fuzzylite '{output.name}' is Tsukamoto's if all of its terms have an inverse, "
+                "which some have not"
+            )
+            self.findings.loss("unsupported-defuzzifier", message)
+        return "COGSS" if output.defuzzifier.method == "weighted-sum" else "COGS"
+
+    def _plain_weighted(self, output: Output) -> str:
+        """Return the method of jFuzzyLogic that takes the terms as they are."""
+        kinds = {term.shape.kind for term in output.terms}
+        method = output.defuzzifier.method
+        if method != "weighted-average":
+            message = f"jFuzzyLogic has no {method} for '{output.name}'"
+            self.findings.loss("unsupported-defuzzifier", message)
+        if kinds <= VALUES:
+            return "COGS" if kinds <= {"singleton"} else "COGF"
+        self.need_values(output, refused=bool(kinds & VALUES))
+        return "COG"
 
     def _block(self, block: RuleBlock) -> list[str]:
         lines = [f"RULEBLOCK {self._title(block.name)}".rstrip()]
@@ -262,10 +264,13 @@ class _Writer(Writer):
         formula = read_formula(text)
         free = CONSTANTS.keys() - {variable.name for variable in self.rulebase.inputs}
         root = put_in(_without_signs(formula.root), {name: CONSTANTS[name] for name in free})
-        for function in _missing_functions(root, self.dialect):
+        missing = _missing_functions(root, self.dialect)
+        for function in missing:
             message = f"jFuzzyLogic has no function '{function}'"
-            self.findings.loss("unsupported-function", message)
-        return write_formula(root, _ALL_FUNCTIONS, self.names.variables, upper=True)
+            self.findings.error("unsupported-function", message)
+        if missing:
+            return ""
+        return write_formula(root, self.dialect.formula, self.names.variables, upper=True)
 
 
 _OPERATORS = {"add", "subtract", "multiply", "divide", "power", "remainder", "where"}

@@ -115,7 +115,11 @@ class _Writer(Writer):
 
     def _method(self) -> str:
         names = [self._defuzzifier(output) for output in self.rulebase.outputs]
-        return self._one(names, "defuzzifier", "centroid")
+        method = self._one(names, "defuzzifier", "centroid")
+        if len(set(names)) > 1 and method in self.dialect.weighted:
+            for output in self.rulebase.outputs:
+                self.need_values(output, refused=not self.is_own)
+        return method
 
     def _defuzzifier(self, output: Output) -> str:
         method = output.defuzzifier.method
@@ -126,7 +130,7 @@ class _Writer(Writer):
                 self.findings.loss("unsupported-defuzzifier", message)
             return "wtaver"
         if method in TAKAGI_SUGENO:
-            self.need_values(output)
+            self.need_values(output, refused=not self.is_own)
             if self.dialect.producer == "matlab" and output.aggregation != "sum":
                 message = f"MATLAB adds up the rules of '{output.name}' whatever the aggregation"
                 self.findings.loss("unsupported-norm", message)

@@ -81,6 +81,8 @@ class Writer:
     def export(self) -> Exported:
         """Return the text, unless something is in the way, and what was found."""
         rulebase, dialect, findings = self.rulebase, self.dialect, self.findings
+        if not rulebase.outputs:
+            findings.error("no-engine", "the rule base has no output")
         note_left_out(rulebase, findings, descriptions=self.descriptions)
         note_chaining(rulebase, findings, self.program, own=dialect.chains)
         if not dialect.thresholds:
@@ -166,11 +168,13 @@ class Writer:
 
     # --- Defuzzifiers ---
 
-    def need_values(self, output: Output) -> None:
-        """Report sets where a weighted defuzzifier needs values."""
+    def need_values(self, output: Output, *, refused: bool = False) -> None:
+        """Report sets where a weighted defuzzifier needs values; some programs refuse them."""
         if not {term.shape.kind for term in output.terms} <= VALUES:
-            message = f"'{output.name}' has sets where {self.program} needs values"
-            self.findings.loss("set-as-value", message)
+            method = output.defuzzifier.method
+            message = f"'{output.name}' has sets where {self.program} needs values ({method})"
+            report = self.findings.error if refused else self.findings.loss
+            report("set-as-value", message)
 
     def need_sets(self, output: Output, why: str = "which cannot be integrated") -> None:
         """Report values where an integral needs sets."""
