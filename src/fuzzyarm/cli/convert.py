@@ -30,6 +30,7 @@ from fuzzyarm.cli.command import (
     print_error,
     print_findings,
     print_json,
+    say,
 )
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
 from fuzzyarm.language.reading import text_to_show
@@ -99,7 +100,7 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
         return int(not written)
     _report(arguments, imported, diagnostics, written=written)
     if written and not arguments.quiet:
-        print(
+        say(
             f"what {rules} rules cannot express of {table.output}: {found.worst:.3g} at worst, "
             f"{found.rms:.3g} rms over {table.values.size} cells"
         )
@@ -129,15 +130,15 @@ def _report(
         if diagnostic.span != NOWHERE:
             print_findings([diagnostic], text, stream)
             continue
-        hint = f"\n       = hint: {diagnostic.hint}" if diagnostic.hint else ""
+        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
         label = f"{diagnostic.severity}[{diagnostic.name}]"
-        print(f"{diagnostic.path}: {label}: {diagnostic.message}{hint}", file=stream)
+        say(f"{diagnostic.path}: {label}: {diagnostic.message}", *hint, to_errors=not written)
     if not written:
         print_error(f"{arguments.target}: not written")
     elif not arguments.quiet:
         # Of a table the residual tells what was lost.
         summary = "" if imported.producer == "table" and not found else f", {_summary(found)}"
-        print(f"{arguments.target}: written{summary}")
+        say(f"{arguments.target}: written{summary}")
 
 
 def _summary(found: list[Diagnostic]) -> str:
