@@ -122,7 +122,7 @@ def forget(stream):
 
 
 def opened(path, encoding="utf-8", errors="strict"):
-    return open(path, "w", encoding=encoding, errors=errors)  # noqa: SIM115 - see `forget`
+    return open(path, "w", encoding=encoding, errors=errors)
 
 
 @pytest.mark.slow

@@ -60,7 +60,7 @@ _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
 def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.api import load
     from fuzzyarm.model.rulebase import RuleBase
-    from fuzzyarm.table.files import SUFFIXES
+    from fuzzyarm.table import SUFFIXES
 
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
     exports = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS)) in _EXPORTS

@@ -20,7 +20,6 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from fuzzyarm.api import TABLE_SUFFIXES
 from fuzzyarm.cli.command import (
     argument,
     command,
@@ -35,6 +34,7 @@ from fuzzyarm.cli.command import (
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 from fuzzyarm.text.files import write_atomically
 
@@ -49,7 +49,7 @@ _PROGRAMS = sorted({program for programs in PRODUCERS.values() for program in pr
 
 def _run(arguments: argparse.Namespace) -> int:
     target = suffix_of(arguments.target)
-    if Path(arguments.source).suffix.lower() in TABLE_SUFFIXES:
+    if Path(arguments.source).suffix.lower() in SUFFIXES:
         return _convert_table(arguments, target)
     imported = read(
         arguments.source,

@@ -162,7 +162,7 @@ def _print_mistakes(error: RuleBaseError) -> None:
 
 def _overview(words: list[str], name: str | None) -> int:
     if words and words[0] in {"--version", "-V"}:
-        from fuzzyarm import __version__
+        from fuzzyarm.version import __version__
 
         print(f"fuzzyarm {__version__}")
         return 0

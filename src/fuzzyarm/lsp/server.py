@@ -13,9 +13,9 @@ from pygls.protocol import LanguageServerProtocol
 from pygls.protocol.language_server import lsp_method
 from pygls.uris import to_fs_path
 
-from fuzzyarm import __version__
 from fuzzyarm.lsp.protocol import Converter
 from fuzzyarm.lsp.session import SLOW, UTF16, Session
+from fuzzyarm.version import __version__
 
 
 class Protocol(LanguageServerProtocol):
