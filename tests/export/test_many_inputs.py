@@ -1,4 +1,4 @@
-"""The accuracy of exported inference is measured in bounded memory, however many inputs there are."""
+"""The accuracy of exported inference is measured in bounded memory, whatever the inputs."""
 
 import tracemalloc
 

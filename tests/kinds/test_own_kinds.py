@@ -395,8 +395,8 @@ def test_a_broken_package_neither_raises_nor_hides_the_others(monkeypatch):
     monkeypatch.setattr(records, "failures", records.failures)
     try:
         found = fuzzyarm.parse(
-            "rulebase r\ninput x 0 .. 1\noutput y 0 .. 1\nterm x A: qqqqqq 1\n"
-            "term y A: trianglee 0 1 2\ninference and qqq\nrule if x is uuu A then y is A\n"
+            "rulebase r\ninput x 0 .. 1\noutput y 0 .. 1\nterm x A: trianglee 0 1 2\n"
+            "term y A: qqqqqq 1\ninference and qqq\nrule if x is uuu A then y is A\n"
         )
         assert ran == ["works"]
         hints = {d.name: d.hint for d in found.diagnostics}

@@ -163,7 +163,7 @@ def test_no_packages_import_each_other():
     graph = {name: set() for name in packages}
     for module, imported in import_graph(late=True).items():
         graph[package(module)] |= {package(name) for name in imported} - {package(module)}
-    # `fuzzyarm` itself is what stands beside the packages: the version at the bottom, the short way in.
+    # `fuzzyarm` itself is what stands beside the packages: the version, the short way in.
     graph["fuzzyarm"] = set()
     assert not circles(graph)
 
