@@ -318,8 +318,9 @@ def test_a_hover_shows_names_and_descriptions_as_they_are(name: str) -> None:
     x, text = quote(name, "'"), quote(name, '"')
     source = (
         f"rulebase {x} {text}\ninput {x} 0 .. 1 {text}\noutput y 0 .. 1 {text}\n"
-        f'term {x} {x}: triangle 0 0.5 0.7\nterm y {x}: formula {text}\nterm y F: formula "{x} + 1"\n'
-        f"terms y: triangles A B\nblock {x}\nrules y\n  {x} {x}\n  y A\nrule if {x} is {x} then y is B\n"
+        f"term {x} {x}: triangle 0 0.5 0.7\nterm y {x}: formula {text}\n"
+        f'term y F: formula "{x} + 1"\nterms y: triangles A B\nblock {x}\n'
+        f"rules y\n  {x} {x}\n  y A\nrule if {x} is {x} then y is B\n"
     )
     reading = read(source)
     shown = 0

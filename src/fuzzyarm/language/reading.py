@@ -63,7 +63,14 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     """
     document = parse_document(text, memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
-    partial, findings = elaborate(document, memory)
+    meant, mended = document, frozenset[int]()
+    if document.diagnostics and not too_large:
+        from fuzzyarm.language.slips import as_meant
+
+        meant, mended = as_meant(text, document)
+        document = document._replace(diagnostics=meant.diagnostics)
+    partial, findings = elaborate(meant, memory)
+    findings = [finding for finding in findings if finding.line not in mended]
     found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     if failures:
         found = list(map(_with_failure, found))

@@ -203,7 +203,8 @@ class EvenTermsNode(NamedTuple):
         token = cursor.peek()
         cursor.suggest("families")
         try:
-            return cursor.word("how the terms are shaped", EVEN_SHAPES, "unknown-shape")
+            families = f"a family of terms ({', '.join(EVEN_SHAPES)})"
+            return cursor.word(families, EVEN_SHAPES, "unknown-shape")
         except Fault as fault:
             if token is None or token.kind != "name":
                 raise

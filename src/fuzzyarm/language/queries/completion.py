@@ -7,9 +7,10 @@ finds fault. Where they end, whatever the reader asks for is what could stand th
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
@@ -162,7 +163,13 @@ class _AskingCursor(Cursor):
 
     # What must come.
 
-    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
+    def fail(
+        self,
+        wanted: str,
+        choices: Collection[str] = (),
+        name: str = "",
+        elsewhere: Mapping[str, str] = MappingProxyType({}),
+    ) -> NoReturn:
         raise _Nothing
 
     def finish(self) -> None:
@@ -199,7 +206,13 @@ class _AskingCursor(Cursor):
             self._last(_terms(self.variable_called(variable.text)))
         return self.name(what)
 
-    def word(self, what: str, choices: Collection[str], name: str) -> Word:
+    def word(
+        self,
+        what: str,
+        choices: Collection[str],
+        name: str,
+        elsewhere: Mapping[str, str] = MappingProxyType({}),
+    ) -> Word:
         if self.at_end:
             kind = "value" if name in ("unknown-choice", "unknown-defuzzifier") else "keyword"
             self._last([] if self.offered else _words(choices, kind))
