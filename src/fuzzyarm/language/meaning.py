@@ -473,7 +473,7 @@ def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
     every: set[str] = set()
     for node in nodes:
         if isinstance(node, GridNode):
-            outputs.add(node.output.text)
+            outputs.update(part.output.text for part in node.parts)
         elif isinstance(node, RuleNode):
             outputs.update(consequent.variable.text for consequent in node.consequents)
         else:
@@ -542,7 +542,7 @@ def _rules_of(
     if isinstance(node, RuleNode):
         found = elaborate_rule(node, scope)
     else:
-        found = elaborate_grid(node, scope, budget)
+        found = [rule for part in node.parts for rule in elaborate_grid(part, scope, budget)]
     if not scope.overflows:  # else it may have been given up half-way
         memory.keep_rules(node, found, scope.diagnostics[before:])
     return found

@@ -431,6 +431,7 @@ def _below(
     if len(above[0]) < 2:
         return []
     try:
+        (output, *others), _ = GridNode.read_first(Cursor(above[0]))
         row, column, columns = GridNode.read_header(Cursor(above[1]))
     except Fault:
         return []
@@ -438,5 +439,6 @@ def _below(
     last = extent[2] if extent else line
     rows = [reading.tokens_of(n) for n in range(above[1][0].line + 1, last + 1) if n != line]
     labels = tuple(RowNode(Word(row[0].text), ()) for row in rows if row)
-    grid = GridNode(Word(above[0][1].text), None, row, column, columns, labels)
+    grid = GridNode(output, None, row, column, columns, labels)
+    grid = grid._replace(joined=tuple(grid._replace(output=other) for other in others))
     return _asked(RowNode.read, tokens, model, grid, Trivia())

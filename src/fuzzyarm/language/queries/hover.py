@@ -120,15 +120,13 @@ def hover(reading: Reading, line: int, column: int) -> Hover | None:
 
 def _cell_at(reading: Reading, line: int, column: int) -> tuple[GridNode, int, CellNode] | None:
     for statement in reading.document.statements:
-        node = statement.node
-        if not isinstance(node, GridNode):
-            continue
-        for row in node.rows:
-            if row.label.span.line != line:
-                continue
-            for index, cell in enumerate(row.cells):
-                if contains(cell.span, line, column):
-                    return node, index, cell
+        for grid in statement.node.parts if isinstance(statement.node, GridNode) else ():
+            for row in grid.rows:
+                if row.label.span.line != line:
+                    continue
+                for index, cell in enumerate(row.cells):
+                    if contains(cell.span, line, column):
+                        return grid, index, cell
     return None
 
 
