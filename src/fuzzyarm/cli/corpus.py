@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from fuzzyarm.cli.command import argument, command, flag, json_of, print_error, print_json
+from fuzzyarm.cli.command import argument, command, flag, json_of, print_error, print_json, say
 from fuzzyarm.formats import FOREIGN, PRODUCERS, Imported, read
 from fuzzyarm.inference import InferenceError, prepare
 from fuzzyarm.model.rulebase import RuleBase
@@ -257,13 +257,13 @@ def summary(rows: list[Row]) -> dict[str, dict[str, int]]:
 def _print(rows: list[Row], *, verbose: bool) -> None:
     for row in rows:
         if not row.imported:
-            print(f"{row.file}: not imported: {row.first}")
+            say(f"{row.file}: not imported: {row.first}")
         elif row.differences:
             said = ", ".join(f"{program}: {why}" for program, why in row.differences.items())
-            print(f"{row.file}: differs from {said}")
+            say(f"{row.file}: differs from {said}")
         elif verbose:
             state = "equal" if row.equal else "imported"
-            print(f"{row.file}: {state} ({row.producer})")
+            say(f"{row.file}: {state} ({row.producer})")
     columns = ("files", "imported", "diagnosed", "compared", "matched")
     print(f"{'':>6}" + "".join(f"{column:>11}" for column in columns))
     for kind, counts in summary(rows).items():
