@@ -221,8 +221,10 @@ def leaves_over_arrays(plan: OutputPlan, entries: Entries, count: int) -> Leaves
         limit = TOLERANCE * (total[point] + area) + noise[point] * (x1 - x0)
         good = np.abs(area - area_a - area_b) <= limit
         good &= np.abs(moment - moment_a - moment_b) <= limit * half_range
-        if depth == DEEPEST or point.size > MOST_PANELS * count:
+        if depth == DEEPEST:
             good[:] = True
+        elif point.size > MOST_PANELS:  # a matter of each point, whatever the others need
+            good |= (np.bincount(point, minlength=count) > MOST_PANELS)[point]
         finished.append(
             (point[good], x0[good], x1[good], (area_a + area_b)[good], (moment_a + moment_b)[good])
         )

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.expression.nodes import Node, replace, symbol
+from fuzzyarm.expression.records import degree_on_polyline
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import positions, weights
 from fuzzyarm.inference.cells import Cells, cut_into_cells
@@ -184,27 +185,8 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
 
 @kernel
 def _polyline_row(x: Any, corners: Any, into: Any) -> None:
-    """Heights of a line through corners (x, y, x, y …); the greatest on a vertical edge."""
-    count = corners.shape[0] // 2
     for point in range(into.shape[0]):
-        after = 0  # the first corner behind x
-        while after < count and corners[2 * after] <= x[point]:
-            after += 1
-        if after > 0 and corners[2 * after - 2] == x[point]:
-            height = corners[2 * after - 1]
-            same = after - 1
-            while same > 0 and corners[2 * same - 2] == x[point]:
-                same -= 1
-                height = max(height, corners[2 * same + 1])
-            into[point] = height
-        elif after == 0:
-            into[point] = corners[1]
-        elif after == count:
-            into[point] = corners[2 * count - 1]
-        else:
-            x_0, y_0 = corners[2 * after - 2], corners[2 * after - 1]
-            x_1, y_1 = corners[2 * after], corners[2 * after + 1]
-            into[point] = y_0 + (y_1 - y_0) * (x[point] - x_0) / (x_1 - x_0)
+        into[point] = degree_on_polyline(corners, x[point])
 
 
 # ── the writer ───────────────────────────────────────────────────────────────────────

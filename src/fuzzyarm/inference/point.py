@@ -125,7 +125,8 @@ def line_at(
         i = next(i for i, (x, _) in enumerate(corners) if x > position)
         (x0, y0), (x1, y1) = corners[i - 1], corners[i]
         slope = (y1 - y0) / (x1 - x0)
-        if slope < 0.0:  # fall towards the foot from the foot: no residue just before it
+        # From a foot, so that nothing is left of it there; else from the top, never above it.
+        if (slope < 0.0) == (min(y0, y1) == 0.0):
             x0, y0 = x1, y1
     for hedge in reversed(hedges):
         y0, slope = (1.0 - y0, -slope) if hedge.name == "not" else (1.0, 0.0)
@@ -349,7 +350,7 @@ class Prepared:
             for member, strength in point.fired[part.variable]:
                 if member in members:
                     total = norm(total, strength)
-            return apply_hedges(part.hedges, total)
+            return apply_hedges(part.hedges, min(1.0, total))  # a sum may exceed a degree
 
         return degree
 
