@@ -182,7 +182,7 @@ class Shape(Kind):
 
 
 @kernel
-def degree_on_polyline(corners: Any, x: float) -> float:
+def degree_on_polyline(corners: Sequence[float], x: float) -> float:
     """Return the height of a line through corners (x, y, x, y …); the greatest on a vertical edge.
 
     A line is followed from its lower end: it is above 0 next to a foot, and never above its top.
@@ -196,15 +196,15 @@ def degree_on_polyline(corners: Any, x: float) -> float:
         else:
             end = middle
     if after == count:
-        return float(corners[2 * count - 1])
+        return corners[2 * count - 1]
     height = corners[2 * after + 1]
     if corners[2 * after] == x:
         while after + 1 < count and corners[2 * after + 2] == x:
             after += 1
             height = max(height, corners[2 * after + 1])
-        return float(height)
+        return height
     if after == 0:
-        return float(height)
+        return height
     x_0, y_0, x_1 = corners[2 * after - 2], corners[2 * after - 1], corners[2 * after]
     if y_0 <= height:
         return min(height, y_0 + (height - y_0) * (x - x_0) / (x_1 - x_0))
