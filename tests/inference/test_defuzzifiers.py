@@ -95,6 +95,35 @@ def test_maxima_of_scaled_hills_are_their_peaks() -> None:
     assert both(mean, a=0.5, b=0.6) == pytest.approx(6.0)
 
 
+POINTED = {
+    "triangle": (0.0, 4.0, 6.0), "points": (1.0, 0.0, 4.0, 1.0, 7.0, 0.0), "gaussian": (4.0, 1.0),
+    "bell": (4.0, 1.0, 3.5), "cosine": (4.0, 3.0), "spike": (4.0, 3.0), "semi-ellipse": (2.0, 6.0),
+    "sigmoid-product": (2.0, 3.0, 6.0, -3.0),
+}  # fmt: skip
+FLAT = {
+    "trapezoid": (1.0, 3.0, 5.0, 6.0), "rectangle": (3.0, 5.0), "pi": (1.0, 3.0, 5.0, 6.0),
+    "z": (5.0, 8.0), "s": (2.0, 5.0), "ramp": (2.0, 5.0), "arc": (2.0, 5.0), "concave": (2.0, 5.0),
+    "two-sided-gaussian": (3.0, 1.0, 5.0, 2.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["centroid", "bisector"])
+@pytest.mark.parametrize("aggregation", ["max", "sum", "probor"])
+@pytest.mark.parametrize("kind", [*POINTED, *FLAT])
+def test_what_has_no_area_is_no_rule(kind: str, aggregation: str, method: str) -> None:
+    """Below strength 1 drastic leaves a set its plateau at 1: a peak has no area, however round."""
+    shape = Shape(kind, (POINTED | FLAT)[kind])
+    rulebase = base(
+        [rule("a high", "u A")], terms(A=shape), method, names=["a"],
+        implication="drastic", aggregation=aggregation, no_rule=-1.0, outside="extend",
+    )  # fmt: skip
+    assert 0.0 < both(rulebase, a=1.0) < 10.0
+    ends = {"z": (0.0, 5.0), "trapezoid": (3.0, 5.0), "rectangle": (3.0, 5.0), "pi": (3.0, 5.0)}
+    ends |= {"two-sided-gaussian": (3.0, 5.0)}
+    middle = sum(ends.get(kind, (5.0, 10.0))) / 2 if kind in FLAT else -1.0
+    assert both(rulebase, a=0.5) == pytest.approx(middle)
+
+
 def test_maxima_of_a_sum() -> None:
     # Two overlapping boxes add up where they overlap: 2 … 3.
     overlapping = terms(left=Shape("rectangle", (1.0, 3.0)), right=Shape("rectangle", (2.0, 8.0)))

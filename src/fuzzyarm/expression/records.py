@@ -245,12 +245,15 @@ class Norm(Kind):
         Whether it is for aggregation only, as a sum that may exceed 1 is.
     positive : bool
         Of a T-norm: whether it is known to be positive wherever both operands are.
+    leaves_ones : bool
+        Of a T-norm: whether, of a set cut below 1, it leaves only where the set is 1.
     """
 
     dual: str = ""
     lines: Callable[[Any], tuple[tuple[Any, Any], ...]] | None = None
     aggregates: bool = False
     positive: bool = False
+    leaves_ones: bool = False
 
     arguments: ClassVar[tuple[str, ...]] = ("a", "b")
 

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.sets import term_function
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.sets import BELOW_ONE, plateaus, term_function
 from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
 
 # --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
@@ -61,13 +61,21 @@ Fired = Sequence[tuple[int, float]]
 """(index of a member, firing strength above 0), in the order of the rules."""
 
 
-def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
-    """Return the aggregate as a function of the position in the output's range."""
+def aggregate(
+    plan: OutputPlan, fired: Fired, *, integrated: bool = False
+) -> Callable[[float], float]:
+    """Return the aggregate as a function of the position in the output's range.
+
+    `integrated`: for its area, to which a peak contributes nothing.
+    """
     norm = SNORMS[plan.output.aggregation].scalar
-    parts = [
-        (TNORMS[plan.members[member].implication].scalar, strength, plan.members[member].membership)
-        for member, strength in _folded_where_max(plan, fired)
-    ]
+    parts = []
+    for index, strength in _folded_where_max(plan, fired):
+        member = plan.members[index]
+        implication, membership = TNORMS[member.implication], member.membership
+        if integrated and implication.leaves_ones:
+            membership = _without_peak(member)
+        parts.append((implication.scalar, strength, membership))
 
     def value(y: float) -> float:
         total = 0.0
@@ -76,6 +84,16 @@ def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
         return total
 
     return value
+
+
+def _without_peak(member: Member) -> Callable[[float], float]:
+    membership, flat = member.membership, plateaus(member.pieces)
+
+    def degree(y: float) -> float:
+        found = membership(y)
+        return found if any(a <= y <= b for a, b in flat) else min(found, BELOW_ONE)
+
+    return degree
 
 
 class SampledSet(NamedTuple):

@@ -21,7 +21,7 @@ from fuzzyarm.inference.quadrature import (
     noise_of,
     panels,
 )
-from fuzzyarm.inference.sets import cut_lines, degrees, gaps
+from fuzzyarm.inference.sets import BELOW_ONE, cut_lines, degrees, gaps, plateaus
 
 # --- The aggregate of one output at many points of the inputs ---
 
@@ -118,7 +118,12 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) 
             continue
         part = slice(None) if rows.size == strength.size else rows
         degree = member_at(member, xs[part])
-        cut = TNORMS[member.implication].array(strength[part, None], degree)
+        implication = TNORMS[member.implication]
+        if implication.leaves_ones:
+            flat = [(xs[part] >= a) & (xs[part] <= b) for a, b in plateaus(member.pieces)]
+            on_peak = ~np.logical_or.reduce(flat) if flat else True
+            degree = np.where(on_peak, np.minimum(degree, BELOW_ONE), degree)
+        cut = implication.array(strength[part, None], degree)
         total[part] = norm(total[part], cut)
     return total
 

@@ -204,7 +204,7 @@ STEPS = 60
 
 def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the exact bisector, or None where the aggregate has no area."""
-    function = aggregate(plan, fired)
+    function = aggregate(plan, fired, integrated=True)
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
     parts = leaves_at_point(function, edges_of(plan, fired), noise)
     total = sum(part.area for part in parts)

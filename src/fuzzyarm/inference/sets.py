@@ -311,6 +311,16 @@ def crossing(piece: Piece, membership: SetFunction, level: float) -> float:
     )
 
 
+BELOW_ONE = 1.0 - 2.0**-53
+
+
+def plateaus(pieces: Sequence[Piece]) -> list[tuple[float, float]]:
+    """Return the stretches over which a set is 1: not its peak, where it is so by rounding."""
+    return [
+        (piece.x0, piece.x1) for piece in pieces if piece.straight and piece.y0 == piece.y1 == 1.0
+    ]
+
+
 def middle_of_core(pieces: Sequence[Piece], membership: SetFunction) -> float:
     """Return the middle of the stretch where a set is greatest (its peak, equation 6.4).
 
