@@ -232,11 +232,12 @@ def _turns(edges: list[float], membership: SetFunction) -> list[float]:
         sign = 1.0 if ys[i] > ys[i - 1] and ys[i] > ys[i + 1] else 0.0
         sign = -1.0 if ys[i] < ys[i - 1] and ys[i] < ys[i + 1] else sign
         if sign:
-            turns.append(_golden(membership, xs[i - 1], xs[i + 1], sign, xs[i]))
+            turns.append(golden(membership, xs[i - 1], xs[i + 1], sign, xs[i]))
     return turns
 
 
-def _golden(function: SetFunction, a: float, b: float, sign: float, best: float) -> float:
+def golden(function: SetFunction, a: float, b: float, sign: float, best: float) -> float:
+    """Return where a function is greatest (sign 1) or smallest (-1), by golden section."""
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     c, d = b - ratio * (b - a), a + ratio * (b - a)
     fc, fd = sign * function(c), sign * function(d)
