@@ -16,7 +16,6 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.nodes import Node, apply, symbol, symbols, trace
-from fuzzyarm.kernels import kernel
 
 __all__ = [
     "HEDGES",
@@ -181,11 +180,11 @@ class Shape(Kind):
         return super().array(*arguments)
 
 
-@kernel
 def degree_on_polyline(corners: Sequence[float], x: float) -> float:
     """Return the height of a line through corners (x, y, x, y …); the greatest on a vertical edge.
 
     A line is followed from its lower end: it is above 0 next to a foot, and never above its top.
+    Plain enough for a compiler, which the kernel has for `points`.
     """
     count = len(corners) // 2
     after, end = 0, count  # the first corner that is not in front of x, by bisection

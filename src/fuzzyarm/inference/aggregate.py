@@ -70,7 +70,7 @@ def aggregate(
     """
     norm = SNORMS[plan.output.aggregation].scalar
     parts = []
-    for index, strength in _folded_where_max(plan, fired):
+    for index, strength in folded_where_max(plan, fired):
         member = plan.members[index]
         implication, membership = TNORMS[member.implication], member.membership
         if integrated and implication.leaves_ones:
@@ -132,7 +132,7 @@ def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[flo
     samples = sample_places(output.low, output.high, output.defuzzifier)
     norm = SNORMS[output.aggregation].scalar
     total = [0.0] * len(samples)
-    for member, strength in _folded_where_max(plan, fired):
+    for member, strength in folded_where_max(plan, fired):
         term, hedges, implication = plan.members[member][:3]
         first, heights = sampled_set(
             term.shape, hedges, output.low, output.high, output.defuzzifier
@@ -152,6 +152,6 @@ def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
     return folded
 
 
-def _folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
+def folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
     """Return one strength for each member under max: a T-norm rises with the strength."""
     return list(fold_at_point(plan, fired).items()) if plan.output.aggregation == "max" else fired

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate, product
 from typing import Any, NamedTuple, cast
 
@@ -20,13 +20,25 @@ from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.expression.nodes import Node, replace, symbol
 from fuzzyarm.expression.records import degree_on_polyline
+from fuzzyarm.inference import integrated
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import positions, weights
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule
 from fuzzyarm.inference.point import is_straight
-from fuzzyarm.inference.sets import POSITION, formula_of
+from fuzzyarm.inference.quadrature import (
+    CLIPPING,
+    DEEPEST,
+    MOST_PANELS,
+    NODES,
+    ROUNDING,
+    TOLERANCE,
+    WEIGHTS,
+    noise_of,
+    panels,
+)
+from fuzzyarm.inference.sets import POSITION, cut_lines, formula_of
 from fuzzyarm.kernels import address_of, kernel
 from fuzzyarm.model.rulebase import And, Hedge, Is, Or, Output, Shape
 from fuzzyarm.model.shapes import polyline
@@ -181,6 +193,9 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
     function = _row_function(root, ("x",), tuple(names), shape.kind)
     return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
+
+
+kernel(degree_on_polyline)
 
 
 @kernel
@@ -435,6 +450,9 @@ class _OutputWriter:
             detail = self._write_samples()
         elif self.defuzzifier is at.enveloped_centroid:
             self._write_pieces()
+        elif self.defuzzifier is integrated.integrated_centroid:
+            base.floats[floats + 3] = 0.5 * (output.low + output.high)
+            detail = self._write_integral()
         else:
             detail = self._write_values()
         is_mean = output.defuzzifier.method != "weighted-sum"
@@ -491,6 +509,48 @@ class _OutputWriter:
             pieces += len(member.pieces)
         # Cutting may split a piece in two; each end is an event. There are two rows of samples.
         self.samples = (2 * at.PIECE * pieces + 4 * pieces) // 2 + 1
+
+    def _write_integral(self) -> int:
+        """Write what the quadrature reads; see :mod:`fuzzyarm.inference.integrated`."""
+        plan, whole = self.plan, self.base.whole
+        for i, member in enumerate(plan.members):
+            curve = curve_of(member.term.shape, member.hedges, compiled=self.base.compiled)
+            cut = norm_address(TNORMS[member.implication], "T", compiled=self.base.compiled)
+            sloping = [each for each in member.pieces if each.straight and each.y0 != each.y1]
+            clips = CLIPPING.get(member.implication, ())
+            lines = lines_of(member.implication)
+            self.consequents[i] = len(whole)
+            whole += [curve.address, self._floats(curve.numbers), len(curve.numbers), cut, i]
+            whole += [len(sloping), self._floats(end for piece in sloping for end in piece[:4])]
+            whole += [len(clips), self._floats(number for clip in clips for number in clip)]
+            whole += [len(lines), self._floats(number for line in lines for number in line)]
+        crossing = [
+            (self.consequents[each.first], self.consequents[each.second], self._floats(each[2:]))
+            for each in plan.stretches
+            if lines_of(plan.members[each.first].implication)
+            and lines_of(plan.members[each.second].implication)
+        ]
+        begin = len(whole)
+        whole += [number for stretch in crossing for number in stretch]
+        subtracts = noise_of(plan, 0.0) > 0.0
+        constants = [TOLERANCE, DEEPEST, MOST_PANELS, ROUNDING, subtracts, *NODES, *WEIGHTS]
+        edges = panels(plan)
+        detail = len(whole)
+        whole += [self._floats(constants), len(plan.members), len(edges), self._floats(edges)]
+        whole += [len(crossing), begin]
+        # At most two clips and four crossings of lines; under other norms than max every rule.
+        each_rule = 1 if plan.output.aggregation == "max" else len(plan.contributions)
+        most = len(edges) + 4 * len(crossing)
+        most += 2 * each_rule * sum(len(member.pieces) for member in plan.members)
+        deepest = integrated.PANEL * (most + DEEPEST + 2)
+        self.samples = (4 * integrated.ROW + len(plan.members) + most + deepest) // 2 + 1
+        return detail
+
+    def _floats(self, numbers: Iterable[float]) -> int:
+        """Append numbers; return where they begin."""
+        begin = len(self.base.floats)
+        self.base.floats += map(float, numbers)
+        return begin
 
     def _write_values(self) -> int:
         linear = any(member.value is None for member in self.plan.members)
@@ -570,7 +630,18 @@ def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
         return at.weighted
     if plan.output.defuzzifier.resolution is not None:
         return at.sampled_centroid
-    return at.enveloped_centroid if _has_envelope(plan) else at.closed_centroid
+    if plan.closed is not None or not plan.members:
+        return at.closed_centroid
+    return at.enveloped_centroid if _has_envelope(plan) else integrated.integrated_centroid
+
+
+def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
+    """Return the lines of a cut set as (α₀, α₁, β₀, β₁): (α₀ + α₁ w) + (β₀ + β₁ w) μ."""
+    at_0, at_1 = cut_lines(implication, 0.0), cut_lines(implication, 1.0)
+    return [
+        (alpha_0, alpha_1 - alpha_0, beta_0, beta_1 - beta_0)
+        for (alpha_0, beta_0), (alpha_1, beta_1) in zip(at_0 or (), at_1 or (), strict=True)
+    ]
 
 
 def _has_envelope(plan: OutputPlan) -> bool:
@@ -593,6 +664,8 @@ def _check_output(plan: OutputPlan) -> None:
         return
     if method != "centroid" or plan.discrete:
         raise NotCoveredError(f"the {method} of '{output.name}'")
-    exact = output.defuzzifier.resolution is None and plan.members
-    if exact and plan.closed is None and not _has_envelope(plan):
-        raise NotCoveredError(f"the exact centroid of '{output.name}' has no closed form")
+    if _defuzzifier(plan) is integrated.integrated_centroid:
+        for member in plan.members:
+            if TNORMS[member.implication].leaves_ones or TNORMS[member.implication].own:
+                what = f"implication {member.implication}"
+                raise NotCoveredError(f"the exact centroid of '{output.name}' under {what}")

@@ -103,6 +103,20 @@ class OutputPlan(NamedTuple):
     closed: ClosedForm | None = None
     stretches: tuple[Stretch, ...] = ()
 
+    @property
+    def integrated(self) -> bool:
+        """Whether its value is found by quadrature: exact, without a closed form."""
+        exact, method = self.output.defuzzifier.resolution is None, self.output.defuzzifier.method
+        if self.discrete or not exact:
+            return False
+        return method == "bisector" or (method == "centroid" and self.closed is None)
+
+    @property
+    def in_order(self) -> bool:
+        """Whether the order of its rules changes bits: sets that are added up, not united."""
+        sampled = self.output.defuzzifier.resolution is not None and not self.discrete
+        return self.output.aggregation != "max" and (sampled or self.integrated)
+
 
 class PlannedRule(NamedTuple):
     """A rule with the norms of its block and the outputs that its antecedent reads as sets."""
@@ -321,15 +335,10 @@ def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
         first = _first_of_each_value(members)
         contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete else _closed(output, members)
-    crossing: tuple[Stretch, ...] = ()
-    if output.aggregation == "max" and _is_integrated(output, closed) and not discrete:
-        crossing = stretches([member.pieces for member in members])
-    return OutputPlan(output, members, tuple(contributions), discrete, closed, crossing)
-
-
-def _is_integrated(output: Output, closed: ClosedForm | None) -> bool:
-    method, exact = output.defuzzifier.method, output.defuzzifier.resolution is None
-    return exact and (method == "bisector" or (method == "centroid" and closed is None))
+    made = OutputPlan(output, members, tuple(contributions), discrete, closed)
+    if output.aggregation == "max" and made.integrated:
+        return made._replace(stretches=stretches([member.pieces for member in members]))
+    return made
 
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
