@@ -24,6 +24,8 @@ does to all of its points in a row, which the processor takes several at a time.
 A program is a stretch of whole numbers::
 
     for each input:   where its lines begin in f, and how many there are
+    number of expressions in parentheses, inner ones first
+                      for each: its row, norm, hedges by address (or 0), operands: how many, rows
     for each output:  number of sets that may fire (groups)
                       for each group: rules, where its consequent begins
                           for each rule: norm, where its weight and threshold are, operands
@@ -86,6 +88,9 @@ GROUP_HEAD = 2
 
 RULE_HEAD = 2
 """Whole numbers in front of the operands of a rule: norm, where its weight is."""
+
+TRUTH_HEAD = 4
+"""Whole numbers in front of the operands of an expression in parentheses."""
 
 MIN, PRODUCT, MAX, SUM = range(4)
 """Norms that the kernel does by itself; any other number is the address of one."""
@@ -241,6 +246,7 @@ def run(block: Any) -> None:
         begin = k[INPUT_ROWS] + i * width
         fuzzify(k, f, room, i, k[at], k[at + 1], block[begin : begin + count])
         at += 2
+    at = join_expressions(k, f, room, at, count)
     begin = (k[WORK] + TOTAL) * width
     total = room[begin : begin + count]
     begin = (k[WORK] + MOMENT) * width
@@ -292,6 +298,29 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
         call(k[curve], x, numbers, room[begin : begin + count])
         curve += CURVE
         row += 1
+
+
+@kernel
+def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
+    """Write down the truth of the expressions in parentheses; return what is behind."""
+    width = k[WIDTH]
+    expressions = k[at]
+    at += 1
+    for _ in range(expressions):
+        begin = k[at] * width
+        truth = room[begin : begin + count]
+        norm, hedges, operands = k[at + 1], k[at + 2], k[at + 3]
+        at += TRUTH_HEAD
+        begin = k[at] * width
+        degrees = room[begin : begin + count]
+        for operand in range(at + 1, at + operands):
+            begin = k[operand] * width
+            join(norm, degrees, room[begin : begin + count], truth)
+            degrees = truth
+        if hedges != 0:
+            call(hedges, degrees, f[0:0], truth)
+        at += operands
+    return at
 
 
 @kernel

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
-from fuzzyarm.expression.nodes import Node, replace, symbol
+from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.records import degree_on_polyline
 from fuzzyarm.inference import integrated
 from fuzzyarm.inference import kernel as at
@@ -40,7 +40,7 @@ from fuzzyarm.inference.quadrature import (
 )
 from fuzzyarm.inference.sets import POSITION, cut_lines, formula_of
 from fuzzyarm.kernels import address_of, kernel
-from fuzzyarm.model.rulebase import And, Hedge, Is, Or, Output, Shape
+from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, Output, Shape
 from fuzzyarm.model.shapes import polyline
 
 MOST_PROGRAMS = 65_536
@@ -187,12 +187,24 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         own = [number(value) for value in shape.parameters]
         root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
+    root = _under(hedges, root, number)
+    function = _row_function(root, ("x",), tuple(names), shape.kind)
+    return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
+
+
+def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node]) -> Node:
+    """Return an expression under hedges; `number` makes symbols of their exponents."""
     for hedge in reversed(hedges):
         modifier = HEDGES[hedge.name]
         own = [] if hedge.exponent is None else [number(hedge.exponent)]
         root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
-    function = _row_function(root, ("x",), tuple(names), shape.kind)
-    return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
+    return root
+
+
+def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
+    """Return the address of a row function of hedges, with their exponents as constants."""
+    root = _under(hedges, symbol("x"), constant)
+    return address_of(_row_function(root, ("x",), (), "hedged"), 3, compiled=compiled)
 
 
 kernel(degree_on_polyline)
@@ -205,6 +217,15 @@ def _polyline_row(x: Any, corners: Any, into: Any) -> None:
 
 
 # ── the writer ───────────────────────────────────────────────────────────────────────
+
+
+class _Truth(NamedTuple):
+    """An expression in parentheses, under a number below 0: propositions have the others."""
+
+    number: int
+    norm: int
+    operands: tuple[int, ...]
+    hedges: int
 
 
 class _Rule(NamedTuple):
@@ -239,6 +260,15 @@ def lay_out(plan: Plan, *, compiled: bool) -> Layout:
     return _Writer(plan, compiled=compiled).layout()
 
 
+def what_is_not_covered(plan: Plan) -> str:
+    """Return what the kernel cannot evaluate of a rule base; empty where it covers it."""
+    try:
+        lay_out(plan, compiled=False)
+    except NotCoveredError as error:
+        return str(error)
+    return ""
+
+
 class _Writer:
     def __init__(self, plan: Plan, *, compiled: bool) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
@@ -246,6 +276,7 @@ class _Writer:
         self.plan = plan
         self.compiled = compiled
         self.numbers: dict[Proposition, int] = {}
+        self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
         self.rules = [self._rule(i, planned) for i, planned in enumerate(plan.rules)]
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
@@ -257,23 +288,33 @@ class _Writer:
 
     def _rule(self, index: int, planned: PlannedRule) -> _Rule:
         antecedent = planned.rule.antecedent
-        parts: tuple[Is, ...]
-        conjunction, norm = True, at.MIN
-        if isinstance(antecedent, Is):
-            parts = (antecedent,)
-        elif isinstance(antecedent, And | Or):
-            parts = tuple(part for part in antecedent.operands if isinstance(part, Is))
-            if len(parts) < len(antecedent.operands):
-                raise NotCoveredError("a rule has parentheses")
-            conjunction = isinstance(antecedent, And)
-            sort, norms = ("T", TNORMS) if conjunction else ("S", SNORMS)
-            record = norms[planned.conjunction if conjunction else planned.disjunction]
-            norm = norm_address(record, sort, compiled=self.compiled)
-        else:
-            raise NotCoveredError("a rule has a hedge on parentheses")
-        keys = [(part.variable, part.term, part.hedges) for part in parts]
-        found = tuple(self.numbers.setdefault(key, len(self.numbers)) for key in keys)
-        return _Rule(index, norm, conjunction, found, planned.rule.weight, planned.threshold)
+        norm, operands = self._joined(antecedent, planned)
+        conjunction = not isinstance(antecedent, Or)
+        return _Rule(index, norm, conjunction, operands, planned.rule.weight, planned.threshold)
+
+    def _joined(self, expression: Expression, planned: PlannedRule) -> tuple[int, tuple[int, ...]]:
+        """Return the norm of an expression, and the numbers of its operands."""
+        if not isinstance(expression, And | Or):
+            return at.MIN, (self._number(expression, planned),)
+        conjunction = isinstance(expression, And)
+        sort, norms = ("T", TNORMS) if conjunction else ("S", SNORMS)
+        record = norms[planned.conjunction if conjunction else planned.disjunction]
+        operands = tuple(self._number(each, planned) for each in expression.operands)
+        return norm_address(record, sort, compiled=self.compiled), operands
+
+    def _number(self, expression: Expression, planned: PlannedRule) -> int:
+        if isinstance(expression, Is):
+            proposition = (expression.variable, expression.term, expression.hedges)
+            return self.numbers.setdefault(proposition, len(self.numbers))
+        key = (expression, planned.conjunction, planned.disjunction)
+        if key not in self.truths:
+            hedges = 0
+            if isinstance(expression, Hedged):
+                hedges = hedge_row(expression.hedges, compiled=self.compiled)
+                expression = expression.operand
+            norm, operands = self._joined(expression, planned)
+            self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, hedges)
+        return self.truths[key].number
 
     # ── inputs ───────────────────────────────────────────────────────────────────────
 
@@ -314,7 +355,9 @@ class _Writer:
             self.curves.append(curves)
 
     def _entries(self) -> int:
-        return sum(math.prod(len(each) for each in self._alive(rule)) for rule in self.rules)
+        programs = math.prod(len(cells.lines) for cells in self.cells)
+        rules = sum(math.prod(len(each) for each in self._alive(rule)) for rule in self.rules)
+        return rules + programs * len(self.truths)
 
     def _alive(self, rule: _Rule) -> list[list[int]]:
         """Return for each input the cells in which a rule can fire."""
@@ -344,6 +387,8 @@ class _Writer:
             strides.append(stride)
             row += max(map(len, cells.lines)) + len(self.curves[i])
             stride *= len(cells.lines)
+        self.truth_rows = {each.number: row + i for i, each in enumerate(self.truths.values())}
+        row += len(self.truths)
         self.operands = max([len(rule.parts) for rule in self.rules], default=1)
         self.one, self.zero = at.ONES, at.ONES + 1
         heads = len(self.whole)
@@ -366,6 +411,7 @@ class _Writer:
             ]
             for c, lines in zip(cells_here, self.lines, strict=True):
                 self.whole += lines[c]
+            self._write_truths(cells_here)
             for writer in writers:
                 writer.write(active, cells_here)
         work = row + max([writer.heights for writer in writers], default=0)
@@ -416,12 +462,22 @@ class _Writer:
                 active[number].append(rule)
         return active
 
-    def record(self, rule: _Rule, cells: Sequence[int]) -> list[int]:
-        """Return [norm, weight, operands …] of a rule in a cell."""
-        rows: dict[int, int] = {}
+    def _rows_of(self, parts: Sequence[int], cells: Sequence[int]) -> list[int]:
+        """Return the rows of degrees in a cell: that of zeros for a term that is 0 there."""
+        rows = dict(self.truth_rows)
         for c, listed in zip(cells, self.rows, strict=True):
             rows.update(listed[c])
-        operands = [rows.get(part, self.zero) for part in rule.parts]
+        return [rows.get(part, self.zero) for part in parts]
+
+    def _write_truths(self, cells: Sequence[int]) -> None:
+        self.whole.append(len(self.truths))
+        for number, norm, operands, hedges in self.truths.values():
+            self.whole += [self.truth_rows[number], norm, hedges, len(operands)]
+            self.whole += self._rows_of(operands, cells)
+
+    def record(self, rule: _Rule, cells: Sequence[int]) -> list[int]:
+        """Return [norm, weight, operands …] of a rule in a cell."""
+        operands = self._rows_of(rule.parts, cells)
         neutral = self.one if rule.conjunction else self.zero
         operands += [neutral] * (self.operands - len(operands))
         return [rule.norm, self.rule_floats[rule.number], *operands]
