@@ -9,7 +9,7 @@ from typing import NamedTuple
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.sets import BELOW_ONE, plateaus, term_function
+from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus, term_function
 from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
 
 # --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
@@ -96,6 +96,10 @@ def _without_peak(member: Member) -> Callable[[float], float]:
     return degree
 
 
+MOST_PLAIN_SAMPLES = 20_000
+"""Samples of a set that are found one by one; more are found by NumPy, to the last bit or two."""
+
+
 class SampledSet(NamedTuple):
     """A set at the samples of its output: the stretch that is not zero."""
 
@@ -112,15 +116,20 @@ def sampled_set(
     defuzzifier: Defuzzifier,
 ) -> SampledSet:
     """Return a set at the samples of a defuzzifier; the last few are remembered."""
-    function = term_function(shape, hedges)
-    heights = [function(y) for y in sample_places(low, high, defuzzifier)]
+    samples = sample_positions(low, high, defuzzifier)
+    if len(samples) > MOST_PLAIN_SAMPLES:
+        import numpy as np
+
+        heights: list[float] = degrees(shape, np.array(samples), hedges).tolist()
+    else:
+        heights = list(map(term_function(shape, hedges), samples))
     inside = [i for i, height in enumerate(heights) if height > 0.0]
     if not inside:
         return SampledSet(0, ())
     return SampledSet(inside[0], tuple(heights[inside[0] : inside[-1] + 1]))
 
 
-def sample_places(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:
+def sample_positions(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:
     """Return where a sampled defuzzifier looks."""
     assert defuzzifier.resolution is not None
     return positions(low, high, defuzzifier.resolution, defuzzifier.sampling)
@@ -129,7 +138,7 @@ def sample_places(low: float, high: float, defuzzifier: Defuzzifier) -> list[flo
 def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]:
     """Return the samples of an output and the aggregate there."""
     output = plan.output
-    samples = sample_places(output.low, output.high, output.defuzzifier)
+    samples = sample_positions(output.low, output.high, output.defuzzifier)
     norm = SNORMS[output.aggregation].scalar
     total = [0.0] * len(samples)
     for member, strength in folded_where_max(plan, fired):

@@ -11,7 +11,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate, product
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +22,10 @@ from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.records import degree_on_polyline
 from fuzzyarm.inference import integrated
 from fuzzyarm.inference import kernel as at
-from fuzzyarm.inference.aggregate import positions, weights
+from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule
 from fuzzyarm.inference.point import is_straight
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
@@ -40,15 +40,22 @@ from fuzzyarm.inference.quadrature import (
 )
 from fuzzyarm.inference.sets import POSITION, cut_lines, formula_of
 from fuzzyarm.kernels import address_of, kernel
-from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Or, Output, Shape
+from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
+    And,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    Output,
+    Shape,
+)
 from fuzzyarm.model.shapes import polyline
 
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000
 """Programs, and rules in all programs together; beyond, inputs are left out of the index."""
-
-MOST_PLAIN_SAMPLES = 20_000
-"""Samples of a set that are found one by one; more are found by NumPy, to the last bit or two."""
 
 Proposition = tuple[str, str, tuple[Hedge, ...]]
 """Variable, term and hedges."""
@@ -541,18 +548,17 @@ class _OutputWriter:
         output, floats = self.plan.output, self.base.floats
         count = output.defuzzifier.resolution
         assert count is not None
-        where = positions(output.low, output.high, count, output.defuzzifier.sampling)
-        floats += where
+        floats += sample_positions(output.low, output.high, output.defuzzifier)
         floats += weights(count, output.defuzzifier.sampling)
         self.samples = count
         for i, member in enumerate(self.plan.members):
-            degrees = sampled_degrees(member, where)
-            inside = [j for j, degree in enumerate(degrees) if degree > 0.0]
-            begin, end = (inside[0], inside[-1] + 1) if inside else (0, 0)
+            found = sampled_set(
+                member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
+            )
+            begin, end = found.first, found.first + len(found.heights)
             self.consequents[i] = len(self.base.whole)
             cut = norm_address(TNORMS[member.implication], "T", compiled=self.base.compiled)
-            self.base.whole += [begin, end, len(floats), cut]
-            floats += degrees[begin:end]
+            self.base.whole += [begin, end, self._floats(found.heights), cut]
         return count
 
     def _write_pieces(self) -> None:
@@ -672,15 +678,6 @@ class _OutputWriter:
         self.heights = max(self.heights, len(members) + len(unions))
 
 
-def sampled_degrees(member: Member, where: Sequence[float]) -> Sequence[float]:
-    """Return the degrees of a set at the samples, with the bits that one point gives."""
-    if len(where) <= MOST_PLAIN_SAMPLES:
-        return [member.membership(y) for y in where]
-    from fuzzyarm.inference.aggregate_arrays import member_at
-
-    return cast(Sequence[float], member_at(member, np.array(where)).tolist())
-
-
 def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
     if plan.discrete:
         return at.weighted
@@ -713,7 +710,7 @@ def _has_envelope(plan: OutputPlan) -> bool:
 def _check_output(plan: OutputPlan) -> None:
     output: Output = plan.output
     method = output.defuzzifier.method
-    if plan.discrete and method in {"centroid", "weighted-average", "weighted-sum"}:
+    if plan.discrete and method in {"centroid", *TAKAGI_SUGENO}:
         formulas = [member.term.name for member in plan.members if member.formula is not None]
         if formulas:
             raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
