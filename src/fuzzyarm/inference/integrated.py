@@ -92,6 +92,7 @@ def integrated_centroid(block: Any) -> None:
             heap[edges + edge] = f[k[detail + EDGES_AT] + edge]
         for member in range(members):
             strengths[member] = 0.0
+        # Edges are what a set or its cut is not smooth at: missing one costs fifty halvings.
         strongest = 0.0
         at = k[GROUPS] + 1
         for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
@@ -199,6 +200,7 @@ def halve(
             area += left_area + right_area
             torque += left_moment + right_moment
         else:
+            # The left half on top: sums go from left to right, as those of plain Python.
             heap[panel], heap[panel + 1] = middle, x_1
             heap[panel + 2], heap[panel + 3] = right_area, right_moment
             heap[panel + 4] = depth - 1.0
@@ -225,6 +227,7 @@ def integral(
         nodes[2 * i], nodes[2 * i + 1] = middle - step, middle + step
     # The ends just inside, for the value on this side of a vertical edge.
     nodes[6], nodes[7] = x_0, x_1
+    # Floats of one sign are ordered as their bits are.
     bits = heap.view(np.int64)
     if x_0 == 0.0:
         nodes[6] = 5e-324
