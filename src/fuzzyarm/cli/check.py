@@ -20,6 +20,7 @@ from fuzzyarm.cli.command import (
     write_text,
 )
 from fuzzyarm.language import format_text, read_text
+from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 _CHECK = """Find mistakes and doubts in rule bases and tables.
@@ -46,6 +47,8 @@ def _check(arguments: argparse.Namespace) -> int:
         found += review.diagnostics
         if not arguments.json:
             _print_review(path, review, quiet=arguments.quiet)
+            if arguments.verbose and review.rulebase is not None and not review.failed:
+                print(f"{path}: {_engine_of(review.rulebase)}")
     if arguments.json:
         print_json([finding_data(diagnostic) for diagnostic in found], 2)
     return int(failed)
@@ -58,6 +61,15 @@ def _print_review(path: str, review: Review, *, quiet: bool) -> None:
         print_findings(review.diagnostics, review.text, stream)
     if not quiet:
         say(f"{path}: {review.summary}", to_errors=review.failed)
+
+
+def _engine_of(rulebase: RuleBase) -> str:
+    """Say which engine `compiled` takes, and why."""
+    from fuzzyarm.inference.layout import what_is_not_covered
+    from fuzzyarm.inference.plan import plan
+
+    reason = what_is_not_covered(plan(rulebase))
+    return f"not covered by the kernel: {reason}" if reason else "covered by the kernel"
 
 
 _FMT = """Rewrite rule bases in canonical form: grids aligned, comments kept.
@@ -123,6 +135,7 @@ COMMANDS = (
         argument("files FILE", ".frb, .lut, .fll, .fcl or .fis", nargs="+"),
         flag("--strict", "let warnings fail too"),
         flag("--quiet -q", "print findings only"),
+        flag("--verbose -v", "also say what of a rule base the kernel does not cover"),
         json_of("the findings"),
     ),
     command(

@@ -126,6 +126,7 @@ def _register_tnorms() -> None:
         _t_drastic,
         dual="drastic",
         doc="the smaller where the other is 1, else 0",
+        leaves_ones=True,
         names={"fll": "DrasticProduct", "fis": "drastic_product", "fcl": "DPROD", "jfl": "DMIN"}
         | {"octave": "drastic_product", "fml": "DRP"},
     )

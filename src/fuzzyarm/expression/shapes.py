@@ -144,7 +144,7 @@ def concave(x: X, inflection: X, end: X) -> X:
     """Hyperbola that reaches 1 at `end`; rises if `inflection` <= `end`, else falls."""
     rise = op.where(x >= end, 1.0, (end - inflection) / (2.0 * end - inflection - x))
     fall = op.where(x <= end, 1.0, (inflection - end) / (inflection - 2.0 * end + x))
-    return op.where(inflection <= end, rise, fall)
+    return op.minimum(1.0, op.where(inflection <= end, rise, fall))  # rounding may lead above
 
 
 def cosine(x: X, centre: X, width: X) -> X:
