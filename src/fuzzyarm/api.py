@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 
-RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis")
+RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
 TABLE_SUFFIXES = (".lut", ".csv", ".npz", ".json")
 
 
@@ -58,8 +58,8 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     Parameters
     ----------
     path : path-like
-        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``) or a table (``.lut``, ``.csv``,
-        ``.npz``, ``.json``).
+        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``, ``.fml``) or a table (``.lut``,
+        ``.csv``, ``.npz``, ``.json``).
 
     Warns
     -----

@@ -81,7 +81,7 @@ def _same_file(source: str, target: str) -> bool:
 
 def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:
     """Write a rule base; a text of the language keeps its comments, or they are counted."""
-    is_own = suffix_of(arguments.source) == ".frb"
+    is_own = Path(arguments.source).suffix.lower() == ".frb"
     source = read_text(arguments.source) if is_own else ""
     if is_own and target == ".frb":
         return Exported(format_text(source, arguments.source))
