@@ -56,7 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 = fine, 1 = the input is at fault, 2 = wrong usage, 130 = interrupted.
+        0 = fine, 1 = the input is at fault, 2 = wrong usage, 3 = a run diverged,
+        130 = interrupted.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     # A command makes many small objects and ends soon: looking for cycles among them takes
