@@ -349,3 +349,16 @@ def test_a_term_of_its_own_replaces_one_of_a_family(first):
     assert {term.name for term in rulebase.inputs[0].terms} == set("ABC")
     assert parse(format_text(text)).rulebase == rulebase
     assert parse(write(rulebase)).rulebase == rulebase
+
+
+@pytest.mark.parametrize(
+    "apart", ["1.52 .5", ".5 .5", "1 -2", "1e1 .5", "1e1 -2", "1 +2", "0.5 .25"]
+)
+def test_adjacent_numbers_need_a_space(apart):
+    text = "rulebase r\ninput e 0 .. 5\noutput u 0 .. 1\nterms u: triangles A B\n"
+    text += "term e N: ramp {}\nrule if e is N then u is A\n"
+    found = parse(text.format(apart.replace(" ", ""))).diagnostics
+    assert [(d.name, d.line) for d in found if d.is_error] == [("bad-number", 5)]
+    found = parse(text.format(apart)).diagnostics
+    if ".5 .5" not in apart:  # which is a ramp from a number to itself
+        assert not [d for d in found if d.is_error]

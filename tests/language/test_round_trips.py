@@ -1,5 +1,7 @@
 """Text and meaning: each gives the other back, for every model that can be made."""
 
+from dataclasses import replace
+
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import plain_mamdani, rulebases
@@ -63,3 +65,27 @@ def test_every_name_reads_back(name):
     assert parse(text).partial.name == name
     if name_text(name) == name:
         assert is_plain_name(name)
+
+
+@settings(max_examples=40, deadline=None)
+@given(rulebases(), st.sampled_from(["clamp", "extend", "error"]))
+def test_settings_that_all_variables_share_are_one_line(rulebase, outside):
+    first = rulebase.outputs[0]
+    outputs = tuple(
+        replace(
+            each, outside=outside, aggregation=first.aggregation, no_rule=first.no_rule,
+            defuzzifier=first.defuzzifier,
+        )
+        for each in rulebase.outputs
+    )  # fmt: skip
+    inputs = tuple(replace(each, outside=outside) for each in rulebase.inputs)
+    alike = replace(rulebase, inputs=inputs, outputs=outputs)
+    text = write(alike)
+    assert text.count("\ninference ") == 2
+    assert parse(text).partial == alike
+    # One that differs has a line of its own.
+    other = {"clamp": "extend", "extend": "error", "error": "clamp"}[outside]
+    odd = replace(alike, inputs=(replace(inputs[0], outside=other), *inputs[1:]))
+    if len(inputs) + len(outputs) > 2:
+        assert f"\ninference {name_text(inputs[0].name)}: outside {other}\n" in write(odd)
+    assert parse(write(odd)).partial == odd

@@ -19,6 +19,7 @@ from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
@@ -138,8 +139,9 @@ def read(
     """
     suffix = suffix_of(path, READABLE)
     name = os.fspath(path)
+    most = MAX_CHARACTERS if suffix in FOREIGN else MAX_OWN_CHARACTERS
     with Path(path).open("rb") as file:
-        data = file.read(4 * MAX_CHARACTERS + 1)
+        data = file.read(4 * most + 1)
     text, findings = decoded(data, name)
     if any(diagnostic.is_error for diagnostic in findings):
         return Imported(None, findings)
