@@ -573,7 +573,26 @@ def build(
 
 
 def _forgive(cache: Any) -> None:
-    """Have numba compile again where its file is damaged, and go on where it cannot write one."""
+    """Have numba compile again where its file is damaged, and go on where it cannot write one.
+
+    Its files get the checksum of ours: damaged machine code can be unpickled, and would run.
+    """
+    import pickle
+
+    file = cache._cache_file
+
+    def load_data(name: str) -> Any:
+        code = _read_code(Path(file._data_path(name)))
+        if code is None:
+            raise ValueError(f"{name} is damaged")
+        return pickle.loads(code)
+
+    def save_data(name: str, data: Any) -> None:
+        code = file._dump(data)
+        with file._open_for_write(file._data_path(name)) as opened:
+            opened.write(_head(code) + code)
+
+    file._load_data, file._save_data = load_data, save_data
     load, save = cache.load_overload, cache.save_overload
 
     def load_overload(*given: Any) -> Any:

@@ -193,18 +193,21 @@ def truncated(files):
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
 
 
+def emptied(files):
+    for path in files:
+        path.write_bytes(b"")
+
+
 def overwritten(files):
     for path in files:
         path.write_bytes(b"\x80\x04nonsense" + bytes(path.stat().st_size))
 
 
 def one_bit_flipped(files):
-    """In files that have a checksum, and in the index of those of numba."""
     for path in files:
-        if path.suffix in {".code", ".nbi"}:
-            content = bytearray(path.read_bytes())
-            content[len(content) // 3] ^= 4
-            path.write_bytes(content)
+        content = bytearray(path.read_bytes())
+        content[-len(content) // 3] ^= 4  # among the instructions
+        path.write_bytes(content)
 
 
 @pytest.mark.slow
@@ -360,9 +363,8 @@ def test_damaged_files_of_numba_are_compiled_again(tmp_path):
     )
     environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
     assert in_new_process(code, **environment) == [2.0, 0]
-    for suffix, damage in ((".nbi", b""), (".nbc", b"\x80\x04nonsense")):
-        for path in tmp_path.rglob(f"*{suffix}"):
-            path.write_bytes(damage)
+    for suffix, damage in ((".nbi", emptied), (".nbc", overwritten), (".nbc", one_bit_flipped)):
+        damage(list(tmp_path.rglob(f"*{suffix}")))
         assert in_new_process(code, **environment) == [2.0, 0]
         assert in_new_process(code, **environment) == [2.0, 1]
 
