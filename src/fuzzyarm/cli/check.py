@@ -16,6 +16,8 @@ from fuzzyarm.cli.command import (
     print_findings,
     print_json,
     print_os_error,
+    say,
+    write_text,
 )
 from fuzzyarm.language import format_text, read_text
 from fuzzyarm.model.rulebase import RuleBase
@@ -58,7 +60,7 @@ def _print_review(path: str, review: Review, *, quiet: bool) -> None:
     if review.diagnostics:
         print_findings(review.diagnostics, review.text, stream)
     if not quiet:
-        print(f"{path}: {review.summary}", file=stream)
+        say(f"{path}: {review.summary}", to_errors=review.failed)
 
 
 def _engine_of(rulebase: RuleBase) -> str:
@@ -108,20 +110,20 @@ def _format_one(path: str, text: str, arguments: argparse.Namespace) -> int:
         import difflib
 
         before, after = text.splitlines(keepends=True), formatted.splitlines(keepends=True)
-        sys.stdout.writelines(difflib.unified_diff(before, after, path, path))
+        write_text("".join(difflib.unified_diff(before, after, path, path)))
         return 0
     if path == "-":
-        sys.stdout.write(formatted)
+        write_text(formatted)
         return 0
     if formatted == text:
         return 0
     if arguments.check:
-        print(f"{path}: not in canonical form")
+        say(f"{path}: not in canonical form")
         return 1
     from fuzzyarm.text.files import write_atomically
 
     write_atomically(path, formatted)
-    print(f"{path}: formatted")
+    say(f"{path}: formatted")
     return 0
 
 

@@ -70,7 +70,7 @@ class Kind:
         One line for help, completion and the reference.
     names : mapping of str to str
         What other programs call it: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
-        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``. Several
+        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``, ``fml``. Several
         words stand with commas between, the one that is written first. A shape may name the
         order of its numbers behind the word, where it is another one: ``"gaussmf deviation
         mean"``; a hedge of a FIS is the fraction of a term's index. A program that is not
@@ -362,8 +362,15 @@ _loaded: list[str] = []
 """The group of entry points, once it is loaded."""
 
 
+failures: list[str] = []
+"""What kept kinds of other packages from being loaded, a sentence each."""
+
+
 def load_entry_points() -> None:
-    """Import the modules that other packages offer as kinds; once in a process."""
+    """Import the modules that other packages offer as kinds; once in a process.
+
+    One that fails does not keep the others away: it is noted in `failures`.
+    """
     if _loaded:
         return
     _loaded.append(ENTRY_POINT)
@@ -374,9 +381,9 @@ def load_entry_points() -> None:
             found = point.load()
             if callable(found):
                 found()
-        except Exception as error:  # whatever the code of other people raises
-            message = f"the kinds '{point.name}' ({point.value}) cannot be loaded: {error}"
-            raise KindError(message, point.name) from error
+        except (Exception, SystemExit) as error:  # whatever the code of other people raises
+            said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+            failures.append(f"the kinds '{point.name}' ({point.value}) cannot be loaded: {said}")
 
 
 # ── registration ─────────────────────────────────────────────────────────────────────
