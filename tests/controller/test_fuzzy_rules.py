@@ -83,6 +83,7 @@ RULES = (
         HEAD + TERMS + "inference e: outside extend\n" + RULES,
         HEAD + TERMS + "inference aggregation sum\ninference and hamacher\n" + RULES,
         HEAD + TERMS + RULES + "rule if (e is N or ce is P) and ce is Z then u is P\n",
+        HEAD + TERMS + "inference defuzzifier bisector\n" + RULES,
     ],
 )
 def test_a_controller_takes_any_shape_and_norm(text):
@@ -101,7 +102,8 @@ def test_a_controller_takes_any_shape_and_norm(text):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        (HEAD + TERMS + "inference defuzzifier bisector\nrule if e is N then u is P", "bisector"),
+        (HEAD + TERMS + "inference defuzzifier mean-of-maximum\n"
+         "rule if e is N then u is P", "maximum"),
         (HEAD + TERMS + "output v 0 .. 1\nterms v: triangles A B\n"
          "rule if e is N and ce is P then u is P, v is A", "2 outputs"),
     ],

@@ -1,4 +1,4 @@
-"""The exact centroid of curved sets as a defuzzifier of the kernel.
+"""The exact centroid of curved sets, and any exact bisector, as defuzzifiers of the kernel.
 
 The adaptive quadrature of :mod:`fuzzyarm.inference.quadrature`, step by step in the same order,
 so that the bits are those of one point in plain Python. It goes point by point: every point has
@@ -15,6 +15,7 @@ Behind the work rows stand, in the order of memory::
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -78,51 +79,106 @@ def integrated_centroid(block: Any) -> None:
     total = room[begin : begin + k[COUNT]]
     begin = (k[WORK] + MOMENT) * width
     moment = room[begin : begin + k[COUNT]]
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    for point in range(total.shape[0]):
+        total[point], moment[point], _, _ = integrate(k, f, room, heap, point, math.inf)
+
+
+@kernel
+def integrated_bisector(block: Any) -> None:
+    """Find where the area of the aggregate is halved: in the middle, if on a stretch without area.
+
+    Once through the panels for the area, once more for each end of that stretch, up to the panel
+    where the sum reaches the share, which is then halved itself.
+    """
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    room = block[k[ROOM] : k[COLUMNS]]
+    width = k[WIDTH]
+    begin = (k[WORK] + TOTAL) * width
+    total = room[begin : begin + k[COUNT]]
+    begin = (k[WORK] + MOMENT) * width
+    moment = room[begin : begin + k[COUNT]]
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    for point in range(total.shape[0]):
+        area, _, _, _ = integrate(k, f, room, heap, point, math.inf)
+        middle = 0.0
+        if area > 0.0:
+            middle = reach(k, f, room, heap, point, (0.5 - SAME_HALF) * area)
+            middle = 0.5 * (middle + reach(k, f, room, heap, point, (0.5 + SAME_HALF) * area))
+        total[point], moment[point] = area, middle
+
+
+SAME_HALF = 1e-12
+"""Shares of the area closer to one half than this are one half."""
+
+STEPS = 60
+"""Halvings of the panel in which a bisector lies."""
+
+
+@kernel
+def reach(k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float) -> float:
+    """Return where the area from the left end on reaches a number."""
+    before, _, x_0, x_1 = integrate(k, f, room, heap, point, wanted)
+    a, b = x_0, x_1
+    if x_0 < x_1:
+        for _ in range(STEPS):
+            middle = 0.5 * (a + b)
+            if integral(k, f, room, heap, point, x_0, middle, 0.0)[0] < wanted - before:
+                a = middle
+            else:
+                b = middle
+    return 0.5 * (a + b)
+
+
+@kernel
+def integrate(
+    k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float
+) -> tuple[float, float, float, float]:
+    """Cut the range of a point into its first panels and halve them, see :func:`halve`."""
     head = k[OUTPUT]
     detail = k[head + DETAIL]
     members = k[detail + MEMBERS]
     low, high = f[k[head + FLOATS_AT]], f[k[head + FLOATS_AT] + 1]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
     constants = f[k[detail + CONSTANTS_AT] : k[detail + CONSTANTS_AT] + CONSTANTS]
     strengths = heap[4 * ROW : 4 * ROW + members]
     edges = 4 * ROW + members
-    for point in range(total.shape[0]):
-        count = k[detail + EDGES]
-        for edge in range(count):
-            heap[edges + edge] = f[k[detail + EDGES_AT] + edge]
-        for member in range(members):
-            strengths[member] = 0.0
-        # Edges are what a set or its cut is not smooth at: missing one costs fifty halvings.
-        strongest = 0.0
-        at = k[GROUPS] + 1
-        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
-            consequent = k[at + 1]
-            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-            height = room[group * width + point]
-            if height > 0.0:
-                strengths[k[consequent + MEMBER]] = height
-                strongest = max(strongest, height)
-                count = clip_edges(k, f, consequent, height, heap, edges, count)
-        begin = k[detail + STRETCHES_AT]
-        for stretch in range(begin, begin + STRETCH * k[detail + STRETCHES], STRETCH):
-            count = cross(k, f, stretch, strengths, heap, edges, count)
-        noise = constants[ROUNDING]
-        if constants[SUBTRACTS] == 0.0:
-            noise *= min(1.0, strongest)
-        centre = 0.5 * (low + high)
-        stack = edges + count
-        area = 0.0
-        for i in range(count - 1):  # the first panel on top
-            panel = stack + PANEL * (count - 2 - i)
-            x_0, x_1 = heap[edges + i], heap[edges + i + 1]
-            heap[panel], heap[panel + 1] = x_0, x_1
-            heap[panel + 2], heap[panel + 3] = integral(k, f, room, heap, point, x_0, x_1, centre)
-            heap[panel + 4] = constants[DEEPEST]
-            area += heap[panel + 2]
-        half_range = 0.5 * (high - low)
-        total[point], moment[point] = halve(
-            k, f, room, heap, point, stack, count - 1, centre, half_range, area, noise, constants
-        )
+    count = k[detail + EDGES]
+    for edge in range(count):
+        heap[edges + edge] = f[k[detail + EDGES_AT] + edge]
+    for member in range(members):
+        strengths[member] = 0.0
+    # Edges are what a set or its cut is not smooth at: missing one costs fifty halvings.
+    strongest = 0.0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * k[WIDTH] + point]
+        if height > 0.0:
+            strengths[k[consequent + MEMBER]] = height
+            strongest = max(strongest, height)
+            count = clip_edges(k, f, consequent, height, heap, edges, count)
+    begin = k[detail + STRETCHES_AT]
+    for stretch in range(begin, begin + STRETCH * k[detail + STRETCHES], STRETCH):
+        count = cross(k, f, stretch, strengths, heap, edges, count)
+    noise = constants[ROUNDING]
+    if constants[SUBTRACTS] == 0.0:
+        noise *= min(1.0, strongest)
+    centre = 0.5 * (low + high)
+    stack = edges + count
+    area = 0.0
+    for i in range(count - 1):  # the first panel on top
+        panel = stack + PANEL * (count - 2 - i)
+        x_0, x_1 = heap[edges + i], heap[edges + i + 1]
+        heap[panel], heap[panel + 1] = x_0, x_1
+        heap[panel + 2], heap[panel + 3] = integral(k, f, room, heap, point, x_0, x_1, centre)
+        heap[panel + 4] = constants[DEEPEST]
+        area += heap[panel + 2]
+    return halve(
+        k, f, room, heap, point, stack, count - 1, centre, 0.5 * (high - low), area, noise,
+        constants, wanted,
+    )  # fmt: skip
 
 
 @kernel
@@ -179,10 +235,15 @@ def halve(
     whole: float,
     noise: float,
     constants: Any,
-) -> tuple[float, float]:
-    """Halve panels until the halves agree with the whole; return area and moment of all."""
+    wanted: float,
+) -> tuple[float, float, float, float]:
+    """Halve panels until the halves agree with the whole; return area and moment of all.
+
+    Only up to the panel in which the area reaches `wanted`: then the area in front of it, and its
+    ends. They are equal, the end of the range, where it is never reached.
+    """
     budget = constants[MOST_PANELS]
-    area = torque = 0.0
+    area = torque = x_1 = 0.0
     while panels > 0:
         panels -= 1
         panel = stack + PANEL * panels
@@ -197,6 +258,8 @@ def halve(
             agree = False
         budget -= 1.0
         if agree or depth == 0.0 or budget < 0.0:
+            if area + (left_area + right_area) >= wanted:
+                return area, torque, x_0, x_1
             area += left_area + right_area
             torque += left_moment + right_moment
         else:
@@ -209,7 +272,7 @@ def halve(
             heap[panel + 2], heap[panel + 3] = left_area, left_moment
             heap[panel + 4] = depth - 1.0
             panels += 2
-    return area, torque
+    return area, torque, x_1, x_1
 
 
 @kernel

@@ -61,6 +61,10 @@ Proposition = tuple[str, str, tuple[Hedge, ...]]
 """Variable, term and hedges."""
 
 
+INTEGRATED = (integrated.integrated_centroid, integrated.integrated_bisector)
+"""Defuzzifiers that go by the quadrature."""
+
+
 class NotCoveredError(Exception):
     """The kernel does not do this; the message says what."""
 
@@ -513,12 +517,12 @@ class _OutputWriter:
             detail = self._write_samples()
         elif self.defuzzifier is at.enveloped_centroid:
             self._write_pieces()
-        elif self.defuzzifier is integrated.integrated_centroid:
+        elif self.defuzzifier in INTEGRATED:
             base.floats[floats + 3] = 0.5 * (output.low + output.high)
             detail = self._write_integral()
         else:
             detail = self._write_values()
-        is_mean = output.defuzzifier.method != "weighted-sum"
+        is_mean = output.defuzzifier.method not in {"weighted-sum", "bisector"}
         fold = norm_address(SNORMS[output.aggregation], "S", compiled=base.compiled)
         address = address_of(self.defuzzifier, 1, compiled=base.compiled, inline=True)
         whole[head : head + at.OUTPUT_HEAD] = [
@@ -683,6 +687,8 @@ def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
         return at.weighted
     if plan.output.defuzzifier.resolution is not None:
         return at.sampled_centroid
+    if plan.output.defuzzifier.method == "bisector" and plan.members:
+        return integrated.integrated_bisector
     if plan.closed is not None or not plan.members:
         return at.closed_centroid
     return at.enveloped_centroid if _has_envelope(plan) else integrated.integrated_centroid
@@ -715,10 +721,11 @@ def _check_output(plan: OutputPlan) -> None:
         if formulas:
             raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
         return
-    if method != "centroid" or plan.discrete:
+    exact_bisector = method == "bisector" and output.defuzzifier.resolution is None
+    if plan.discrete or not (method == "centroid" or exact_bisector):
         raise NotCoveredError(f"the {method} of '{output.name}'")
-    if _defuzzifier(plan) is integrated.integrated_centroid:
+    if _defuzzifier(plan) in INTEGRATED:
         for member in plan.members:
             if TNORMS[member.implication].leaves_ones or TNORMS[member.implication].own:
                 what = f"implication {member.implication}"
-                raise NotCoveredError(f"the exact centroid of '{output.name}' under {what}")
+                raise NotCoveredError(f"the exact {method} of '{output.name}' under {what}")

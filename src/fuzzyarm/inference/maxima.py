@@ -300,10 +300,10 @@ def greatest_of_many(method: str, samples: Array, heights: Array) -> tuple[Array
 # is nearest to half, or the mean of those that are equally near, as in fuzzylite.
 
 SAME_HALF = 1e-12
-"""Shares of the area closer to one half than this are one half."""
+"""Shares of the area closer to one half than this are one half; in the kernel, too."""
 
 STEPS = 60
-"""Halvings of a panel."""
+"""Halvings of a panel; in the kernel, too."""
 
 
 def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:

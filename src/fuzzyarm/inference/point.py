@@ -504,10 +504,13 @@ class Prepared:
 
 def _samples_of(plan: OutputPlan) -> int:
     """Return at how many positions an output is evaluated at a point, where the kernel does it."""
-    if plan.output.defuzzifier.method != "centroid" or plan.discrete:
+    method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
+    if plan.discrete or method not in {"centroid", "bisector"}:
         return 0
-    if plan.output.defuzzifier.resolution is not None:
-        return plan.output.defuzzifier.resolution
+    if resolution is not None:
+        return resolution if method == "centroid" else 0
+    if method == "bisector":
+        return STEPS_OF_AN_INTEGRAL
     curved = any(not piece.straight for member in plan.members for piece in member.pieces)
     return STEPS_OF_AN_INTEGRAL if curved else 0
 
