@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from fuzzyarm.api import check_file, check_text, load
+    from fuzzyarm.api import FileWarning, check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from fuzzyarm.text.diagnostic import RuleBaseError
 
 __all__ = [
+    "FileWarning",
     "FuzzyarmError",
     "LookupTable",
     "RuleBase",
@@ -59,7 +60,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "api": ("check_file", "check_text", "load"),
+    "api": ("FileWarning", "check_file", "check_text", "load"),
     "errors": ("FuzzyarmError",),
     "expression.kinds": ("kinds",),
     "expression.op": ("op",),

@@ -38,6 +38,7 @@ TOLERANCE = 1e-6
 FLOOR = 1e-9
 """Absolute difference below which two values are equal, for outputs around zero."""
 
+_FILES = (*FOREIGN, ".fml")
 _PROGRAMS = ("octave", "fuzzylite", "matlab", "jfuzzylogic")
 _IGNORED = re.compile(r"outputs_resolution_\d+\Z")
 
@@ -168,7 +169,7 @@ class Row:
 def _run(arguments: argparse.Namespace) -> int:
     rows = survey(arguments.folder, arguments.reference)
     if not rows:
-        print_error(f"{arguments.folder}: no {', '.join(FOREIGN)} files in there")
+        print_error(f"{arguments.folder}: no {', '.join(_FILES)} files in there")
         return 1
     if arguments.json:
         print_json({"summary": summary(rows), "files": [asdict(row) for row in rows]}, 2)
@@ -191,7 +192,7 @@ def survey(folder: Path, reference: Path | None = None) -> list[Row]:
         raise NotADirectoryError(20, "not a folder", str(folder))
     candidates = (folder / "reference", folder.parent / "reference")
     where = reference or next((c for c in candidates if c.is_dir()), None)
-    files = sorted(p for p in folder.rglob("*") if p.suffix.lower() in FOREIGN and p.is_file())
+    files = sorted(p for p in folder.rglob("*") if p.suffix.lower() in _FILES and p.is_file())
     return [_row(path, folder, where) for path in files]
 
 

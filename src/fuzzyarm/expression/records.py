@@ -71,7 +71,7 @@ class Kind:
         One line for help, completion and the reference.
     names : mapping of str to str
         What other programs call it: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
-        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``. Several
+        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``, ``fml``. Several
         words stand with commas between, the one that is written first. A shape may name the
         order of its numbers behind the word, where it is another one: ``"gaussmf deviation
         mean"``; a hedge of a FIS is the fraction of a term's index. A program that is not
