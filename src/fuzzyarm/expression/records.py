@@ -168,9 +168,16 @@ class Shape(Kind):
     def scalar(self) -> Callable[..., float]:
         """The degree of a float: x, then the parameters."""
         if self.function is None and self.corners is not None:
-            corners = self.corners
-            return lambda x, *parameters: degree_on_polyline(corners(*parameters), x)
+            return lambda x, *parameters: self.at(*parameters)(x)
         return super().scalar
+
+    def at(self, *parameters: float) -> Callable[[float], float]:
+        """Return the degree as a function of x alone; the corners of a line are found once."""
+        if self.function is None and self.corners is not None:
+            corners = self.corners(*parameters)
+            return lambda x: degree_on_polyline(corners, x)
+        scalar = self.scalar
+        return lambda x: scalar(x, *parameters)
 
     def array(self, *arguments: Any) -> Any:
         """Return the degrees over an array: x, then the parameters."""

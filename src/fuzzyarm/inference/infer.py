@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
@@ -84,13 +84,17 @@ DEFAULT_TOLERANCE = 1e-9
 """Of the range of the output, where an ``=`` states no tolerance."""
 
 
-def check_expectations(rulebase: RuleBase) -> list[Diagnostic]:
+def check_expectations(
+    rulebase: RuleBase, on_step: Callable[[], None] = lambda: None
+) -> list[Diagnostic]:
     """Evaluate every expectation and report those that fail.
 
     Parameters
     ----------
     rulebase : RuleBase
         The model.
+    on_step : callable
+        Called before each expectation; what it raises ends the check.
 
     Returns
     -------
@@ -104,11 +108,11 @@ def check_expectations(rulebase: RuleBase) -> list[Diagnostic]:
         prepared = prepare(rulebase)
     except FuzzyarmError as error:
         return [_failed(rulebase.expectations[0], str(error))]
-    return [
-        found
-        for expectation in rulebase.expectations
-        for found in _check(rulebase, prepared, expectation)
-    ]
+    failures: list[Diagnostic] = []
+    for expectation in rulebase.expectations:
+        on_step()
+        failures += _check(rulebase, prepared, expectation)
+    return failures
 
 
 def _check(rulebase: RuleBase, prepared: Prepared, expectation: Expectation) -> list[Diagnostic]:

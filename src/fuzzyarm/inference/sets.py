@@ -58,7 +58,7 @@ def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
     callable
         From a float to a float; for a ``linear`` consequent it raises InferenceError.
     """
-    height, parameters = shape.height, shape.parameters
+    height = shape.height
     if shape.kind == "formula":
         names = formula_of(shape).names
         if names not in {(), (POSITION,)}:  # a value: whoever asks it for a degree is at fault
@@ -71,10 +71,10 @@ def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
     elif not SHAPES[shape.kind].fuzzy:
         return _not_a_set(shape)
     else:
-        scalar = SHAPES[shape.kind].scalar
+        function = SHAPES[shape.kind].at(*shape.parameters)
 
         def degree(x: float) -> float:
-            return height * scalar(x, *parameters)
+            return height * function(x)
 
     return (lambda x: apply_hedges(hedges, degree(x))) if hedges else degree
 
