@@ -614,3 +614,33 @@ def test_a_missing_rule_under_a_condition_names_it():
     text = two_grids({**mirrored_cells(), ("N", "Z", "P"): "."})
     (found,) = [d for d in check_text(text).diagnostics if d.name == "missing-rule"]
     assert found.message == "no rule for a is Z and b is P when p is N"
+
+
+@pytest.mark.parametrize(
+    ("name", "formula", "method", "fits"),
+    [
+        ("x", "x + 0.5", "weighted-average", False),
+        ("a", "x + 0.5", "weighted-average", False),
+        ("a", "a + 0.5", "weighted-average", True),
+        ("a", "x / 2", "centroid", True),
+        ("x", "x / 2", "centroid", False),
+        ("a", "x / 2 + a", "centroid", False),
+        ("a", "a / 2", "centroid", False),
+        ("a", "0.5", "weighted-sum", True),
+    ],
+)
+def test_what_is_wrong_with_a_formula_is_found_before_it_is_evaluated(name, formula, method, fits):
+    from fuzzyarm.inference import infer
+
+    text = (
+        f"rulebase t\ninput {name} 0 .. 1\noutput u 0 .. 2\nterms {name}: triangles L H\n"
+        f'term u A: formula "{formula}"\ninference defuzzifier {method}\n'
+        f"rule if {name} is L then u is A\nrule if {name} is H then u is A\n"
+    )
+    assert ("defuzzifier-does-not-fit" in names(text)) == (not fits)
+    rulebase = parse(text).partial
+    if fits:
+        assert infer(rulebase, {name: 0.3})
+    elif "x" in formula:
+        with pytest.raises((ValueError, KeyError)):
+            infer(rulebase, {name: 0.3})

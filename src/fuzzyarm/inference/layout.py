@@ -25,9 +25,9 @@ from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule
 from fuzzyarm.inference.point import is_straight
-from fuzzyarm.inference.sets import POSITION, formula_of
+from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.kernels import address_of, kernel
-from fuzzyarm.model.rulebase import And, Hedge, Is, Or, Output, Shape
+from fuzzyarm.model.rulebase import POSITION, And, Hedge, Is, Or, Output, Shape
 from fuzzyarm.model.shapes import polyline
 
 MOST_PROGRAMS = 65_536

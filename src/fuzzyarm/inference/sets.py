@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.model.rulebase import Hedge, Shape
+from fuzzyarm.model.rulebase import POSITION, Hedge, Shape
 from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, polyline
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fuzzyarm.expression.formulas import Formula
-
-POSITION = "x"
-"""The name under which a formula that is a membership function knows where it is."""
 
 SetFunction = Callable[[float], float]
 """The degree at one point."""

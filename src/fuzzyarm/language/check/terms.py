@@ -12,6 +12,7 @@ from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.check.subject import Subject, plain_propositions
 from fuzzyarm.language.statements import EvenTermsNode
 from fuzzyarm.model.rulebase import (
+    POSITION,
     TAKAGI_SUGENO,
     WEIGHTED,
     Input,
@@ -30,15 +31,21 @@ from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 
 def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``defuzzifier-does-not-fit`` and ``mixed-output-terms``."""
+    names = {v.name for v in (*subject.rulebase.inputs, *subject.rulebase.outputs)}
     for output in subject.rulebase.outputs:
         yield from _values(output)
+        yield from _formulas(output, names)
         yield from _mixture(output)
         if output.defuzzifier.method == "tsukamoto":
             yield from _monotonic(output)
 
 
 def _values(output: Output) -> Iterator[Diagnostic]:
-    values = [term for term in output.terms if not SHAPES[term.shape.kind].fuzzy]
+    values = [
+        term
+        for term in output.terms
+        if not (SHAPES[term.shape.kind].fuzzy or POSITION in _names_in(term))
+    ]
     method = output.defuzzifier.method
     if values and method not in WEIGHTED:
         yield Diagnostic(
@@ -47,6 +54,43 @@ def _values(output: Output) -> Iterator[Diagnostic]:
             values[0].span,
             hint="use weighted-average or weighted-sum",
         )
+
+
+def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:
+    """Report formulas in x, which are sets, where they cannot be."""
+    for term in output.terms:
+        names = _names_in(term)
+        if POSITION not in names:
+            continue
+        others = sorted(names & (variables - {POSITION}))
+        method, message, hint = output.defuzzifier.method, "", ""
+        if method in WEIGHTED:
+            message = f"which makes it a set; {method} needs a value"
+        elif POSITION in variables:
+            message = "which is also the name of a variable"
+        elif others:
+            message = f"but '{others[0]}' too; a set depends on its position only"
+        if POSITION in variables:
+            hint = f"give the variable '{POSITION}' another name"
+        if message:
+            yield Diagnostic(
+                "defuzzifier-does-not-fit",
+                f"the formula of '{term.name}' uses {POSITION}, the position in a set, {message}",
+                term.span,
+                hint=hint,
+            )
+
+
+def _names_in(term: Term) -> set[str]:
+    """Return the names in a formula; none for another shape, and for one that cannot be read."""
+    if term.shape.kind != "formula":
+        return set()
+    from fuzzyarm.expression.formulas import FormulaError, read_formula
+
+    try:
+        return set(read_formula(term.shape.formula).names)
+    except FormulaError:
+        return set()
 
 
 def _mixture(output: Output) -> Iterator[Diagnostic]:
@@ -274,13 +318,7 @@ def _used_in_values(rulebase: RuleBase) -> set[str]:
             if shape.kind == "linear":
                 pairs = zip(rulebase.inputs, shape.parameters, strict=False)
                 found |= {variable.name for variable, factor in pairs if factor != 0.0}
-            elif shape.kind == "formula":
-                from fuzzyarm.expression.formulas import FormulaError, read_formula
-
-                try:
-                    found |= set(read_formula(shape.formula).names)
-                except FormulaError:
-                    continue
+            found |= _names_in(term)
     return found
 
 
