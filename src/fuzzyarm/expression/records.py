@@ -12,7 +12,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
@@ -299,6 +299,20 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
 
     def __len__(self) -> int:
         return len(self._kinds)
+
+    @property
+    def foreign(self) -> dict[str, tuple[str, str]]:
+        """What other programs call the kinds, in small letters → the name here.
+
+        With it stands the order of the numbers here where it is another one there.
+        """
+        found: dict[str, tuple[str, str]] = {}
+        for kind in self._kinds.values():
+            for spelling in chain.from_iterable(text.split(",") for text in kind.names.values()):
+                word, *order = spelling.casefold().split()
+                if word not in self.words and not word[0].isdigit():
+                    found.setdefault(word, (kind.name, " ".join(kind.parameters) if order else ""))
+        return found
 
     def add(self, kind: _Kind) -> _Kind:
         """Register a kind; one of the user's own may be replaced.
