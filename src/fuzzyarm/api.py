@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
@@ -12,14 +14,28 @@ from fuzzyarm.language import Parsed, load_rulebase, parse, read_text
 from fuzzyarm.language.check import check
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 
-RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis")
-TABLE_SUFFIXES = (".lut", ".csv", ".npz", ".json")
+RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
+
+
+class FileWarning(UserWarning):
+    """What :func:`load` has to say of a file of another program that it could read.
+
+    Attributes
+    ----------
+    diagnostic : Diagnostic
+        The finding, with its position.
+    """
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        super().__init__(str(diagnostic))
+        self.diagnostic = diagnostic
 
 
 class UnknownKindError(FuzzyarmError, ValueError):
@@ -32,7 +48,7 @@ class UnknownKindError(FuzzyarmError, ValueError):
     """
 
     def __init__(self, path: str) -> None:
-        known = ", ".join((*RULEBASE_SUFFIXES, *TABLE_SUFFIXES))
+        known = ", ".join((*RULEBASE_SUFFIXES, *SUFFIXES))
         super().__init__(f"{path}: cannot tell what kind of file this is", hint=f"known: {known}")
         self.path = path
 
@@ -43,8 +59,14 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     Parameters
     ----------
     path : path-like
-        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``) or a table (``.lut``, ``.csv``,
-        ``.npz``, ``.json``).
+        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``, ``.fml``) or a table (``.lut``,
+        ``.csv``, ``.npz``, ``.json``).
+
+    Warns
+    -----
+    FileWarning
+        For every warning about a file of another program: what was dropped, or is read in
+        one of several ways. Errors are the same as those of :func:`check_file`.
 
     Raises
     ------
@@ -59,7 +81,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     suffix = os.path.splitext(name)[1].lower()
     if suffix == ".frb":
         return load_rulebase(path)
-    if suffix in TABLE_SUFFIXES:
+    if suffix in SUFFIXES:
         from fuzzyarm.table import read_table
 
         return read_table(name)
@@ -69,6 +91,9 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
         imported = read(path)
         if imported.rulebase is None:
             raise RuleBaseError(imported.diagnostics)
+        for diagnostic in imported.diagnostics:
+            if diagnostic.severity is Severity.WARNING:
+                warnings.warn(FileWarning(diagnostic), stacklevel=2)
         return imported.rulebase
     raise UnknownKindError(name)
 
@@ -178,8 +203,11 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     text = text_to_show(path)
     if imported.rulebase is None:
         return Review(text, tuple(imported.diagnostics))
-    more = failed_expectations(imported.rulebase)
-    findings = check(imported.rulebase, path=name, more=more)
+    # The other program computes the file, so that a contradiction in it is a doubt.
+    findings = [
+        replace(each, severity=Severity.WARNING) if each.is_error else each
+        for each in check(imported.rulebase, path=name)
+    ]
     return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
 
 

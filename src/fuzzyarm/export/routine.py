@@ -13,9 +13,9 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-from fuzzyarm import __version__
 from fuzzyarm.export.names import Names
 from fuzzyarm.text.numbers import number_text
+from fuzzyarm.version import __version__
 
 # --- What one exported C file is put together from: names, shared constants, small helpers ---
 

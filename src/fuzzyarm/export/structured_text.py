@@ -10,13 +10,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fuzzyarm import __version__
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ExportError, st_number
 from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
 from fuzzyarm.export.table import Side, TableCode, TableRoutine
 from fuzzyarm.export.table_numbers import FixedTable
 from fuzzyarm.expression.printing import STRUCTURED_TEXT
+from fuzzyarm.version import __version__
 
 _FLOATS: dict[type[np.floating], str] = {np.float32: "REAL", np.float64: "LREAL"}
 _WHOLES = {15: "INT", 7: "SINT"}

@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.formats.dialects import FIS, Dialect, words
 from fuzzyarm.formats.drafts import (
     VALUES,
     Draft,
     all_invertible,
     imported,
-    lines_of,
     maximum_of_nothing,
     note_rounding,
     rulebase_of,
@@ -22,18 +20,29 @@ from fuzzyarm.formats.drafts import (
 )
 from fuzzyarm.formats.findings import (
     MAX_RULES,
-    MAX_TERMS,
     MAX_VARIABLES,
+    FaultError,
     Findings,
     Imported,
     Word,
     number,
-    numbers,
     unique_name,
+)
+from fuzzyarm.formats.fis_text import (
+    ALL_NAMES,
+    BRACKETED,
+    Section,
+    by_magnitude,
+    detect,
+    hedges_of,
+    is_open,
+    membership_parts,
+    read_shape,
+    sections,
+    unquoted,
 )
 from fuzzyarm.formats.meaning import Block, blocks_in_model
 from fuzzyarm.formats.sentences import NOT, RuleText
-from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -47,153 +56,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.text.diagnostic import NOWHERE, Span
-
-# --- FIS text: sections in brackets, `key=value` lines, rules of numbers ---
-
-_HEADER = re.compile(r"\[\s*(system|input|output|rules)\s*(\d*)\s*\]\s*\Z", re.IGNORECASE)
-
-
-@dataclass(slots=True)
-class _Section:
-    """One section: the kind of its header, the 2 of ``[Input2]`` (else 0), and its lines."""
-
-    kind: str
-    number: int = 0
-    span: Span = NOWHERE
-    lines: list[Word] = field(default_factory=list)
-
-
-def _sections(text: str, findings: Findings) -> list[_Section]:
-    sections: list[_Section] = []
-    for line in lines_of(text, _without_comment):
-        match = _HEADER.match(line.text) if len(line.text) < 100 else None
-        if match:
-            digits = match.group(2)[:6]
-            sections.append(_Section(match.group(1).lower(), int(digits or 0), line.span))
-        elif sections:
-            sections[-1].lines.append(line)
-        else:
-            message = f"'{line.text[:40]}' stands before any section"
-            findings.error("syntax", message, line)
-    return sections
-
-
-def _without_comment(raw: str) -> str:
-    """Cut a comment: ``%`` or ``#`` first on a line, or after a space outside quotes; ``//``."""
-    if raw.lstrip()[:1] in ("%", "#"):
-        return ""
-    if "%" not in raw and "#" not in raw and "//" not in raw:
-        return raw
-    quoted = False
-    for index, letter in enumerate(raw):
-        if letter == "'":
-            quoted = not quoted
-        elif not quoted and (letter in "%#" or raw.startswith("//", index)):
-            return raw[:index]
-    return raw
-
-
-def _unquoted(word: Word) -> Word:
-    text = word.text
-    if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
-        return Word(text[1:-1], word.span)
-    return word
-
-
-_BRACKETED = re.compile(r"[^\s,;\[\]]+")
-"""A word in brackets, between space, commas and semicolons."""
-
-
-_MEMBERSHIP = re.compile(
-    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>[^:']*?))\s*:\s*'?(?P<kind>[\w.]*)'?\s*,\s*"
-    r"(?P<rest>.*?)\s*\Z",
-    re.DOTALL,
-)
-
-
-def _membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
-    """Split ``'name':'kind',[numbers]``; None where it does not look like that."""
-    match = _MEMBERSHIP.match(value.text)
-    if match is None:
-        return None
-    quoted = match.group("quoted") is not None
-    name, kind, rest = (match.span(key) for key in ("quoted" if quoted else "bare", "kind", "rest"))
-    return value.part(*name), value.part(*kind), value.part(*rest)
-
-
-# --- Which program a text was written for ---
-
-_FUZZYLITE_KEYS = re.compile(
-    r"^\s*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
-)
-_ONLY_OCTAVE = re.compile(
-    r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
-    re.IGNORECASE,
-)
-_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
-
-
-def _detect(text: str) -> str:
-    """Return the program that a text was most likely written for."""
-    comments = "\n".join(
-        line for line in text.split("\n")[:60] if line.lstrip()[:1] in ("#", "%", "/")
-    ).lower()
-    if "fuzzylite" in comments or _FUZZYLITE_KEYS.search(text):
-        return "fuzzylite"
-    if "for matlab" in comments:
-        return "matlab"
-    if "octave" in comments or "fuzzy-logic-toolkit" in comments:
-        return "octave"
-    rules = text.lower().partition("[rules]")[2]
-    if _ONLY_OCTAVE.search(text) or _FRACTION.search(rules):
-        return "octave"
-    return "matlab"
-
-
-# --- Membership functions ---
-
-
-def _shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | None:
-    """Return the shape of ``'kind',[numbers]``."""
-    name = kind.text.lower()
-    if name == "function":
-        text = rest.text.strip().removeprefix("[").removesuffix("]")
-        return formula_shape(Word(text, rest.span), FIS["fuzzylite"].formula, findings)
-    # fuzzylite writes the class of a term where it has no word in a FIS.
-    known = all_spellings(SHAPES, *_ALL, "fll")
-    spelling = known.get(name) or known.get(kind.text)
-    if spelling is None:
-        _unknown(kind, known, findings)
-        return None
-    values = numbers(rest.parts(_BRACKETED), findings)
-    if values is None:
-        return None
-    if name == "constant":
-        values = values[-1:]
-    elif name in ("smf", "zmf") and len(values) in (2, 3):
-        values[:2] = _crossed(values[:2])
-    return spelled_shape(spelling, values, inputs, kind, findings, "last")
-
-
-def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> None:
-    if not kind.text:
-        findings.error("syntax", "the kind of the membership function is missing", kind)
-        return
-    if kind.text.lower().endswith("mf"):
-        message = f"'{kind.text[:40]}' is a function of its author's own, which is not in the file"
-        findings.error("unknown-shape", message, kind)
-        return
-    findings.unknown("unknown-shape", "the membership function", kind, known)
-
-
-def _crossed(values: list[float]) -> list[float]:
-    """MATLAB makes a step half-way of an s or z whose numbers are the wrong way round."""
-    if values[0] > values[1]:
-        middle = 0.5 * (values[0] + values[1])
-        return [middle, middle]
-    return values
-
+from fuzzyarm.text.diagnostic import MAX_TERMS, NOWHERE, Span
 
 # --- Rules: a term index for each variable, weight, and 1 for and or 2 for or ---
 
@@ -203,53 +66,48 @@ _RULE = re.compile(
 )
 _WORD = re.compile(r"\S+")
 
-_VERY_VERY = (0.4, (Hedge("very"), Hedge("very")))
-
-
-def fractions(dialect: Dialect) -> dict[float, tuple[Hedge, ...]]:
-    """Return the hedges that fractions of an index stand for, but for powers."""
-    key = "fis" if dialect.producer == "fuzzylite" else "octave"
-    named = words(HEDGES, key).items()
-    return {float(word): (Hedge(name),) for word, name in named} | dict([_VERY_VERY])
-
-
-def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
-    """Return the hedges that the fraction of an index stands for, or None.
-
-    To Octave's toolkit a fraction f is the power 10 f; fuzzylite knows six of them, and
-    MATLAB none (what it does with one is not documented, so it is read as Octave does).
-    """
-    if fraction == 0.0:
-        return ()
-    table = fractions(dialect)
-    if fraction in table:
-        return table[fraction]
-    powers = dialect.producer != "fuzzylite"
-    return (Hedge("power", round(10.0 * fraction, 6)),) if powers else None
-
-
 # --- Read FIS ---
 
 _KEYS = (
     "name", "type", "version", "numinputs", "numoutputs", "numrules", "andmethod", "ormethod",
     "impmethod", "aggmethod", "defuzzmethod", "nummfs",
 )  # fmt: skip
-_ALL = ("fis", "octave", "matlab")
-"""Keys of names: the words of all programs are read in each."""
+_TYPE_2 = "a system of type 2 is not supported: its terms have an upper and a lower function"
+_TYPE_2_NUMBERS = re.compile(r"\[[^\]]*\]\s*,\s*\[")
+"""``[upper],[scale],[lag]`` where a term of type 1 has one list."""
+
+_ENDING = re.compile(r"\)\s*:\s*\d\s*\Z")
+"""Weight and connective of a rule."""
+
+_VARIABLE_KEYS = ("Name", "Range", "NumMFs")
+_TYPES = (
+    "mamdani", "sugeno", "larsen", "takagi-sugeno", "tsukamoto", "inverse tsukamoto", "hybrid",
+    "unknown",
+)  # fmt: skip
+"""Words for ``Type=``, those of fuzzylite among them; terms and defuzzifier decide."""
 
 _MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
 
 
 def parse_fis(
-    text: str, path: str = "<text>", *, producer: str | None = None, lossy: bool = False
+    text: str,
+    path: str = "<text>",
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
 
-    def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
-        found = FIS[producer or _detect(plain)]
-        return _Reader(plain, found, findings).read(), found
+    def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
+        found = FIS[producer or detect(plain)]
+        try:
+            return _Reader(plain, found, findings).read(), found
+        except FaultError as fault:
+            findings.fault(fault)
+            return None, found
 
-    return imported(text, path, read, lossy=lossy)
+    return imported(text, path, read, lossy=lossy, strict=strict)
 
 
 class _Reader:
@@ -263,25 +121,31 @@ class _Reader:
         self.terms: dict[str, dict[int, str]] = {}
         self.rules: list[Word] = []
         self.seen: dict[tuple[str, int], Span] = {}
+        self.unequal: list[Word] = []  # rules with too many or too few numbers
 
-    def read(self) -> RuleBase:
-        sections = _sections(self.text, self.findings)
-        if not sections and not self.findings.failed:
-            self.findings.error("no-engine", "there is no section like [System] in this file")
-        inputs = sum(section.kind == "input" for section in sections)
+    def read(self) -> RuleBase | None:
+        found = sections(self.text, self.findings)
+        systems = [section for section in found if section.kind == "system"]
+        for section in systems:
+            self._section(section, 0)
+        if not self._has_known_type():
+            return None
+        inputs = sum(section.kind == "input" for section in found)
         # [Input2] may stand before [Input1]; the rules go by number.
-        for section in sorted(sections, key=lambda section: section.number):
-            self._section(section, inputs)
+        for section in sorted(found, key=lambda section: section.number):
+            if section.kind != "system":
+                self._section(section, inputs)
+        self._check_whole(has_system=bool(systems))
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
         for draft in self.outputs:
             self._finish_output(draft)
         block = self._block()
-        self._check_counts()
-        self._notes()
+        if self.dialect.producer == "fuzzylite":
+            note_rounding(self.text, self.findings)
         return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), (block,))
 
-    def _section(self, section: _Section, inputs: int) -> None:
+    def _section(self, section: Section, inputs: int) -> None:
         key = (section.kind, section.number)
         if key in self.seen:
             message = (
@@ -294,35 +158,49 @@ class _Reader:
             self._system(section)
         elif section.kind == "rules":
             self.rules = section.lines
-        else:
+        elif section.kind in ("input", "output"):
             self._variable(section, inputs)
 
-    def _settings(self, section: _Section) -> Iterator[tuple[Word, Word]]:
+    def _settings(self, section: Section) -> Iterator[tuple[Word, Word]]:
         for line in section.lines:
             parts = line.around("=")
             if parts is None:
-                self.findings.error("syntax", f"'{line.text[:40]}' is no 'key=value'", line)
+                message = f"'{line.text[:40]}' is not 'key=value'"
+                self.findings.error("syntax", message, line)
+            elif is_open(parts[1].text):
+                self.findings.error("syntax", "a quote or bracket is not closed", parts[1])
             else:
                 yield parts
 
     # --- [System], and what it means for the outputs ---
 
-    def _system(self, section: _Section) -> None:
+    def _system(self, section: Section) -> None:
         for key, value in self._settings(section):
-            if key.text.lower() not in _KEYS:
-                self.findings.unknown("unknown-key", "the key", key, _KEYS)
-                continue
-            self.settings[key.text.lower()] = _unquoted(value)
+            if key.text.lower() in _KEYS:
+                self.settings[key.text.lower()] = unquoted(value)
+            else:
+                self.findings.ignored_key(key, _KEYS)
+
+    def _has_known_type(self) -> bool:
+        """Refuse what is not a system of type 1, before its parts bring findings of their own."""
+        word = self.settings.get("type")
+        name = self.text_of("type").lower()
+        if word is None or not name or name in _TYPES:
+            return True
+        if name.endswith("type2"):
+            raise FaultError(_TYPE_2, word, "unsupported-type")
+        self.findings.unknown("unknown-type", "the type of system", word, _TYPES)
+        return False
 
     def text_of(self, key: str) -> str:
         word = self.settings.get(key)
         return word.text.strip() if word is not None else ""
 
     def tnorm(self, key: str) -> str:
-        return self._norm(key, words(TNORMS, *_ALL), "min")
+        return self._norm(key, words(TNORMS, *ALL_NAMES), "min")
 
     def snorm(self, key: str) -> str:
-        return self._norm(key, words(SNORMS, *_ALL), "max")
+        return self._norm(key, words(SNORMS, *ALL_NAMES), "max")
 
     def _norm(self, key: str, table: Mapping[str, str], default: str) -> str:
         name = self.text_of(key)
@@ -351,8 +229,11 @@ class _Reader:
             resolution, sampling = dialect.samples
             if name == "centroid_integral":
                 sampling = "trapezoid"
-            draft.defuzzifier = Defuzzifier(dialect.integral[name], resolution, sampling)
-            if producer == "fuzzylite" and _is_nan(draft.no_rule):
+            method = dialect.integral[name]
+            if producer == "matlab":
+                method = self._by_magnitude(draft, method, at)
+            draft.defuzzifier = Defuzzifier(method, resolution, sampling)
+            if _is_nan(draft.no_rule):
                 draft.no_rule = maximum_of_nothing(draft)
             self._values_as_sets(draft, at)
             if not draft.bounded:
@@ -362,6 +243,17 @@ class _Reader:
             word = self.settings["defuzzmethod"]
             methods = (*dialect.integral, *dialect.weighted)
             self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
+
+    def _by_magnitude(self, draft: Draft, method: str, at: Word) -> str:
+        """Return the method of an output for which MATLAB compares the magnitudes of maxima."""
+        found = by_magnitude(method, draft.low, draft.high)
+        if found is None:
+            message = (
+                f"MATLAB takes the maximum of '{draft.name}' that is nearest to 0 for som and the "
+                "farthest for lom; here the lowest and the highest are taken"
+            )
+            self.findings.loss("maximum-by-magnitude", message, at, slight=True)
+        return found or method
 
     def _weighted(self, draft: Draft, method: str, at: Word) -> None:
         if self.dialect.producer == "matlab":
@@ -404,7 +296,7 @@ class _Reader:
 
     # --- Variables and terms ---
 
-    def _variable(self, section: _Section, inputs: int) -> None:
+    def _variable(self, section: Section, inputs: int) -> None:
         count = len(self.inputs) + len(self.outputs)
         if not self.findings.room(count, MAX_VARIABLES, "variables", section.span):
             return
@@ -414,15 +306,22 @@ class _Reader:
             draft.no_rule = math.nan
         taken: dict[int, str] = {}
         memberships: list[tuple[int, Word]] = []
+        declared: list[Word] = []
         for key, value in self._settings(section):
-            self._variable_setting(draft, key, value, memberships)
+            if key.text.lower() == "nummfs":
+                declared.append(value)
+            else:
+                self._variable_setting(draft, key, value, memberships)
         self._name(draft, section)
+        names: set[str] = set()
         for index, value in memberships:
-            self._term(draft, index, value, taken, inputs)
+            self._term(draft, index, value, taken, names, inputs)
+        for word in declared[-1:]:
+            self._check_count(word, len(memberships), "terms")
         self.terms[draft.name] = taken
         (self.outputs if is_output else self.inputs).append(draft)
 
-    def _name(self, draft: Draft, section: _Section) -> None:
+    def _name(self, draft: Draft, section: Section) -> None:
         name = draft.name or f"{section.kind}{section.number or ''}"
         used = {d.name for d in (*self.inputs, *self.outputs)}
         unique = unique_name(name, used)
@@ -439,13 +338,11 @@ class _Reader:
         membership = _MEMBERSHIP_KEY.match(key.text)
         match key.text.lower():
             case "name":
-                draft.word = Word(_unquoted(value).text, value.span)
+                draft.word = Word(unquoted(value).text, value.span)
             case "range":
                 draft.set_range(
-                    value.parts(_BRACKETED), value, self.findings, "two numbers in brackets"
+                    value.parts(BRACKETED), value, self.findings, "two numbers in brackets"
                 )
-            case "nummfs":
-                pass
             case "enabled":
                 draft.enabled = number(value.text) == 1.0
             case "default" if draft.is_output:
@@ -458,7 +355,7 @@ class _Reader:
             case _ if membership:
                 memberships.append((int(membership.group(1)), value))
             case _:
-                self.findings.unknown("unknown-key", "the key", key, ("Name", "Range", "NumMFs"))
+                self.findings.ignored_key(key, _VARIABLE_KEYS)
 
     def _default(self, draft: Draft, value: Word) -> None:
         default = number(value.text)
@@ -468,29 +365,38 @@ class _Reader:
             draft.no_rule = default
 
     def _term(
-        self, draft: Draft, index: int, value: Word, taken: dict[int, str], inputs: int
+        self,
+        draft: Draft,
+        index: int,
+        value: Word,
+        taken: dict[int, str],
+        names: set[str],
+        inputs: int,
     ) -> None:
-        parts = _membership_parts(value)
+        parts = membership_parts(value)
         if parts is None:
             message = "a membership function is 'name':'kind',[numbers]"
             self.findings.error("syntax", message, value)
             return
         name, kind, rest = parts
+        if _TYPE_2_NUMBERS.match(rest.text):
+            raise FaultError(_TYPE_2, value, "unsupported-type")
         if index in taken:
             message = f"'{draft.name}' has two functions with the number {index}"
             self.findings.error("duplicate-index", message, value)
             return
-        if not self.findings.room(len(taken), MAX_TERMS, "terms of a variable", value):
+        unique = unique_name(name.text or f"mf{index}", names)
+        names.add(unique)
+        taken[index] = unique  # a term that is refused is known to the rules all the same
+        if not self.findings.room(len(taken) - 1, MAX_TERMS, "terms of a variable", value):
             return
-        unique = unique_name(name.text or f"mf{index}", set(taken.values()))
-        taken[index] = unique
         if name.text and unique != name.text:
             message = (
                 f"'{draft.name}' has two terms called '{name.text}'; the rules tell them apart "
                 f"by number, so this one is called '{unique}'"
             )
             self.findings.warn("duplicate-term-name", message, name)
-        shape = _shape(kind, rest, inputs, self.findings)
+        shape = read_shape(kind, rest, inputs, self.dialect, self.findings)
         if shape is not None:
             draft.add(Term(unique, shape, name.span))
 
@@ -501,6 +407,11 @@ class _Reader:
             self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
         rules = self.rules[:MAX_RULES]
         texts = [text for line in rules if (text := self._rule(line)) is not None]
+        if self.unequal:
+            counts = f"{len(self.inputs)} inputs and {len(self.outputs)} outputs"
+            more = f" (and {len(self.unequal) - 1} other rules)" if len(self.unequal) > 1 else ""
+            message = f"the rule does not have a number for each of {counts}{more}"
+            self.findings.error("wrong-count", message, self.unequal[0])
         block = Block("", NOWHERE, threshold=self.dialect.threshold, rules=texts)
         block.conjunction = self.tnorm("andmethod")
         block.disjunction = self.snorm("ormethod")
@@ -518,11 +429,7 @@ class _Reader:
         inputs = line.part(*match.span("inputs")).parts(_WORD)
         outputs = line.part(*match.span("outputs")).parts(_WORD)
         if len(inputs) != len(self.inputs) or len(outputs) != len(self.outputs):
-            message = (
-                f"the rule has {len(inputs)} inputs and {len(outputs)} outputs, the file "
-                f"{len(self.inputs)} and {len(self.outputs)}"
-            )
-            self.findings.error("wrong-count", message, line)
+            self.unequal.append(line)
             return None
         weight, is_or = self._weight(match, line), self._is_or(match, line)
         conditions = [Is(*each) for each in self._propositions(self.inputs, inputs)]
@@ -596,22 +503,42 @@ class _Reader:
 
     # --- What the file says of itself ---
 
-    def _check_counts(self) -> None:
-        for key, counted in (
-            ("numinputs", len(self.inputs)),
-            ("numoutputs", len(self.outputs)),
-            ("numrules", len(self.rules)),
-        ):
+    def _check_whole(self, *, has_system: bool) -> None:
+        """Say, once, that a file is cut off: it has less than it says."""
+        counts = (
+            ("numinputs", len(self.inputs), "inputs"),
+            ("numoutputs", len(self.outputs), "outputs"),
+            ("numrules", len(self.rules), "rules"),
+        )
+        if not has_system:
+            self.findings.error("no-engine", "there is no section [System] in this file")
+            return
+        for key, counted, what in counts:
             word = self.settings.get(key)
-            if word is not None and number(word.text) != counted:
-                message = f"the file says {word.text[:20]}, but there are {counted}"
-                self.findings.warn("wrong-count", message, word)
+            if word is not None and not self._check_count(word, counted, what):
+                return
+        system = self.seen["system", 0]
+        ends = [bool(_ENDING.search(self.rules[index].text)) for index in (0, -1) if self.rules]
+        if not self.inputs or not self.outputs:
+            what = "input" if not self.inputs else "output"
+            self.findings.error("no-engine", f"there is no {what} in this file", system)
+        elif ("rules", 0) not in self.seen:
+            self.findings.error("no-rules", "there is no section [Rules] in this file", system)
+        elif ends == [True, False]:
+            message = "the last rule lacks the ending of the others: the file is cut off"
+            self.findings.error("syntax", message, self.rules.pop())
 
-    def _notes(self) -> None:
-        if ("rules", 0) not in self.seen:
-            self.findings.warn("no-rules", "the file has no [Rules]")
-        if self.dialect.producer == "fuzzylite":
-            note_rounding(self.text, self.findings)
+    def _check_count(self, word: Word, counted: int, what: str) -> bool:
+        """Compare a count with what the file has; return whether nothing is missing."""
+        declared = number(word.text)
+        if declared == counted:
+            return True
+        message = f"the file says {word.text[:20]} {what}, but there are {counted}"
+        if declared is None or declared > counted:
+            self.findings.error("wrong-count", message, word, "is the file cut off?")
+            return False
+        self.findings.warn("wrong-count", f"{message}, which are all read", word)
+        return True
 
 
 def _is_nan(value: float | str) -> bool:

@@ -57,7 +57,7 @@ class Subject:
     def grids(self) -> list[GridNode]:
         """The rule grids of the file."""
         nodes = (statement.node for statement in self.document.statements)
-        return [node for node in nodes if isinstance(node, GridNode)]
+        return [part for node in nodes if isinstance(node, GridNode) for part in node.parts]
 
     @cached_property
     def _by_output(self) -> dict[str, list[tuple[RuleBlock, Rule]]]:
