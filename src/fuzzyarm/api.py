@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -140,7 +141,11 @@ def check_text(text: str, path: str = "<text>") -> Review:
 
 
 def check_parsed(
-    parsed: Parsed, text: str, path: str = "<text>", failed: list[Diagnostic] | None = None
+    parsed: Parsed,
+    text: str,
+    path: str = "<text>",
+    failed: list[Diagnostic] | None = None,
+    on_step: Callable[[], None] = lambda: None,
 ) -> Review:
     """Check a text that has been parsed already; as :func:`check_text`.
 
@@ -152,11 +157,13 @@ def check_parsed(
         The text and its name.
     failed : list of Diagnostic, optional
         What :func:`failed_expectations` found, where that is known already.
+    on_step : callable
+        Called now and then; what it raises ends the check.
     """
     if parsed.rulebase is None:
         return Review(text, parsed.diagnostics)
-    more = failed_expectations(parsed.rulebase) if failed is None else failed
-    findings = check(parsed.rulebase, parsed.document, path=path, more=more)
+    more = failed_expectations(parsed.rulebase, on_step) if failed is None else failed
+    findings = check(parsed.rulebase, parsed.document, path=path, more=more, on_step=on_step)
     merged = sorted((*parsed.diagnostics, *findings), key=lambda d: (d.span, d.name))
     return Review(text, tuple(merged), parsed.rulebase)
 
@@ -204,10 +211,12 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
 
 
-def failed_expectations(rulebase: RuleBase) -> list[Diagnostic]:
+def failed_expectations(
+    rulebase: RuleBase, on_step: Callable[[], None] = lambda: None
+) -> list[Diagnostic]:
     """Return a finding for each outcome that an ``expect`` line promises and that does not hold."""
     if not rulebase.expectations:
         return []
     from fuzzyarm.inference import check_expectations
 
-    return check_expectations(rulebase)
+    return check_expectations(rulebase, on_step)

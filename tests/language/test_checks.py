@@ -1,12 +1,37 @@
 """Each check finds what it is for, and is silent where nothing is wrong."""
 
+import itertools
 import re
+import sys
+import textwrap
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from strategies import rulebases
 
 from fuzzyarm.api import check_text
-from fuzzyarm.language.check import CHECKS
+from fuzzyarm.language import parse
+from fuzzyarm.language.check import CHECKS, check
+from fuzzyarm.language.check.coverage import silent_point
+from fuzzyarm.language.check.search import Cell, Need, Search
+from fuzzyarm.language.check.subject import Subject
+from fuzzyarm.language.document import Document
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Input,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+    propositions,
+)
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.text.diagnostic import Severity
 
@@ -95,7 +120,7 @@ def test_a_shared_name_that_one_variable_uses_is_used():
         "rulebase t\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles L M H\n"
         "rules u\n  a L M H\n  u L L H\n"
     )
-    assert names(text) == []
+    assert names(text) == ["short-reach"]
 
 
 @pytest.mark.parametrize(
@@ -181,8 +206,8 @@ def test_a_defuzzifier_must_fit_its_terms(terms, defuzzifier, name):
 
 def test_every_check_has_its_line_in_the_docs_with_its_severity():
     page = DOCS.read_text()
-    for name, check in CHECKS.items():
-        assert f"| `{name}` | {check.severity} | {check.doc} |" in page
+    for name, record in CHECKS.items():
+        assert f"| `{name}` | {record.severity} | {record.doc} |" in page
     rows = re.findall(r"^\| `([\w-]+)` \| (?:error|warning|info) \|", page, re.MULTILINE)
     assert rows == list(CHECKS)
 
@@ -211,3 +236,411 @@ def test_a_nearly_empty_grid_is_not_symmetric_by_its_zeros():
         f"terms e, ce, u: triangles {terms}\nrules u\n  e \\ ce {terms}\n{rows}"
     )
     assert not {"broken-symmetry", "broken-antisymmetry"} & set(names(text))
+
+
+# --- Points at which no rule fires, whatever the shapes and however many the inputs ---
+
+ALL_BUT_THE_MIDDLE = "".join(
+    f"rule if a is {x} and b is {y} and c is {z} then u is M\n"
+    for x, y, z in itertools.product("LMH", repeat=3)
+    if (x, y, z) != ("M", "M", "M")
+)
+
+
+@pytest.mark.parametrize(
+    ("left", "middle", "right"),
+    [
+        ("z 0 0.5", "triangle 0 0.5 1", "s 0.5 1"),
+        ("ramp 0.5 0", "triangle 0 0.5 1", "ramp 0.5 1"),
+        ("cosine 0 1", "pi 0 0.5 0.5 1", "cosine 1 1"),
+        ("semi-ellipse -0.5 0.5", "points (0, 0) (0.5, 1) (1, 0)", "arc 0.5 1"),
+    ],
+)
+def test_one_empty_cell_of_three_inputs_is_found_whatever_the_shapes(left, middle, right):
+    terms = "".join(
+        f"term {v} L: {left}\nterm {v} M: {middle}\nterm {v} H: {right}\n" for v in "abc"
+    )
+    text = (
+        "rulebase t\ninput a 0 .. 1\ninput b 0 .. 1\ninput c 0 .. 1\noutput u 0 .. 1\n"
+        f"terms u: singletons L M\ninference defuzzifier weighted-average\n{terms}"
+    )
+    found = {d.name: d.message for d in check_text(text + ALL_BUT_THE_MIDDLE).diagnostics}
+    assert "fires at a = 0.5, b = 0.5, c = 0.5" in found["no-rule-fires"]
+    assert "covers a is M and b is M and c is M" in found["missing-rule"]
+
+
+def many_inputs(count, rules):
+    names = [f"x{i}" for i in range(count)]
+    inputs = "".join(f"input {name} 0 .. 1\n" for name in names)
+    terms = f"terms {', '.join(names)}, u: triangles L H\n"
+    return f"rulebase t\n{inputs}output u 0 .. 1\n{terms}{rules}"
+
+
+@pytest.mark.parametrize("count", [4, 12, 32])
+def test_a_hole_among_many_inputs_is_found(count):
+    everything = " and ".join(f"x{i} is H" for i in range(count))
+    rules = f"rule if {everything} then u is H\nrule if x0 is not H then u is L\n"
+    found = {d.name: d.message for d in check_text(many_inputs(count, rules)).diagnostics}
+    assert "x0 = 1, x1 = 0" in found["no-rule-fires"]
+
+
+@pytest.mark.parametrize("count", [4, 12, 32])
+def test_rules_that_leave_nothing_open_are_seen_to(count):
+    rules = "".join(
+        f"rule if {''.join(f'x{j} is H and ' for j in range(i))}x{i} is L then u is L\n"
+        for i in range(count)
+    )
+    everything = " and ".join(f"x{i} is H" for i in range(count))
+    text = many_inputs(count, rules + f"rule if {everything} then u is H\n")
+    assert not {"no-rule-fires", "missing-rule", "undecided"} & set(names(text))
+
+
+def test_a_search_that_gives_up_says_so():
+    # Pairs of pigeons in one hole: a hard proof that no point is free, for any such search.
+    holes, pigeons = 7, 8
+    names_of = [[f"x{p * holes + h}" for h in range(holes)] for p in range(pigeons)]
+    rules = [" and ".join(f"'{n}' is L" for n in row) for row in names_of]
+    rules += [
+        f"'{names_of[p][h]}' is H and '{names_of[q][h]}' is H"
+        for h in range(holes)
+        for p, q in itertools.combinations(range(pigeons), 2)
+    ]
+    inputs = tuple(
+        Input(n, 0.0, 1.0, (Term("L", Shape("ramp", (1, 0))), Term("H", Shape("ramp", (0, 1)))))
+        for row in names_of
+        for n in row
+    )
+    output = Output("u", 0.0, 1.0, (Term("A", Shape("triangle", (0, 0.5, 1))),))
+    made = tuple(
+        Rule(
+            And(tuple(Is(p.split("'")[1], p[-1]) for p in each.split(" and "))),
+            (Consequent("u", "A"),),
+        )
+        for each in rules
+    )
+    found = check(RuleBase("pigeons", inputs, (output,), (RuleBlock(made),)))
+    undecided = [d for d in found if d.name == "undecided"]
+    assert [d.severity for d in undecided] == [Severity.INFO] * 2
+    assert not {"no-rule-fires", "missing-rule"} & {d.name for d in found}
+
+
+@given(rulebases())
+def test_a_point_without_a_rule_is_one(rulebase):
+    # The check takes what is faint for nothing; roots and the drastic "or" make much of it.
+    faint = 0.05
+    assume(all(block.disjunction != "drastic" for block in rulebase.blocks))
+    from fuzzyarm.inference import infer
+    from fuzzyarm.inference.errors import NoRuleFiredError
+
+    stated = replace(rulebase, outputs=tuple(replace(o, no_rule="error") for o in rulebase.outputs))
+    subject = Subject(stated, Document(()))
+    for output in stated.outputs:
+        rules = [rule for _, rule in subject.rules_for(output) if rule.weight > 0]
+        asked = {p.variable for rule in rules for p in propositions(rule.antecedent)}
+        if not rules or not asked <= {v.name for v in stated.inputs}:
+            continue
+        point = silent_point(output, subject)
+        if point is None:
+            continue
+        alone = replace(
+            stated,
+            outputs=(output,),
+            blocks=tuple(
+                replace(
+                    block,
+                    rules=tuple(r for r in block.rules if r in rules),
+                    threshold=max(block.threshold, faint),
+                )
+                for block in stated.blocks
+            ),
+        )
+        with pytest.raises(NoRuleFiredError):
+            infer(alone, point)
+
+
+@given(st.lists(st.lists(st.integers(0, 8), min_size=1, max_size=3), min_size=1, max_size=12))
+def test_the_search_finds_a_hole_wherever_there_is_one(rules):
+    # Three variables with three literals each, which hold one at a time.
+    cells = {n: [Cell(i, {(str(i), ()): 1.0}) for i in range(3)] for n in "abc"}
+    needs = []
+    for rule in rules:
+        wanted = {}
+        for number in rule:
+            name = "abc"[number // 3]
+            wanted[name] = wanted.get(name, frozenset()) | {(str(number % 3), ())}
+        needs.append(Need(wanted))
+    found = {
+        point
+        for each in Search(needs, cells).uncovered()
+        for point in itertools.product(
+            *([int(each[n].x)] if n in each else range(3) for n in "abc")
+        )
+    }
+    brute = {
+        point
+        for point in itertools.product(range(3), repeat=3)
+        if not any(
+            all(wanted == {(str(point["abc".index(n)]), ())} for n, wanted in need.literals.items())
+            for need in needs
+        )
+    }
+    assert found == brute
+
+
+# --- What is linear stays linear: steps are counted, not seconds ---
+
+
+def steps_of(text):
+    """Return how many lines of Python a check runs: a measure that no other process disturbs."""
+    parsed = parse(text)
+    count = 0
+
+    def trace(frame, event, argument):
+        nonlocal count
+        count += 1
+        return trace
+
+    sys.settrace(trace)
+    try:
+        check(parsed.rulebase, parsed.document)
+    finally:
+        sys.settrace(None)
+    return count
+
+
+def a_points_term(size):
+    pairs = " ".join(f"({i}, {0.5 + i % 2 / 2})" for i in range(size))
+    lines = "\n  ".join(textwrap.wrap(pairs, 5000))
+    return f"rulebase t\ninput a 0 .. {size}\noutput u 0 .. 1\nterms u: triangles A B\n" + (
+        f"term a T: points\n  {lines}\nrule if a is T then u is A\n"
+    )
+
+
+def a_grid(size):
+    terms = " ".join(f"t{i}" for i in range(size))
+    rows = "".join(
+        f"  t{i} " + " ".join(f"t{(i + j) // 2}" for j in range(size)) + "\n" for i in range(size)
+    )
+    return (
+        "rulebase t\ninput a 0 .. 1\ninput b 0 .. 1\noutput u 0 .. 1\n"
+        f"terms a, b, u: triangles {terms}\nrules u\n  a \\ b {terms}\n{rows}"
+    )
+
+
+def many_grids(size):
+    grid = "rules u\n  a L H\n  u L H\n"
+    return "rulebase t\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles L H\n" + "".join(
+        f"block b{i}\n{grid}" for i in range(size)
+    )
+
+
+def many_holes(size):
+    rules = "".join(f"rule if x{i} is not L then u is H\n" for i in range(size))
+    return many_inputs(size, rules)
+
+
+@pytest.mark.parametrize(
+    ("make", "size", "growth"),
+    [(a_points_term, 200, 1), (a_grid, 8, 2), (many_grids, 40, 1), (many_holes, 8, 1)],
+)
+def test_the_work_of_a_check_grows_with_the_file(make, size, growth):
+    steps_of(make(4))  # what is worked out at the first use only
+    small, large = steps_of(make(size)), steps_of(make(4 * size))
+    assert large < 1.6 * 4**growth * small
+
+
+# --- Terms, conclusions and reach ---
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("term u FAST: singleton 0.2", "core-outside-range"),
+        ("term u FAST: singleton 0.1", None),
+        ("inference u: outside extend\nterm u FAST: singleton 0.2", None),
+        ("term a X: triangle 1 2 3", "core-outside-range"),
+        ("term a X: gaussian 1.5 1", "core-outside-range"),
+        ("term a X: sigmoid 0.9 5", None),
+        ("term a X: sigmoid 1.9 5", "core-outside-range"),
+        ("term a X: trapezoid -inf -inf 0 1", None),
+        ("term a X: trapezoid -2 -1 3 4", None),
+        ("inference a: outside extend\nterm a X: triangle 1 2 3", None),
+    ],
+)
+def test_a_term_that_is_fullest_outside_its_range_is_told(line, name):
+    text = (
+        "rulebase t\ninput a 0 .. 1\noutput u 0 .. 0.1\nterms a: triangles L H\n"
+        f"term u SLOW: singleton 0\ninference defuzzifier weighted-average\n{line}\n"
+        "rule if a is L then u is SLOW\nrule if a is H then u is SLOW\n"
+    )
+    found = {d.name: d for d in check_text(text).diagnostics}
+    assert ("core-outside-range" in found) == (name is not None)
+    if "singleton 0.2" in line and name:
+        assert "the output is cut to 0.1" in found[name].message
+
+
+def test_a_linear_consequent_that_is_cut_is_an_info():
+    text = (
+        "rulebase t\ninput a 0 .. 2\noutput u 0 .. 5\nterms a: triangles L H\n"
+        "term u F: linear 2*a + 3\nterm u G: linear a\n"
+        "inference defuzzifier weighted-average, aggregation sum\n"
+        "rule if a is L then u is G\nrule if a is H then u is F\n"
+    )
+    (found,) = check_text(text).diagnostics
+    assert (found.name, found.line, found.severity) == ("clamped-output", 5, Severity.INFO)
+    assert names(text.replace("0 .. 5", "0 .. 7")) == []
+
+
+def test_rules_that_share_a_conclusion_of_an_average_are_a_doubt_until_it_is_settled():
+    text = (
+        "rulebase t\ninput a 0 .. 1\ninput b 0 .. 1\noutput u 0 .. 1\nterms a, b: triangles L H\n"
+        "terms u: singletons L H\ninference defuzzifier weighted-average\n"
+        "rule if a is H then u is H\nrule if b is H then u is H\n"
+        "rule if a is L and b is L then u is L\nrule if a is L then u is L\n"
+    )
+    (found,) = check_text(text).diagnostics
+    assert (found.name, found.severity) == ("shared-conclusion", Severity.WARNING)
+    for stated in ("aggregation sum", "aggregation max"):
+        assert names(text.replace("weighted-average", f"weighted-average, {stated}")) == []
+
+
+def test_rules_that_never_fire_together_may_share_a_conclusion():
+    text = (
+        "rulebase t\ninput a 0 .. 2\noutput u 0 .. 1\nterms a: triangles L M H\n"
+        "terms u: singletons X Y\ninference defuzzifier weighted-average\n"
+        "rules u\n  a L M H\n  u X Y X\n"
+    )
+    assert names(text) == []
+
+
+def test_an_output_that_stays_away_from_its_ends_is_told_once_with_its_reach():
+    text = (
+        "rulebase t\ninput a 0 .. 1\noutput u 0 .. 100\nterms a, u: triangles OFF HALF ON\n"
+        "rules u\n  a OFF HALF ON\n  u OFF HALF ON\n"
+    )
+    (found,) = check_text(text).diagnostics
+    assert (found.name, found.severity) == ("short-reach", Severity.INFO)
+    assert "16.67 .. 83.33" in found.message
+    assert names(text.replace("0 .. 100\n", "0 .. 100  # allow short-reach\n")) == []
+    wide = text + "inference u: defuzzifier largest-of-maximum\n"
+    assert names(wide) == []
+
+
+# --- Conflicts within one rule; conditions of grids ---
+
+
+@pytest.mark.parametrize(
+    ("second", "name", "words"),
+    [
+        ("H", "contradictory-rules", "says both u is L and u is H"),
+        ("L", "duplicate-rule", "says u is L twice"),
+    ],
+)
+def test_a_rule_that_contradicts_itself_is_not_called_another(second, name, words):
+    text = (
+        "rulebase t\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles L H\n"
+        f"rule if a is L then u is L and u is {second}\nrule if a is H then u is H\n"
+    )
+    found = {d.name: d for d in check_text(text).diagnostics}[name]
+    assert words in found.message
+    assert "other rule" not in found.related[0].message
+
+
+TERMS = ["N", "Z", "P"]
+
+
+def two_grids(cells):
+    """Return a file with a grid under each of `p is N` and `p is P`, of 3 by 3 cells each."""
+    grids = "".join(
+        f"rules u when p is {p}\n  a \\ b N Z P\n"
+        + "".join(f"  {a} " + " ".join(cells[p, a, b] for b in TERMS) + "\n" for a in TERMS)
+        for p in ("N", "P")
+    )
+    return (
+        "rulebase t\ninput a -1 .. 1\ninput b -1 .. 1\ninput p -1 .. 1\noutput u -1 .. 1\n"
+        "terms a, b: triangles N Z P\nterms p: triangles N P\n"
+        f"terms u: triangles NB NM Z PM PB\n{grids}"
+    )
+
+
+def mirrored_cells():
+    order, cells = ["NB", "NM", "Z", "PM", "PB"], {}
+    for i, a in enumerate(TERMS):
+        for j, b in enumerate(TERMS):
+            cells["N", a, b] = order[min(i + j, 2) + (i == 2)]
+            cells["P", TERMS[2 - i], TERMS[2 - j]] = order[4 - min(i + j, 2) - (i == 2)]
+    return cells
+
+
+def of_symmetry(text):
+    return [d for d in check_text(text).diagnostics if "symmetry" in d.name]
+
+
+def test_a_grid_under_a_condition_mirrors_its_twin():
+    assert of_symmetry(two_grids(mirrored_cells())) == []
+
+
+def test_a_slip_across_two_grids_is_found():
+    cells = mirrored_cells()
+    assert cells["P", "P", "Z"] != "NB"
+    (found,) = of_symmetry(two_grids({**cells, ("P", "P", "Z"): "NB"}))
+    lines = {found.line, found.related[0].span.line}
+    assert found.name == "broken-antisymmetry"
+    assert len({line > 15 for line in lines}) == 2, "one of the two cells stands in each grid"
+
+
+def test_grids_that_mirror_themselves_need_no_twin():
+    cells = {(p, a, b): c for p in "NP" for (q, a, b), c in mirrored_cells().items() if q == "N"}
+    plain = ["NB", "NM", "NM", "NM", "Z", "PM", "PM", "PM", "PB"]
+    for (a, b), term in zip(itertools.product(TERMS, TERMS), plain, strict=True):
+        cells["N", a, b] = cells["P", a, b] = term
+    assert of_symmetry(two_grids(cells)) == []
+
+
+def test_the_mirror_counts_terms_that_the_grid_does_not_use():
+    # No cell says NB: without it PM would be taken for the mirror of Z.
+    text = (
+        "rulebase t\ninput a -1 .. 1\ninput b -1 .. 1\noutput u -1 .. 1\n"
+        "terms a, b: triangles N Z P\nterms u: triangles NB NM Z PM PB\n"
+        "rules u\n  a \\ b N Z P\n  N NM NM Z\n  Z NM Z PM\n  P Z PM PM\n"
+    )
+    assert of_symmetry(text) == []
+    assert of_symmetry(text.replace("P Z PM PM", "P Z PM PB"))[0].hint.startswith(
+        "the mirror of 'NM' is 'PM'"
+    )
+
+
+def test_a_missing_rule_under_a_condition_names_it():
+    text = two_grids({**mirrored_cells(), ("N", "Z", "P"): "."})
+    (found,) = [d for d in check_text(text).diagnostics if d.name == "missing-rule"]
+    assert found.message == "no rule for a is Z and b is P when p is N"
+
+
+@pytest.mark.parametrize(
+    ("name", "formula", "method", "fits"),
+    [
+        ("x", "x + 0.5", "weighted-average", False),
+        ("a", "x + 0.5", "weighted-average", False),
+        ("a", "a + 0.5", "weighted-average", True),
+        ("a", "x / 2", "centroid", True),
+        ("x", "x / 2", "centroid", False),
+        ("a", "x / 2 + a", "centroid", False),
+        ("a", "a / 2", "centroid", False),
+        ("a", "0.5", "weighted-sum", True),
+    ],
+)
+def test_what_is_wrong_with_a_formula_is_found_before_it_is_evaluated(name, formula, method, fits):
+    from fuzzyarm.inference import infer
+
+    text = (
+        f"rulebase t\ninput {name} 0 .. 1\noutput u 0 .. 2\nterms {name}: triangles L H\n"
+        f'term u A: formula "{formula}"\ninference defuzzifier {method}\n'
+        f"rule if {name} is L then u is A\nrule if {name} is H then u is A\n"
+    )
+    assert ("defuzzifier-does-not-fit" in names(text)) == (not fits)
+    rulebase = parse(text).partial
+    if fits:
+        assert infer(rulebase, {name: 0.3})
+    elif "x" in formula:
+        with pytest.raises((ValueError, KeyError)):
+            infer(rulebase, {name: 0.3})

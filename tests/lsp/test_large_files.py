@@ -66,3 +66,50 @@ def test_a_slow_session_completes_with_the_meaning_it_had_last() -> None:
     assert session.adopt(other)
     assert session.review() is other.review()
     assert not session.adopt(Session("s.frb", text))
+
+
+def _slow_to_check(name: str) -> str:
+    """Return a small file whose check takes seconds: its expectations are slow."""
+    expectations = "".join(f"expect a = {i / 400} -> u > 2\n" for i in range(400))
+    return (
+        f"rulebase {name}\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles N P\n"
+        "inference defuzzifier centroid(60000), implication hamacher, aggregation einstein\n"
+        f"rules u\n  a N P\n  u N P\n{expectations}"
+    )
+
+
+@pytest.mark.asyncio(loop_scope="module")
+async def test_questions_are_answered_beside_a_check_and_a_key_stroke_ends_it(
+    client: LanguageClient,
+) -> None:
+    text, uri = _slow_to_check("slow"), "file:///rules/slow.frb"
+    item = types.TextDocumentItem(uri, "fuzzyarm", 1, text)
+    client.text_document_did_open(types.DidOpenTextDocumentParams(item))
+    file = File(client, uri)
+    await asyncio.sleep(0.5)  # the check has begun
+    answer = await file.ask("hover", 1, 7)
+    assert "input" in answer.contents.value
+    assert uri not in client.diagnostics, "the check was over before the question"
+    found = await file.change(types.TextDocumentContentChangeWholeDocument("rulebase quick\n"))
+    assert {d.code for d in found} == {"no-inputs", "no-outputs", "no-rules"}
+    again = await file.change(types.TextDocumentContentChangeWholeDocument("rulebase quick2\n"))
+    assert {d.code for d in again} == {"no-inputs", "no-outputs", "no-rules"}
+
+
+@pytest.mark.parametrize("text", [_slow_to_check("s"), _large(5)])
+def test_a_check_ends_when_its_text_is_outdated(text: str) -> None:
+    class OutdatedError(Exception):
+        pass
+
+    steps = 0
+
+    def stop_at_the_third() -> None:
+        nonlocal steps
+        steps += 1
+        if steps == 3:
+            raise OutdatedError
+
+    session = Session("s.frb", text)
+    with pytest.raises(OutdatedError):
+        session.review(stop_at_the_third)
+    assert not session.reviewed

@@ -23,7 +23,7 @@ WIDE = """\
 rulebase wide "𝜃 and 𝜔 are two units each"
 input  𝜃   -1 .. 1
 input  𝜔   -2 .. 2
-output größe  -1 .. 1
+output größe  -1 .. 1  # allow short-reach
 terms 𝜃, 𝜔, größe: triangles 𝐍 Z 𝐏
 rules größe
   𝜃 \\ 𝜔  𝐍  Z  𝐏

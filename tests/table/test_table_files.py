@@ -169,3 +169,21 @@ def test_reading_the_text_needs_no_array_library():
         "sys.exit('numpy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], env=os.environ, check=False).returncode == 0
+
+
+def test_an_archive_that_unpacks_to_more_than_any_table_is_refused_before_it_is(tmp_path):
+    """Zeros deflate to a thousandth: the archive says how large they are before they are read."""
+    import tracemalloc
+    import zipfile
+
+    path = tmp_path / "bomb.npz"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("header.npy", b"\x93NUMPY")
+        with archive.open("values.npy", "w", force_zip64=True) as member:
+            for _ in range(400):
+                member.write(bytes(1_000_000))
+    tracemalloc.start()
+    with pytest.raises(TableFileError, match="unpacks to 400,000,006 bytes"):
+        read_table(str(path))
+    assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    tracemalloc.stop()

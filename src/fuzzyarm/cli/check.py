@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+from collections.abc import Iterable, Iterator
 
-from fuzzyarm.api import Review, UnknownKindError, check_file
+from fuzzyarm.api import RULEBASE_SUFFIXES, Review, UnknownKindError, check_file, check_text
 from fuzzyarm.cli.command import (
     argument,
     command,
@@ -19,25 +21,39 @@ from fuzzyarm.cli.command import (
     say,
     write_text,
 )
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text, read_text
+from fuzzyarm.language.reading import decoded
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
+
+_IN_FOLDERS = (*RULEBASE_SUFFIXES, ".lut")
+"""Files of a folder that are checked: other tables are any program's."""
+
+
+class EmptyFolderError(FuzzyarmError, ValueError):
+    """A folder without a file that can be checked."""
+
+    def __init__(self, path: str) -> None:
+        super().__init__(f"{path}: no file to check in this folder", hint=", ".join(_IN_FOLDERS))
+
 
 _CHECK = """Find mistakes and doubts in rule bases and tables.
 
 Prints each finding with its position, the source line, a caret and, where there is one, what
 was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
 A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
-explains every name.
+explains every name. Of a folder every rule base and .lut file in it is checked, and in the
+folders below it; `-` checks the text of a .frb file from standard input.
 """
 
 
 def _check(arguments: argparse.Namespace) -> int:
     failed = False
     found: list[Diagnostic] = []
-    for path in arguments.files:
+    for path in _files(arguments.files):
         try:
-            review = check_file(path)
+            review = _review_stdin() if path == "-" else check_file(path)
         except OSError as error:
             print_os_error(error, path)
             failed = True
@@ -54,13 +70,37 @@ def _check(arguments: argparse.Namespace) -> int:
     return int(failed)
 
 
+def _files(paths: Iterable[str]) -> Iterator[str]:
+    """Yield the files among `paths`, and what can be checked in the folders among them."""
+    for path in paths:
+        if not os.path.isdir(path):
+            yield path
+            continue
+        found = sorted(
+            os.path.join(folder, name)
+            for folder, _, names in os.walk(path)
+            for name in names
+            if name.lower().endswith(_IN_FOLDERS)
+        )
+        if not found:
+            raise EmptyFolderError(path)
+        yield from found
+
+
+def _review_stdin() -> Review:
+    try:
+        return check_text(decoded(sys.stdin.buffer.read(), "<stdin>"), "<stdin>")
+    except RuleBaseError as error:
+        return Review("", error.diagnostics)
+
+
 def _print_review(path: str, review: Review, *, quiet: bool) -> None:
     # Errors are what a caller's log must show even when the output goes elsewhere.
     stream = sys.stderr if review.failed else sys.stdout
     if review.diagnostics:
         print_findings(review.diagnostics, review.text, stream)
     if not quiet:
-        say(f"{path}: {review.summary}", to_errors=review.failed)
+        say(f"{'<stdin>' if path == '-' else path}: {review.summary}", to_errors=review.failed)
 
 
 def _engine_of(rulebase: RuleBase) -> str:
@@ -132,7 +172,7 @@ COMMANDS = (
         "check",
         _CHECK,
         _check,
-        argument("files FILE", ".frb, .lut, .fll, .fcl or .fis", nargs="+"),
+        argument("files FILE", ".frb, .lut, .fll, .fcl or .fis, a folder or -", nargs="+"),
         flag("--strict", "let warnings fail too"),
         flag("--quiet -q", "print findings only"),
         flag("--verbose -v", "also say what of a rule base the kernel does not cover"),

@@ -33,6 +33,7 @@ from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from rich.console import RenderableType
 
     from fuzzyarm.table import LookupTable
 
@@ -56,9 +57,18 @@ def _infer(rulebase: RuleBase, arguments: argparse.Namespace) -> None:
     values = read_point(arguments.inputs, [variable.name for variable in rulebase.inputs])
     results = [output.name for output in rulebase.outputs]
     held = read_assignments(arguments.held, results, what="output")
+    from fuzzyarm.inference.errors import NoRuleFiredError, NothingHeldError
     from fuzzyarm.inference.point import prepare
 
-    outputs = prepare(rulebase).evaluate(values, held)
+    try:
+        outputs = prepare(rulebase).evaluate(values, held)
+    except (NoRuleFiredError, NothingHeldError) as error:
+        if arguments.explain and not arguments.json:
+            from fuzzyarm.inference.trace import explain_silence
+            from fuzzyarm.show.trace import silence_view
+
+            _print_drawing(silence_view(explain_silence(rulebase, values, error.output)))
+        raise
     if not arguments.explain and arguments.plot is None:
         _print(outputs, arguments)
         return
@@ -74,10 +84,15 @@ def _infer(rulebase: RuleBase, arguments: argparse.Namespace) -> None:
     elif arguments.json:
         print_json(trace.to_dict(), ascii_only=False)
     else:
-        from fuzzyarm.show.drawing import make_console
         from fuzzyarm.show.trace import trace_view
 
-        make_console().print(trace_view(trace))
+        _print_drawing(trace_view(trace))
+
+
+def _print_drawing(drawing: RenderableType) -> None:
+    from fuzzyarm.show.drawing import make_console
+
+    make_console().print(drawing)
 
 
 def _look_up(table: LookupTable, arguments: argparse.Namespace) -> None:

@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     # A command makes many small objects and ends soon: looking for cycles among them takes
     # longer than reading the file that they come from.
-    gc.set_threshold(200_000)
+    gc.set_threshold(2_000_000)
     if arguments is None:  # the process ends with the command: no last search for cycles either
         atexit.register(gc.freeze)
     _prepare_output()

@@ -19,8 +19,8 @@ from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.expression.nodes import Constant, Node, Number, apply, constant, replace, symbol
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.sets import POSITION, formula_of
-from fuzzyarm.model.rulebase import Hedge, Shape, Term
+from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.model.rulebase import POSITION, Hedge, Shape, Term
 from fuzzyarm.model.shapes import polyline
 
 ZERO, ONE = constant(0.0), constant(1.0)

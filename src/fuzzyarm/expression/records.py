@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
+from itertools import chain, product
 from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
@@ -167,11 +167,16 @@ class Shape(Kind):
     def scalar(self) -> Callable[..., float]:
         """The degree of a float: x, then the parameters."""
         if self.function is None and self.corners is not None:
-            corners = self.corners
-            return lambda x, *parameters: degree_on_polyline(
-                [number for corner in corners(*parameters) for number in corner], x
-            )
+            return lambda x, *parameters: self.at(*parameters)(x)
         return super().scalar
+
+    def at(self, *parameters: float) -> Callable[[float], float]:
+        """Return the degree as a function of x alone; the corners of a line are found once."""
+        if self.function is None and self.corners is not None:
+            corners = [number for corner in self.corners(*parameters) for number in corner]
+            return lambda x: degree_on_polyline(corners, x)
+        scalar = self.scalar
+        return lambda x: scalar(x, *parameters)
 
     def array(self, *arguments: Any) -> Any:
         """Return the degrees over an array: x, then the parameters."""
@@ -322,6 +327,20 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
 
     def __len__(self) -> int:
         return len(self._kinds)
+
+    @property
+    def foreign(self) -> dict[str, tuple[str, str]]:
+        """What other programs call the kinds, in small letters → the name here.
+
+        With it stands the order of the numbers here where it is another one there.
+        """
+        found: dict[str, tuple[str, str]] = {}
+        for kind in self._kinds.values():
+            for spelling in chain.from_iterable(text.split(",") for text in kind.names.values()):
+                word, *order = spelling.casefold().split()
+                if word not in self.words and not word[0].isdigit():
+                    found.setdefault(word, (kind.name, " ".join(kind.parameters) if order else ""))
+        return found
 
     def add(self, kind: _Kind) -> _Kind:
         """Register a kind; one of the user's own may be replaced.

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.plan import part_for
-from fuzzyarm.inference.point import Prepared, check_names, holds_arrays, merged, prepare
+from fuzzyarm.inference.point import check_names, holds_arrays, merged, prepare
 from fuzzyarm.model.rulebase import Expectation, Outcome, Output, RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
@@ -109,14 +110,21 @@ FAILED = "failed-expectation"
 DEFAULT_TOLERANCE = 1e-9
 """Of the range of the output, where an ``=`` states no tolerance."""
 
+MANY_SAMPLES = 2_000_000
+"""Expectations that need more samples of their outputs are worth loading NumPy."""
 
-def check_expectations(rulebase: RuleBase) -> list[Diagnostic]:
+
+def check_expectations(
+    rulebase: RuleBase, on_step: Callable[[], None] = lambda: None
+) -> list[Diagnostic]:
     """Evaluate every expectation and report those that fail.
 
     Parameters
     ----------
     rulebase : RuleBase
         The model.
+    on_step : callable
+        Called before each expectation; what it raises ends the check.
 
     Returns
     -------
@@ -130,16 +138,28 @@ def check_expectations(rulebase: RuleBase) -> list[Diagnostic]:
         prepared = prepare(rulebase)
     except FuzzyarmError as error:
         return [_failed(rulebase.expectations[0], str(error))]
-    return [
-        found
-        for expectation in rulebase.expectations
-        for found in _check(rulebase, prepared, expectation)
-    ]
+    samples = sum(output.defuzzifier.resolution or 0 for output in rulebase.outputs)
+    many = samples * len(rulebase.expectations) > MANY_SAMPLES
+    evaluate = partial(_as_array, rulebase) if many else prepared.evaluate
+    failures: list[Diagnostic] = []
+    for expectation in rulebase.expectations:
+        on_step()
+        failures += _check(rulebase, evaluate, expectation)
+    return failures
 
 
-def _check(rulebase: RuleBase, prepared: Prepared, expectation: Expectation) -> list[Diagnostic]:
+def _as_array(rulebase: RuleBase, inputs: Mapping[str, float]) -> Mapping[str, float]:
+    found = infer(rulebase, {name: [value] for name, value in inputs.items()})
+    return {name: float(values[0]) for name, values in found.items()}  # type: ignore[index]
+
+
+def _check(
+    rulebase: RuleBase,
+    evaluate: Callable[[Mapping[str, float]], Mapping[str, float]],
+    expectation: Expectation,
+) -> list[Diagnostic]:
     try:
-        values = prepared.evaluate(dict(expectation.inputs))
+        values = evaluate(dict(expectation.inputs))
     except FuzzyarmError as error:
         return [_failed(expectation, str(error))]
     where = ", ".join(f"{name} = {value:g}" for name, value in expectation.inputs)

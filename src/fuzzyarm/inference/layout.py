@@ -38,9 +38,10 @@ from fuzzyarm.inference.quadrature import (
     noise_of,
     panels,
 )
-from fuzzyarm.inference.sets import POSITION, cut_lines, formula_of
+from fuzzyarm.inference.sets import cut_lines, formula_of
 from fuzzyarm.kernels import address_of, kernel
 from fuzzyarm.model.rulebase import (
+    POSITION,
     TAKAGI_SUGENO,
     And,
     Expression,

@@ -25,6 +25,9 @@ from fuzzyarm.inference.sets import Piece
 MOST_OVERLAPPING = 10
 """With more sets than this at one position the closed form grows too long."""
 
+MOST_PIECES = 1_000
+"""Pieces of one set; each has a share in each of as many layers."""
+
 SAME_LEVEL = 1e-13
 """Corner heights closer than this are the same."""
 
@@ -97,9 +100,11 @@ def closed_form(
     Returns
     -------
     ClosedForm or None
-        None where a piece is not straight or too many sets overlap.
+        None where a piece is not straight, a set has too many, or too many sets overlap.
     """
     if any(not piece.straight for pieces in profiles for piece in pieces):
+        return None
+    if any(len(pieces) > MOST_PIECES for pieces in profiles):
         return None
     centre = 0.5 * (low + high)
     own = tuple(_layers([_Line(*piece[:4]) for piece in pieces], centre) for pieces in profiles)

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
 from fuzzyarm.inference.overlap import ClosedForm, closed_form
 from fuzzyarm.inference.sets import (
-    POSITION,
     Piece,
     Stretch,
     formula_of,
@@ -28,6 +27,7 @@ from fuzzyarm.inference.sets import (
     term_function,
 )
 from fuzzyarm.model.rulebase import (
+    POSITION,
     TAKAGI_SUGENO,
     WEIGHTED,
     Consequent,

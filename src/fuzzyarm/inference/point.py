@@ -122,7 +122,7 @@ def line_at(
     elif position >= corners[-1][0]:
         x0, y0, slope = 0.0, corners[-1][1], 0.0
     else:
-        i = next(i for i, (x, _) in enumerate(corners) if x > position)
+        i = bisect_right(corners, position, key=lambda corner: corner[0])
         (x0, y0), (x1, y1) = corners[i - 1], corners[i]
         slope = (y1 - y0) / (x1 - x0)
         # From a foot, so that nothing is left of it there; else from the top, never above it.

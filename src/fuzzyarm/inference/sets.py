@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.model.rulebase import Hedge, Shape
+from fuzzyarm.model.rulebase import POSITION, Hedge, Shape
 from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, polyline
 
 if TYPE_CHECKING:
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fuzzyarm.expression.formulas import Formula
-
-POSITION = "x"
-"""The name under which a formula that is a membership function knows where it is."""
 
 SetFunction = Callable[[float], float]
 """The degree at one point."""
@@ -58,7 +55,7 @@ def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
     callable
         From a float to a float; for a ``linear`` consequent it raises InferenceError.
     """
-    height, parameters = shape.height, shape.parameters
+    height = shape.height
     if shape.kind == "formula":
         names = formula_of(shape).names
         if names not in {(), (POSITION,)}:  # a value: whoever asks it for a degree is at fault
@@ -71,10 +68,10 @@ def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
     elif not SHAPES[shape.kind].fuzzy:
         return _not_a_set(shape)
     else:
-        scalar = SHAPES[shape.kind].scalar
+        function = SHAPES[shape.kind].at(*shape.parameters)
 
         def degree(x: float) -> float:
-            return height * scalar(x, *parameters)
+            return height * function(x)
 
     return (lambda x: apply_hedges(hedges, degree(x))) if hedges else degree
 

@@ -12,10 +12,22 @@ from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.inference.aggregate import aggregate, fold_at_point
 from fuzzyarm.inference.defuzzify import consequent_value
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.point import Point, Prepared, prepare
+from fuzzyarm.inference.point import Point, Prepared, bring_into_range, prepare
 from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.inference.weighted import tsukamoto_at_point
-from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, Rule, RuleBase
+from fuzzyarm.model.rulebase import (
+    And,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Variable,
+    propositions,
+)
+from fuzzyarm.model.shapes import apply_hedges
 
 SAMPLES = 201
 """Points that a smooth curve is drawn through."""
@@ -199,45 +211,108 @@ def explain(
     used = dict.fromkeys([*(v.name for v in rulebase.inputs), *prepared.chained])
     return Trace(
         rulebase.name,
-        tuple(_fuzzy_value(rulebase, name, given, point) for name in used),
+        tuple(_fuzzy_value(rulebase.variable(n), given, point.values[n]) for n in used),
         _rules(rulebase, prepared, point),
         tuple(_output(each, point, rulebase) for each in prepared.plan.outputs.values()),
     )
 
 
-def _fuzzy_value(
-    rulebase: RuleBase, name: str, given: Mapping[str, float], point: Point
-) -> FuzzyValue:
+@dataclass(frozen=True, slots=True)
+class NearRule:
+    """A rule that does not fire, and what it would need.
+
+    Attributes
+    ----------
+    rule : RuleTrace
+        The rule.
+    propositions : tuple of (str, float)
+        Its propositions in words, each with its degree; those about inputs.
+    """
+
+    rule: RuleTrace
+    propositions: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """Why no rule fires for an output: the degrees, and the rules that come nearest to firing."""
+
+    output: str
+    inputs: tuple[FuzzyValue, ...]
+    nearest: tuple[NearRule, ...]
+
+
+def explain_silence(
+    rulebase: RuleBase, inputs: Mapping[str, float], output: str, *, most: int = 3
+) -> Silence:
+    """Show what there is where no rule fires.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    inputs : mapping of str to float
+        A point at which evaluation raises :class:`NoRuleFiredError`.
+    output : str
+        The output without a rule.
+    most : int
+        So many rules are returned: those with the fewest propositions that do not hold at all.
+    """
+    values = {v.name: bring_into_range(v, float(inputs[v.name])) for v in rulebase.inputs}
+    fuzzy = tuple(_fuzzy_value(v, inputs, values[v.name]) for v in rulebase.inputs)
+    degrees = {(value.name, term): degree for value in fuzzy for term, degree in value.degrees}
+    near: list[NearRule] = []
+    numbered = enumerate(((block, rule) for block in rulebase.blocks for rule in block.rules), 1)
+    for number, (block, rule) in numbered:
+        if not any(consequent.variable == output for consequent in rule.consequents):
+            continue
+        parts = tuple(
+            (_words(part), apply_hedges(part.hedges, degrees[part.variable, part.term]))
+            for part in propositions(rule.antecedent)
+            if (part.variable, part.term) in degrees
+        )
+        near.append(NearRule(_rule_trace(number, block, rule, 0.0), parts))
+    near.sort(key=_distance)
+    return Silence(output, fuzzy, tuple(near[:most]))
+
+
+def _distance(near: NearRule) -> tuple[int, float]:
+    degrees = [degree for _, degree in near.propositions]
+    holding = [degree for degree in degrees if degree > 0.0]
+    return len(degrees) - len(holding), -min(holding, default=0.0)
+
+
+def _fuzzy_value(variable: Variable, given: Mapping[str, float], value: float) -> FuzzyValue:
     from fuzzyarm.inference.sets import term_function
 
-    value = point.values[name]
     degrees = tuple(
         (term.name, term_function(term.shape)(value))
-        for term in rulebase.variable(name).terms
+        for term in variable.terms
         if term.shape.kind != "linear"
     )
-    return FuzzyValue(name, float(given.get(name, value)), value, degrees)
+    return FuzzyValue(variable.name, float(given.get(variable.name, value)), value, degrees)
 
 
 def _rules(rulebase: RuleBase, prepared: Prepared, point: Point) -> tuple[RuleTrace, ...]:
     traces: list[RuleTrace] = []
     for block in rulebase.blocks:
         for rule in block.rules:
-            number = len(traces)
-            consequents = tuple((c.variable, _worded(c.term, c.hedges)) for c in rule.consequents)
-            traces.append(
-                RuleTrace(
-                    number + 1,
-                    block.name,
-                    rule.span.line,
-                    rule.span.column,
-                    sentence(rule),
-                    rule.weight,
-                    prepared.strength(number, point),
-                    consequents,
-                )
-            )
+            strength = prepared.strength(len(traces), point)
+            traces.append(_rule_trace(len(traces) + 1, block, rule, strength))
     return tuple(traces)
+
+
+def _rule_trace(number: int, block: RuleBlock, rule: Rule, strength: float) -> RuleTrace:
+    return RuleTrace(
+        number,
+        block.name,
+        rule.span.line,
+        rule.span.column,
+        sentence(rule),
+        rule.weight,
+        strength,
+        tuple((c.variable, _worded(c.term, c.hedges)) for c in rule.consequents),
+    )
 
 
 def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:

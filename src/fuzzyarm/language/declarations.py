@@ -17,7 +17,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import Word, name_text
-from fuzzyarm.model.rulebase import WEIGHTED, Defuzzifier, Shape, Term
+from fuzzyarm.model.rulebase import POSITION, WEIGHTED, Defuzzifier, Shape, Term
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
     MAX_INPUTS,
@@ -252,7 +252,7 @@ def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
         scope.report("bad-formula", error.message, node.formula_span)
         return None
     for name in sorted(formula.names):
-        if name not in scope.drafts and name not in CONSTANTS and name != "x":
+        if name not in scope.drafts and name not in CONSTANTS and name != POSITION:
             hint, _ = near_hint(name, scope.drafts)
             message = f"unknown variable '{name}' in the formula"
             scope.report("unknown-variable", message, node.formula_span, hint=hint)

@@ -112,9 +112,12 @@ def read_text(path: str | os.PathLike[str]) -> str:
     RuleBaseError
         If it is too large or not UTF-8; the diagnostic points at the first bad byte.
     """
-    name = os.fspath(path)
     with open(path, "rb") as file:
-        data = file.read(4 * MAX_CHARACTERS + 1)
+        return decoded(file.read(4 * MAX_CHARACTERS + 1), os.fspath(path))
+
+
+def decoded(data: bytes, name: str) -> str:
+    """Return the text of a file called `name`; raises as :func:`read_text`."""
     if len(data) > 4 * MAX_CHARACTERS:
         message = f"the file is larger than {4 * MAX_CHARACTERS:,} bytes"
         raise RuleBaseError([Diagnostic("file-too-large", message, path=name)])

@@ -137,7 +137,7 @@ def _code_actions(
             edit=to.workspace_edit(fix.edits),
             is_preferred=fix.preferred or None,
         )
-        for finding in session.review().diagnostics
+        for finding in (session.review().diagnostics if session.reviewed else ())
         if _overlap(finding.span, wanted)
         for fix in session.kind.fixes(session.reading, finding)
     ]
@@ -193,13 +193,23 @@ def _answered_by(function: Callable[..., Any]) -> Callable[..., Any]:
     return answer
 
 
+def _answered_when_checked(function: Callable[..., Any]) -> Callable[..., Any]:
+    async def answer(server: FuzzyarmServer, params: Any) -> Any:
+        uri = params.text_document.uri
+        session = await server.checked(uri)
+        return function(session, server.converter(uri), params)
+
+    return answer
+
+
 def make_server() -> FuzzyarmServer:
     """Return a server with every feature."""
     server = FuzzyarmServer()
     for name, function in _EVENTS:
         server.feature(name)(function)
     for name, function, options in _QUESTIONS:
-        server.feature(name, options)(_answered_by(function))
+        answered = _answered_when_checked if function is _code_actions else _answered_by
+        server.feature(name, options)(answered(function))
     # What has been imported lives as long as the process: never look through it again.
     gc.collect()
     gc.freeze()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import re
-from typing import Any, BinaryIO
+import threading
+from typing import Any, BinaryIO, NamedTuple
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams, JsonRpcInvalidRequest
@@ -101,6 +102,17 @@ class MessageStream:
         return b"-\r\n" if line.strip() else line  # no other line of a head is of interest
 
 
+class _OutdatedError(Exception):
+    """The text that is being checked has changed."""
+
+
+class _Running(NamedTuple):
+    """A check that runs, and what tells it that its text has changed."""
+
+    task: asyncio.Task[None]
+    outdated: threading.Event
+
+
 class FuzzyarmServer(LanguageServer):
     """The language server of ``.frb`` and ``.lut`` files."""
 
@@ -113,7 +125,7 @@ class FuzzyarmServer(LanguageServer):
         )
         self.sessions: dict[str, Session] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
-        self._running: set[asyncio.Task[None]] = set()
+        self._running: dict[str, _Running] = {}
 
     # ── files ────────────────────────────────────────────────────────────────────────
 
@@ -166,39 +178,60 @@ class FuzzyarmServer(LanguageServer):
     def close(self, uri: str) -> None:
         """Forget a file and what was found in it."""
         self.sessions.pop(uri, None)
-        timer = self._timers.pop(uri, None)
-        if timer is not None:
-            timer.cancel()
+        self._cancel(uri)
         self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     # ── diagnostics ──────────────────────────────────────────────────────────────────
+    #
+    # A check runs in a thread of its own, on a copy, and questions are answered beside it. The
+    # next key stroke ends it: its findings would be about a text that is no more.
 
     def _schedule(self, uri: str, *, pause: bool = True) -> None:
         """Check a file soon: at once if that is quick, else (with `pause`) when typing pauses."""
-        waiting = self._timers.pop(uri, None)
-        if waiting is not None:
-            waiting.cancel()
+        self._cancel(uri)
         cost = self.sessions[uri].cost
         delay = 0.0 if cost < SLOW or not pause else min(1.5, 2.0 * cost)
         self._timers[uri] = asyncio.get_running_loop().call_later(delay, self._check, uri)
 
+    def _cancel(self, uri: str) -> None:
+        waiting, running = self._timers.pop(uri, None), self._running.pop(uri, None)
+        if waiting is not None:
+            waiting.cancel()
+        if running is not None:
+            running.outdated.set()
+
     def _check(self, uri: str) -> None:
         self._timers.pop(uri, None)
-        text = self.sessions.get(uri)
-        if text is None:
-            return
-        if text.cost < SLOW:
-            self._publish(uri, text)
-            return
-        task = asyncio.ensure_future(self._check_aside(uri, text))
-        self._running.add(task)
-        task.add_done_callback(self._running.discard)
+        if uri in self.sessions:
+            outdated = threading.Event()
+            task = asyncio.ensure_future(self._check_aside(uri, self.sessions[uri], outdated))
+            self._running[uri] = _Running(task, outdated)
 
-    async def _check_aside(self, uri: str, text: Session) -> None:
-        copy = Session(text.path, text.text, text.version)
-        await asyncio.to_thread(copy.review)
-        if self.sessions.get(uri) is text and text.adopt(copy):
+    async def _check_aside(self, uri: str, text: Session, outdated: threading.Event) -> None:
+        def stop_if_outdated() -> None:
+            if outdated.is_set():
+                raise _OutdatedError
+
+        copy = text.copy()
+        try:
+            await asyncio.to_thread(copy.review, stop_if_outdated)
+        except _OutdatedError:
+            return
+        if outdated.is_set():
+            return
+        del self._running[uri]
+        if text.adopt(copy):
             self._publish(uri, text)
+
+    async def checked(self, uri: str) -> Session:
+        """Return the open file at `uri` once its check is done, or another text has come."""
+        session = self.session(uri)
+        if not session.reviewed:
+            if uri not in self._running:
+                self._cancel(uri)
+                self._check(uri)
+            await asyncio.wait([self._running[uri].task])
+        return session
 
     def _publish(self, uri: str, text: Session) -> None:
         """Send the findings of a file to the editor."""

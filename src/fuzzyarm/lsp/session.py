@@ -189,7 +189,7 @@ TABLE = Kind(
 # --- One open file: its text, what reading it found, and the findings of its check ---
 
 SLOW = 0.2
-"""A file whose check takes longer, in seconds, is checked beside the answering of questions."""
+"""A file whose check takes longer, in seconds, is read beside the answering of questions too."""
 
 
 class Session:
@@ -255,36 +255,56 @@ class Session:
         lines = self._memory.tokenize(self.text, [])
         return Reading(self.text, self._last_reading.parsed, tuple(lines))
 
-    def review(self) -> Review:
-        """Return the findings for the text as it is now: those of ``fuzzyarm check``."""
+    @property
+    def reviewed(self) -> bool:
+        """Whether the findings for the text as it is now are known."""
+        return self._review is not None
+
+    def review(self, on_step: Callable[[], None] = lambda: None) -> Review:
+        """Return the findings for the text as it is now: those of ``fuzzyarm check``.
+
+        `on_step` is called now and then; what it raises ends the check.
+        """
         if self._review is None:
             start = time.perf_counter()
-            self._review = self._check()
+            self._review = self._check(on_step)
             # The lesser of two: a single hiccup of the machine makes no file slow.
             elapsed = time.perf_counter() - start
             self.cost, self._elapsed = min(elapsed, self._elapsed or self.cost), elapsed
         return self._review
 
-    def _check(self) -> Review:
+    def _check(self, on_step: Callable[[], None]) -> Review:
         parsed = self.reading.parsed
         if not isinstance(parsed, Parsed):
             return Review(self.text, tuple(parsed.diagnostics))
-        return check_parsed(parsed, self.text, self.path, self._failed(parsed.rulebase))
+        failed = self._failed(parsed.rulebase, on_step)
+        return check_parsed(parsed, self.text, self.path, failed, on_step)
 
-    def _failed(self, rulebase: RuleBase | None) -> list[Diagnostic] | None:
+    def _failed(
+        self, rulebase: RuleBase | None, on_step: Callable[[], None]
+    ) -> list[Diagnostic] | None:
         """Return the failed expectations; those found last, if nothing has changed in meaning."""
         if rulebase is None or not rulebase.expectations:
             return None
         known, spans = self._judged, [e.span for e in rulebase.expectations]
         if known is None or known[1] != spans or known[0] != rulebase:
-            known = rulebase, spans, failed_expectations(rulebase)
+            known = rulebase, spans, failed_expectations(rulebase, on_step)
         self._judged = known
         return known[2]
 
+    def copy(self) -> Session:
+        """Return a session to be checked in another thread; what is quick is read here."""
+        other = Session(self.path, self.text, self.version)
+        other.cost, other._elapsed, other._judged = self.cost, self._elapsed, self._judged
+        if self.cost < SLOW:
+            other._reading = self.reading
+        return other
+
     def adopt(self, other: Session) -> bool:
-        """Take over what `other` found, if it is about the same text; return whether it is."""
+        """Take over what a copy found, if it is about the same text; return whether it is."""
         if other.text != self.text:
             return False
         self._reading = self._last_reading = other.reading
-        self._review, self.cost = other.review(), other.cost
+        self._review, self._judged = other.review(), other._judged
+        self.cost, self._elapsed = other.cost, other._elapsed
         return True

@@ -27,6 +27,10 @@ WEIGHTED = TAKAGI_SUGENO | {"tsukamoto"}
 """Defuzzifiers that turn every consequent into a number first."""
 
 
+POSITION = "x"
+"""The name under which a formula that is a membership function knows where it is."""
+
+
 @dataclass(frozen=True, slots=True)
 class Shape:
     """The membership function of a term, or the value of a consequent.

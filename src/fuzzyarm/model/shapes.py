@@ -34,6 +34,7 @@ __all__ = [
     "corner_points",
     "corners",
     "membership",
+    "membership_function",
     "polyline",
     "probe_points",
     "truth",
@@ -65,7 +66,13 @@ def membership(shape: Shape, x: float) -> float:
     float
         Between 0 and the height of the shape.
     """
-    return shape.height * SHAPES[shape.kind].scalar(x, *shape.parameters)
+    return membership_function(shape)(x)
+
+
+def membership_function(shape: Shape) -> Callable[[float], float]:
+    """Return :func:`membership` of `shape` as a function of x, for many of them."""
+    height, degree = shape.height, SHAPES[shape.kind].at(*shape.parameters)
+    return lambda x: height * degree(x)
 
 
 def apply_hedge(hedge: Hedge, degree: float) -> float:
@@ -159,7 +166,7 @@ def centre(shape: Shape, low: float, high: float) -> float | None:
     if not (math.isfinite(low) and math.isfinite(high)):
         return None
     samples = [low + (high - low) * i / 200 for i in range(201)]
-    degrees = [membership(shape, x) for x in samples]
+    degrees = list(map(membership_function(shape), samples))
     top = max(degrees)
     best = [x for x, degree in zip(samples, degrees, strict=True) if degree >= top - 1e-9]
     return 0.5 * (best[0] + best[-1])

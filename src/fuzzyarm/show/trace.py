@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, Group, RenderableType
     from rich.text import Text
 
-    from fuzzyarm.inference.trace import FuzzyValue, OutputTrace, RuleTrace, Trace
+    from fuzzyarm.inference.trace import FuzzyValue, OutputTrace, RuleTrace, Silence, Trace
 
 
 def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Group:
@@ -39,6 +39,24 @@ def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Grou
     for k, output in enumerate(trace.outputs):
         parts += [OutputPlot(output), *([Text()] if k + 1 < len(trace.outputs) else [])]
     return Group(*parts)
+
+
+def silence_view(silence: Silence) -> Group:
+    """Return the degrees of the inputs and the rules nearest to firing, where none does."""
+    from rich.console import Group
+    from rich.text import Text
+
+    parts: list[RenderableType] = []
+    for value in silence.inputs:
+        parts += [_memberships(value), Text()]
+    text = Text(f"no rule for {name_text(silence.output)} fires; nearest come", "bold")
+    for rule, degrees in ((near.rule, near.propositions) for near in silence.nearest):
+        text.append(f"\n  {_position(rule, '')}  {rule.text}", "not bold")
+        for words, degree in degrees:
+            text.append(
+                f"\n    {degree:.4f}  {words}", "not bold" if degree > 0 else "not bold red"
+            )
+    return Group(*parts, text)
 
 
 def firing_view(trace: Trace) -> Group:

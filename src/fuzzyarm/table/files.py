@@ -392,6 +392,10 @@ _TEXTS = {
 # --- Tables as `.npz`: the values as an array, the header as JSON text beside it ---
 
 
+MAX_UNPACKED = 300_000_000
+"""Bytes of the largest archive that is unpacked: 32 million cells and a header are fewer."""
+
+
 def npz_bytes(table: LookupTable) -> bytes:
     """Return the content of the file: ``values``, ``header``, and each axis for convenience."""
     import numpy as np
@@ -419,6 +423,9 @@ def read_npz(data: bytes, path: str) -> LookupTable:
 
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            size = sum(each.file_size for each in archive.zip.infolist())
+            if size > MAX_UNPACKED:
+                raise TableError(f"the archive unpacks to {size:,} bytes, more than any table has")
             # NumPy takes any 32 bits for a character; what is not one must not get into a text.
             header = np.asarray(archive["header"], dtype="<U").tobytes().decode("utf-32-le")
             head = header_from(json.loads(header.rstrip("\0")))

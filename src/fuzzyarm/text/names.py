@@ -30,7 +30,16 @@ def nearest(word: str, choices: Iterable[str]) -> str | None:
 
 
 def near_hint(word: str, choices: Iterable[str]) -> tuple[str, str | None]:
-    """Return a hint in words and the replacement text; empty and None where nothing is near."""
+    """Return a hint in words and the replacement text; empty and None where nothing is near.
+
+    Choices that know what other programs call them (`foreign`) are found by those names first.
+    """
+    known = getattr(choices, "foreign", {}).get(word.casefold())
+    if known is not None:
+        ours, order = known
+        if order:  # to put the one word for the other would change what the numbers mean
+            return f"'{word}' of other programs is '{ours}' here: {ours} {order}", None
+        return f"'{word}' of other programs is '{ours}' here", ours
     near = nearest(word, choices)
     return ("", None) if near is None else (f"did you mean '{near}'?", near)
 

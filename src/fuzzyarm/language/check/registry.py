@@ -9,14 +9,17 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-from fuzzyarm.language.check.rules import (
-    broken_symmetries,
-    conflicting_rules,
-    jumps,
-    missing_rules,
-    points_without_rule,
+from fuzzyarm.language.check.coverage import coverage_gaps, missing_rules, points_without_rule
+from fuzzyarm.language.check.grids import broken_symmetries, jumps
+from fuzzyarm.language.check.rules import conflicting_rules, shared_conclusions
+from fuzzyarm.language.check.subject import Subject
+from fuzzyarm.language.check.terms import (
+    clamped_values,
+    cores_outside,
+    short_reaches,
+    unfit_defuzzifiers,
+    unused_names,
 )
-from fuzzyarm.language.check.terms import Subject, coverage_gaps, unfit_defuzzifiers, unused_names
 from fuzzyarm.language.document import Document
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
@@ -99,6 +102,20 @@ CHECKS: dict[str, Check] = {
             coverage_gaps,
         ),
         Check(
+            "core-outside-range",
+            Severity.WARNING,
+            "A term is fullest, or a singleton lies, outside the range of its variable, where no "
+            "value can be.",
+            cores_outside,
+        ),
+        Check(
+            "shared-conclusion",
+            Severity.WARNING,
+            "Rules with the same conclusion of a weighted average or sum fire at once, and only "
+            "the strongest of them counts: `aggregation` is max unless the file says otherwise.",
+            shared_conclusions,
+        ),
+        Check(
             "unused-variable",
             Severity.WARNING,
             "No rule uses a variable.",
@@ -120,19 +137,41 @@ CHECKS: dict[str, Check] = {
         Check(
             "broken-antisymmetry",
             Severity.WARNING,
-            "A grid is antisymmetric (opposite inputs give opposite outputs) but for a few cells.",
+            "A grid is antisymmetric (opposite inputs give opposite outputs) but for a few cells; "
+            "so are grids under `when` together.",
             broken_symmetries,
         ),
         Check(
             "broken-symmetry",
             Severity.WARNING,
-            "A grid is symmetric (opposite inputs give equal outputs) but for a few cells.",
+            "A grid is symmetric (opposite inputs give equal outputs) but for a few cells; so are "
+            "grids under `when` together.",
             broken_symmetries,
         ),
         Check(
             "unknown-allow",
             Severity.WARNING,
             "An `allow` comment names no check.",
+        ),
+        Check(
+            "clamped-output",
+            Severity.INFO,
+            "A linear consequent leaves the range of its output where its rules fire; the output "
+            "is cut.",
+            clamped_values,
+        ),
+        Check(
+            "short-reach",
+            Severity.INFO,
+            "A centroid stays away from an end of its range by more than an eighth of it, however "
+            "fully the rules fire.",
+            short_reaches,
+        ),
+        Check(
+            "undecided",
+            Severity.INFO,
+            "A search for `missing-rule` or `no-rule-fires` had too many combinations before it "
+            "and found nothing until it gave up.",
         ),
         Check(
             "useless-allow",
@@ -150,6 +189,7 @@ def check(
     *,
     path: str = "",
     more: Iterable[Diagnostic] = (),
+    on_step: Callable[[], None] = lambda: None,
 ) -> list[Diagnostic]:
     """Return what is probably not meant in a sound rule base.
 
@@ -163,6 +203,8 @@ def check(
         Name of the file, for the diagnostics.
     more : iterable of Diagnostic
         Findings of other floors (failed expectations) to be sorted in and silenced alike.
+    on_step : callable
+        Called now and then; what it raises ends the check.
 
     Returns
     -------
@@ -170,9 +212,13 @@ def check(
         In the order of the text, without what ``# allow`` comments silence.
     """
     tree = document or Document(())
-    subject = Subject(rulebase, tree)
-    finders = dict.fromkeys(record.find for record in CHECKS.values() if record.find)
-    findings = [finding for find in finders for finding in find(subject)] + list(more)
+    subject = Subject(rulebase, tree, on_step)
+    findings = list(more)
+    for find in dict.fromkeys(record.find for record in CHECKS.values() if record.find):
+        for finding in find(subject):
+            findings.append(finding)
+            on_step()
+        on_step()
     judged = [replace(finding, severity=_severity(finding)) for finding in findings]
     return sorted(
         (replace(finding, path=path) for finding in _without_allowed(judged, tree)),

@@ -1,88 +1,51 @@
-"""Checks of terms and variables: gaps, unused names, defuzzifiers that do not fit.
+"""Checks of terms and variables: unused names, cores out of range, defuzzifiers that do not fit.
 
-Each check is a function from a :class:`Subject`, which is defined here, to its findings.
+Each check is a function from a subject to its findings; :mod:`.registry` runs them all.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.language.document import Document
-from fuzzyarm.language.statements import EvenTermsNode, GridNode
-from fuzzyarm.model.rulebase import WEIGHTED, Input, Output, RuleBase, Variable, propositions
-from fuzzyarm.model.shapes import corners, membership, probe_points
-from fuzzyarm.text.diagnostic import Diagnostic, Span
-
-# --- What a check looks at ---
-
-
-class Subject(NamedTuple):
-    """A rule base and, where it came from a text, its syntax tree."""
-
-    rulebase: RuleBase
-    document: Document
-
-    @property
-    def grids(self) -> list[GridNode]:
-        """The rule grids of the file."""
-        nodes = (statement.node for statement in self.document.statements)
-        return [part for node in nodes if isinstance(node, GridNode) for part in node.parts]
-
-
-# --- Stretches of an input's range that no term covers ---
-
-FAINT = 1e-6
-"""A membership below this covers nothing."""
-
-
-def coverage_gaps(subject: Subject) -> Iterator[Diagnostic]:
-    """Yield ``coverage-gap`` once for each gap."""
-    for variable in subject.rulebase.inputs:
-        if variable.terms:
-            yield from gaps_of(variable)
-
-
-def gaps_of(variable: Input) -> Iterator[Diagnostic]:
-    """Yield a ``coverage-gap`` for each stretch of `variable` that no term covers."""
-    points = probe_points(variable)
-    bare = [all(membership(term.shape, x) < FAINT for term in variable.terms) for x in points]
-    i = 0
-    while i < len(points):
-        if not bare[i]:
-            i += 1
-            continue
-        end = i
-        while end + 1 < len(points) and bare[end + 1]:
-            end += 1
-        yield _gap(variable, points, i, end)
-        i = end + 1
-
-
-def _gap(variable: Input, points: list[float], start: int, end: int) -> Diagnostic:
-    # A gap begins at a corner: at a bare one, or just behind a covered one.
-    turns = set(corners(variable))
-    low = points[start] if points[start] in turns else points[start - 1]
-    high = points[end] if points[end] in turns else points[end + 1]
-    where = f"{low:g}" if low == high else f"{low:g} .. {high:g}"
-    return Diagnostic("coverage-gap", f"no term of '{variable.name}' covers {where}", variable.span)
-
+from fuzzyarm.language.check.subject import Subject, plain_propositions
+from fuzzyarm.language.statements import EvenTermsNode
+from fuzzyarm.model.rulebase import (
+    POSITION,
+    TAKAGI_SUGENO,
+    WEIGHTED,
+    Input,
+    Output,
+    Rule,
+    RuleBase,
+    Term,
+    Variable,
+    propositions,
+)
+from fuzzyarm.model.shapes import bends, centre, corner_points, membership_function
+from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 
 # --- Outputs whose defuzzifier cannot work on their terms ---
 
 
 def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``defuzzifier-does-not-fit`` and ``mixed-output-terms``."""
+    names = {v.name for v in (*subject.rulebase.inputs, *subject.rulebase.outputs)}
     for output in subject.rulebase.outputs:
         yield from _values(output)
+        yield from _formulas(output, names)
         yield from _mixture(output)
         if output.defuzzifier.method == "tsukamoto":
             yield from _monotonic(output)
 
 
 def _values(output: Output) -> Iterator[Diagnostic]:
-    values = [term for term in output.terms if not SHAPES[term.shape.kind].fuzzy]
+    values = [
+        term
+        for term in output.terms
+        if not (SHAPES[term.shape.kind].fuzzy or POSITION in _names_in(term))
+    ]
     method = output.defuzzifier.method
     if values and method not in WEIGHTED:
         yield Diagnostic(
@@ -91,6 +54,43 @@ def _values(output: Output) -> Iterator[Diagnostic]:
             values[0].span,
             hint="use weighted-average or weighted-sum",
         )
+
+
+def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:
+    """Report formulas in x, which are sets, where they cannot be."""
+    for term in output.terms:
+        names = _names_in(term)
+        if POSITION not in names:
+            continue
+        others = sorted(names & (variables - {POSITION}))
+        method, message, hint = output.defuzzifier.method, "", ""
+        if method in WEIGHTED:
+            message = f"which makes it a set; {method} needs a value"
+        elif POSITION in variables:
+            message = "which is also the name of a variable"
+        elif others:
+            message = f"but '{others[0]}' too; a set depends on its position only"
+        if POSITION in variables:
+            hint = f"give the variable '{POSITION}' another name"
+        if message:
+            yield Diagnostic(
+                "defuzzifier-does-not-fit",
+                f"the formula of '{term.name}' uses {POSITION}, the position in a set, {message}",
+                term.span,
+                hint=hint,
+            )
+
+
+def _names_in(term: Term) -> set[str]:
+    """Return the names in a formula; none for another shape, and for one that cannot be read."""
+    if term.shape.kind != "formula":
+        return set()
+    from fuzzyarm.expression.formulas import FormulaError, read_formula
+
+    try:
+        return set(read_formula(term.shape.formula).names)
+    except FormulaError:
+        return set()
 
 
 def _mixture(output: Output) -> Iterator[Diagnostic]:
@@ -117,6 +117,157 @@ def _monotonic(output: Output) -> Iterator[Diagnostic]:
                 term.span,
             )
             return
+
+
+# --- Terms that lie outside the range, and values that are cut to it ---
+
+
+def cores_outside(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``core-outside-range`` for each term that is fullest where no value can be."""
+    rulebase = subject.rulebase
+    for variable in (*rulebase.inputs, *rulebase.outputs):
+        by_value = isinstance(variable, Output) and variable.defuzzifier.method in WEIGHTED
+        if variable.outside == "extend" and (by_value or isinstance(variable, Input)):
+            continue  # a value outside the range is taken as it is
+        for term in variable.terms:
+            if SHAPES[term.shape.kind].fuzzy and not _core_within(term, variable):
+                yield _core_outside(term, variable)
+
+
+def _core_within(term: Term, variable: Variable) -> bool:
+    """Whether `term` is as full within the range as anywhere; half, where it only tends to be."""
+    low, high = variable.low, variable.high
+    kind, degree = SHAPES[term.shape.kind], membership_function(term.shape)
+    positions = {x for x in (*corner_points(term.shape), low, high) if math.isfinite(x)}
+    if not kind.straight:
+        positions |= {x for x in bends(term.shape) if math.isfinite(x)}
+    degrees = {x: degree(x) for x in positions}
+    top = max(degrees.values(), default=0.0)
+    share = 1.0 if top >= term.shape.height else 0.5
+    # Between two corners a line may reach the end of the range, nothing more.
+    inside = [y for x, y in degrees.items() if low <= x <= high]
+    return max(inside, default=top) >= share * top * (1.0 - 1e-9)
+
+
+def _core_outside(term: Term, variable: Variable) -> Diagnostic:
+    span = f"the range {variable.low:g} .. {variable.high:g} of '{variable.name}'"
+    if term.shape.kind != "singleton":
+        message = f"the core of '{term.name}' lies outside {span}"
+    else:
+        value = term.shape.parameters[0]
+        end = variable.low if value < variable.low else variable.high
+        message = f"'{term.name}' is {value:g}, outside {span}"
+        if isinstance(variable, Output) and variable.outside == "clamp":
+            message += f": the output is cut to {end:g}"
+    return Diagnostic(
+        "core-outside-range",
+        message,
+        term.span,
+        hint="widen the range, or move the term",
+    )
+
+
+def clamped_values(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``clamped-output`` where a linear consequent leaves the range of its output."""
+    for output in subject.rulebase.outputs:
+        if output.outside == "clamp" and output.defuzzifier.method in TAKAGI_SUGENO:
+            linear = {t.name: t for t in output.terms if t.shape.kind == "linear"}
+            for term, low, high in _values_where_fired(output, linear, subject):
+                yield Diagnostic(
+                    "clamped-output",
+                    f"'{term.name}' is {low:g} .. {high:g} where its rules fire: '{output.name}'"
+                    f" is cut to {output.low:g} .. {output.high:g}",
+                    term.span,
+                    severity=Severity.INFO,
+                )
+
+
+def _values_where_fired(
+    output: Output, linear: dict[str, Term], subject: Subject
+) -> Iterator[tuple[Term, float, float]]:
+    """Yield the linear terms whose values leave the range of `output`, each with its values."""
+    reach: dict[str, tuple[float, float]] = {}
+    for _, rule in subject.rules_for(output) if linear else ():
+        supports = _supports(rule, subject)
+        for consequent in rule.consequents:
+            if consequent.variable == output.name and consequent.term in linear:
+                *factors, constant = linear[consequent.term].shape.parameters
+                ends = [
+                    sorted((factor * low, factor * high))
+                    for factor, (low, high) in zip(factors, supports, strict=True)
+                    if factor != 0.0
+                ]
+                low = constant + sum(low for low, _ in ends)
+                high = constant + sum(high for _, high in ends)
+                known = reach.get(consequent.term, (low, high))
+                reach[consequent.term] = min(known[0], low), max(known[1], high)
+    for name, (low, high) in reach.items():
+        slack = 1e-9 * (output.high - output.low)
+        if low < output.low - slack or high > output.high + slack:
+            yield linear[name], low, high
+
+
+def _supports(rule: Rule, subject: Subject) -> list[tuple[float, float]]:
+    """Return the stretch of each input in which the propositions of a plain rule hold."""
+    wanted: dict[str, set[str]] = {}
+    for part in plain_propositions(rule):
+        wanted.setdefault(part.variable, set()).add(part.term)
+    found = []
+    for variable in subject.rulebase.inputs:
+        low, high = variable.low, variable.high
+        for term in wanted.get(variable.name, ()):
+            left, right = subject.support(variable, term)
+            low, high = max(low, left), min(high, right)
+        found.append((low, high))
+    return found
+
+
+# --- Outputs that never come near the ends of their range ---
+
+_NEAR = 0.125
+"""The outermost values of an output lie within this part of its range from the ends."""
+
+_SAMPLES = 2_000
+
+
+def short_reaches(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``short-reach`` for each centroid that cannot come near both ends of its range."""
+    for output in subject.rulebase.outputs:
+        order = subject.ranks(output.name)
+        if output.defuzzifier.method != "centroid" or not order:
+            continue
+        used = {
+            consequent.term
+            for _, rule in subject.rules_for(output)
+            for consequent in rule.consequents
+            if consequent.variable == output.name
+        }
+        ranked = [output.term(name) for name in order if name in used]
+        if not ranked or any(not SHAPES[term.shape.kind].fuzzy for term in ranked):
+            continue
+        low, high = (_centre_of_area(term, output) for term in (ranked[0], ranked[-1]))
+        width = output.high - output.low
+        if math.isfinite(width) and max(low - output.low, output.high - high) > _NEAR * width:
+            yield Diagnostic(
+                "short-reach",
+                f"'{output.name}' reaches {low:.4g} .. {high:.4g} at most, of"
+                f" {output.low:g} .. {output.high:g}: the centroid of its outermost sets",
+                output.span,
+                severity=Severity.INFO,
+                hint="widen the range until the outermost sets are symmetric about the values"
+                " they stand for, or use singletons and weighted-average",
+            )
+
+
+def _centre_of_area(term: Term, output: Output) -> float:
+    degree, step = membership_function(term.shape), (output.high - output.low) / _SAMPLES
+    points = [output.low + step * (i + 0.5) for i in range(_SAMPLES)]
+    degrees = list(map(degree, points))
+    area = sum(degrees)
+    if area <= 0.0:
+        middle = centre(term.shape, output.low, output.high)
+        return output.low if middle is None else middle
+    return sum(x * y for x, y in zip(points, degrees, strict=True)) / area
 
 
 # --- Terms and variables that no rule uses ---
@@ -167,13 +318,7 @@ def _used_in_values(rulebase: RuleBase) -> set[str]:
             if shape.kind == "linear":
                 pairs = zip(rulebase.inputs, shape.parameters, strict=False)
                 found |= {variable.name for variable, factor in pairs if factor != 0.0}
-            elif shape.kind == "formula":
-                from fuzzyarm.expression.formulas import FormulaError, read_formula
-
-                try:
-                    found |= set(read_formula(shape.formula).names)
-                except FormulaError:
-                    continue
+            found |= _names_in(term)
     return found
 
 

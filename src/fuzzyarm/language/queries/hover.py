@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.language.check.terms import gaps_of
+from fuzzyarm.language.check.coverage import gaps_of
 from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_names
 from fuzzyarm.language.queries.completion import term_detail
 from fuzzyarm.language.queries.reading import Reading, contains

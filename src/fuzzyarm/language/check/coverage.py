@@ -1,0 +1,290 @@
+"""Checks of what the rules leave open: combinations of terms, stretches of an input, points.
+
+Each check is a function from a subject to its findings; :mod:`.registry` runs them all.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from itertools import chain, islice, product
+from math import prod
+
+from fuzzyarm.expression.kinds import TNORMS
+from fuzzyarm.language.check.search import (
+    Cell,
+    Cells,
+    GaveUpError,
+    Literal,
+    Need,
+    Search,
+    distinct,
+    smallest,
+)
+from fuzzyarm.language.check.subject import FAINT, Subject, plain_propositions, probe
+from fuzzyarm.language.statements import GridNode
+from fuzzyarm.model.rulebase import (
+    And,
+    Expression,
+    Hedged,
+    Input,
+    Is,
+    Or,
+    Output,
+    Rule,
+    RuleBlock,
+    propositions,
+)
+from fuzzyarm.model.shapes import apply_hedges, corners, truth
+from fuzzyarm.text.diagnostic import Diagnostic, Severity
+
+# --- Stretches of an input's range that no term covers ---
+
+
+def coverage_gaps(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``coverage-gap`` once for each gap."""
+    for variable in subject.rulebase.inputs:
+        if variable.terms:
+            yield from _gaps(variable, subject.probes(variable))
+
+
+def gaps_of(variable: Input) -> Iterator[Diagnostic]:
+    """Yield a ``coverage-gap`` for each stretch of `variable` that no term covers."""
+    return _gaps(variable, probe(variable))
+
+
+def _gaps(variable: Input, probes: list[Cell]) -> Iterator[Diagnostic]:
+    i = 0
+    turns = set(corners(variable))
+    while i < len(probes):
+        if probes[i].degrees:
+            i += 1
+            continue
+        start = i
+        while i + 1 < len(probes) and not probes[i + 1].degrees:
+            i += 1
+        # A gap begins at a corner: at a bare one, or just behind a covered one.
+        low, high = probes[start].x, probes[i].x
+        low = low if low in turns else probes[start - 1].x
+        high = high if high in turns else probes[i + 1].x
+        where = f"{low:g}" if low == high else f"{low:g} .. {high:g}"
+        message = f"no term of '{variable.name}' covers {where}"
+        yield Diagnostic("coverage-gap", message, variable.span)
+        i += 1
+
+
+# --- Rules that are missing: combinations of terms for which an output has no rule ---
+
+_MOST_NAMED = 5
+
+
+def missing_rules(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``missing-rule``: empty cells, absent rows and columns, uncovered combinations."""
+    # Another grid under the same condition, or a rule beside the grids, may fill a gap of one.
+    grids = Counter((grid.output.text, str(grid.condition or "")) for grid in subject.grids)
+    beside = {
+        consequent.variable
+        for rule in subject.rules
+        if not rule.in_grid
+        for consequent in rule.consequents
+    }
+    for grid in subject.grids:
+        name = grid.output.text
+        if grids[name, str(grid.condition or "")] == 1 and name not in beside:
+            yield from _grid(grid, subject)
+    with_grid = {name for name, _ in grids}
+    for output in subject.rulebase.outputs:
+        if output.name not in with_grid:
+            yield from _combinations(output, subject)
+
+
+def _grid(grid: GridNode, subject: Subject) -> Iterator[Diagnostic]:
+    labels = [("column", grid.column, grid.columns)]
+    if grid.row is not None:
+        labels.append(("row", grid.row, tuple(row.label for row in grid.rows)))
+    when = f" when {grid.condition}" if grid.condition else ""
+    for what, variable, words in labels:
+        present = {word.text for word in words}
+        terms = subject.rulebase.variable(variable.text).terms
+        absent = [term.name for term in terms if term.name not in present]
+        if absent:
+            many = "s" if len(absent) > 1 else ""
+            yield Diagnostic(
+                "missing-rule",
+                f"the grid for '{grid.output.text}'{when} has no {what}{many}"
+                f" for {variable.text} is {', '.join(absent)}",
+                grid.header_span,
+            )
+    for row in grid.rows:
+        for cell, column in zip(row.cells, grid.columns, strict=False):
+            if cell.term is None:
+                where = f"{grid.column.text} is {column.text}"
+                if grid.row is not None:
+                    where = f"{grid.row.text} is {row.label.text} and {where}"
+                yield Diagnostic("missing-rule", f"no rule for {where}{when}", cell.span)
+
+
+def _combinations(output: Output, subject: Subject) -> Iterator[Diagnostic]:
+    """Report combinations of terms that no rule of plain propositions covers."""
+    rules = [rule for _, rule in subject.rules_for(output)]
+    plain = [plain_propositions(rule) for rule in rules]
+    if not rules or not all(plain):
+        return  # hedges and alternatives are judged by no-rule-fires, with numbers
+    used = {p.variable for parts in plain for p in parts}
+    variables = [v for v in subject.rulebase.inputs if v.name in used]
+    if len(used) != len(variables):
+        return
+    cells = {v.name: [Cell(0.0, {(term.name, ()): 1.0}) for term in v.terms] for v in variables}
+    search = Search([Need(_wanted(parts)) for parts in plain], cells, subject.on_step)
+    named: list[Cells] = []
+    complete = True
+    try:
+        named += islice(search.uncovered(), _MOST_NAMED + 1)
+    except GaveUpError:
+        complete = False
+    if named:
+        order = {v.name: i for i, v in enumerate(variables)}
+        shown = "; ".join(
+            " and ".join(
+                f"{name} is {next(iter(combination[name].degrees))[0]}"
+                for name in sorted(combination, key=order.__getitem__)
+            )
+            for combination in named[:_MOST_NAMED]
+        )
+        more = " and more" if len(named) > _MOST_NAMED else "" if complete else " and maybe more"
+        message = f"no rule for '{output.name}' covers {shown}{more}"
+        yield Diagnostic("missing-rule", message, rules[0].span)
+    elif not complete:
+        yield _undecided(f"every combination of terms has a rule for '{output.name}'", output)
+
+
+def _wanted(propositions: Iterable[Is]) -> dict[str, frozenset[Literal]]:
+    wanted: dict[str, frozenset[Literal]] = {}
+    for part in propositions:
+        known = wanted.get(part.variable, frozenset())
+        wanted[part.variable] = known | {(part.term, part.hedges)}
+    return wanted
+
+
+def _undecided(what: str, output: Output) -> Diagnostic:
+    return Diagnostic(
+        "undecided",
+        f"not decided whether {what}: there are too many combinations to look at",
+        output.span,
+        severity=Severity.INFO,
+    )
+
+
+# --- Inputs for which no rule fires, with one such input as evidence ---
+
+
+def points_without_rule(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``no-rule-fires`` for each output with a point of the inputs that fires nothing."""
+    for output in subject.rulebase.outputs:
+        try:
+            evidence = silent_point(output, subject)
+        except GaveUpError:
+            yield _undecided(f"a rule for '{output.name}' fires at every input", output)
+            continue
+        if evidence is None:
+            continue
+        point = ", ".join(f"{name} = {value:g}" for name, value in evidence.items())
+        stated = output.no_rule != "error"
+        yield Diagnostic(
+            "no-rule-fires",
+            f"no rule for '{output.name}' fires at {point}",
+            output.span,
+            # Where the file says what happens then, the author has thought of it.
+            severity=Severity.INFO if stated else Severity.WARNING,
+            hint="" if stated else "add a rule, or say what happens then: inference no-rule …",
+        )
+
+
+def silent_point(output: Output, subject: Subject) -> dict[str, float] | None:
+    """Return a point of the inputs at which no rule for `output` fires; None if there is none.
+
+    The corners of the terms and the middles between them stand for the stretches of an input.
+    """
+    inputs = {v.name: v for v in subject.rulebase.inputs}
+    rules = [(block, rule) for block, rule in subject.rules_for(output) if rule.weight > 0.0]
+    used = {p.variable for _, rule in rules for p in propositions(rule.antecedent)}
+    if not rules or not used <= inputs.keys():
+        return None  # unused, or a chained output decides: its range is not known here
+    needs = [need for block, rule in rules for need in _needs(block, rule)]
+    literals: dict[str, set[Literal]] = {name: set() for name in used}
+    by_degree: set[str] = set()
+    for need in needs:
+        for name, wanted in need.literals.items():
+            literals[name] |= wanted
+        by_degree |= need.literals.keys() if need.fires else set()
+    cells = {}
+    for name in used:
+        found = _holding(subject.probes(inputs[name]), literals[name], name in by_degree)
+        # What fires by its degree may do so in a cell and not in a smaller one.
+        cells[name] = distinct(found) if name in by_degree else smallest(found)
+    silent = next(Search(needs, cells, subject.on_step).uncovered(), None)
+    if silent is None:
+        return None
+    return {
+        name: silent[name].x if name in silent else subject.middle(variable)
+        for name, variable in inputs.items()
+    }
+
+
+_MOST_ALTERNATIVES = 64
+
+
+def _needs(block: RuleBlock, rule: Rule) -> list[Need]:
+    """Return what a rule needs to fire, each alternative by itself."""
+    found = None if block.threshold > FAINT else _alternatives(rule.antecedent, block)
+    if found is not None:
+        return [Need(_wanted(parts)) for parts in found]
+    antecedent = rule.antecedent
+    wanted: dict[str, frozenset[Literal]] = {
+        p.variable: frozenset() for p in propositions(antecedent)
+    }
+    parts = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
+    # Without one of its operands a conjunction is 0, whatever the norm.
+    wanted |= _wanted(part for part in parts if isinstance(part, Is))
+
+    def fires(cells: Cells) -> bool:
+        def degree(variable: str, term: str) -> float:
+            return cells[variable].degrees.get((term, ()), 0.0)
+
+        strength = truth(antecedent, degree, block)
+        return strength >= FAINT and strength * rule.weight > block.threshold
+
+    return [Need(wanted, fires)]
+
+
+def _alternatives(expression: Expression, block: RuleBlock) -> list[tuple[Is, ...]] | None:
+    """Return the conjunctions any of which makes `expression` positive; None where degrees do."""
+    if isinstance(expression, Is):
+        return [(expression,)]
+    if isinstance(expression, Hedged):
+        return None
+    parts = [_alternatives(operand, block) for operand in expression.operands]
+    known = [part for part in parts if part is not None]
+    if len(known) < len(parts):
+        return None
+    if isinstance(expression, Or):
+        return [each for part in known for each in part]
+    if not TNORMS[block.conjunction].positive or prod(map(len, known)) > _MOST_ALTERNATIVES:
+        return None
+    return [tuple(chain(*each)) for each in product(*known)]
+
+
+def _holding(probes: list[Cell], wanted: set[Literal], by_degree: bool) -> list[Cell]:
+    """Return the cells with those of the `wanted` literals that hold, hedges included."""
+    hedged = [literal for literal in wanted if literal[1]]
+    found = []
+    for x, terms in probes:
+        degrees = {
+            literal: degree for literal, degree in terms.items() if by_degree or literal in wanted
+        }
+        for term, hedges in hedged:
+            degree = apply_hedges(hedges, terms.get((term, ()), 0.0))
+            if degree >= FAINT:
+                degrees[term, hedges] = degree
+        found.append(Cell(x, degrees))
+    return found

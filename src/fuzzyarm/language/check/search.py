@@ -1,0 +1,168 @@
+"""The search for a point that no rule covers, among a few cells of each variable.
+
+A rule needs literals of some variables to hold; a cell of a variable is a set of literals that
+hold together. To find cells, one for each variable, that leave every rule without something
+it needs is satisfiability: hard in the worst case, but linear in the rules where they are a full
+table, and a matter of a few steps where they are not. So the search counts its steps, and gives
+up behind a budget in proportion to the rules.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from fuzzyarm.model.rulebase import Hedge
+
+Literal = tuple[str, tuple[Hedge, ...]]
+"""A term with its hedges."""
+
+BUDGET = 300_000
+"""Steps that a search may take, besides some for each literal of its rules."""
+
+_STEPS_PER_LITERAL = 10
+
+
+class Cell(NamedTuple):
+    """A stretch of a variable, by one position in it.
+
+    Attributes
+    ----------
+    x : float
+        The position.
+    degrees : dict
+        The literals that hold there, each with its degree.
+    """
+
+    x: float
+    degrees: dict[Literal, float]
+
+
+Cells = dict[str, Cell]
+"""A cell for each variable that has been decided."""
+
+
+class Need(NamedTuple):
+    """What a rule needs, by variable, and how it is judged once all of that holds.
+
+    Attributes
+    ----------
+    literals : mapping of str to frozenset
+        What must hold of each variable; empty where only `fires` knows.
+    fires : callable or None
+        Whether the rule fires in the cells of its variables. None: it does.
+    """
+
+    literals: Mapping[str, frozenset[Literal]]
+    fires: Callable[[Cells], bool] | None = None
+
+
+class GaveUpError(Exception):
+    """The budget is used up."""
+
+
+class Search:
+    """All the ways to leave every rule without something that it needs.
+
+    Parameters
+    ----------
+    needs : sequence of Need
+        One for each rule.
+    cells : mapping of str to sequence of Cell
+        The cells of each variable that the rules name.
+    on_step : callable
+        Called now and then; what it raises ends the search.
+
+    Attributes
+    ----------
+    steps : int
+        How many steps were taken so far.
+    """
+
+    def __init__(
+        self,
+        needs: Sequence[Need],
+        cells: Mapping[str, Sequence[Cell]],
+        on_step: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._needs = needs
+        self._cells = cells
+        self._on_step = on_step
+        self.steps = 0
+        self._budget = BUDGET + _STEPS_PER_LITERAL * sum(len(need.literals) for need in needs)
+
+    def uncovered(self) -> Iterator[Cells]:
+        """Yield cells in which no rule fires; variables that are free are not among them.
+
+        Raises
+        ------
+        GaveUpError
+            Behind the budget.
+        """
+        return self._search([(len(need.literals), need) for need in self._needs], {})
+
+    def _search(self, rules: list[tuple[int, Need]], decided: Cells) -> Iterator[Cells]:
+        """Go on with the rules that may still fire, each with the count of its open variables."""
+        if not rules:
+            yield dict(decided)
+            return
+        self._on_step()
+        self._count(len(rules))
+        _, shortest = min(rules, key=lambda rule: rule[0])
+        variable = next(name for name in shortest.literals if name not in decided)
+        # Few rules ask for more than one literal of a variable: the others are found by theirs.
+        by_literal: dict[Literal, list[tuple[int, Need]]] = {}
+        by_several: list[tuple[frozenset[Literal], tuple[int, Need]]] = []
+        elsewhere: list[tuple[int, Need]] = []
+        for rule in rules:
+            wanted = rule[1].literals.get(variable)
+            if wanted is None:
+                elsewhere.append(rule)
+            elif len(wanted) == 1:
+                by_literal.setdefault(next(iter(wanted)), []).append(rule)
+            else:
+                by_several.append((wanted, rule))
+        for cell in self._cells[variable]:
+            holding = cell.degrees
+            met = [rule for literal in holding for rule in by_literal.get(literal, ())]
+            met += [rule for wanted, rule in by_several if wanted <= holding.keys()]
+            self._count(1 + len(holding) + len(by_several) + len(met))
+            decided[variable] = cell
+            if not any(left == 1 and self._fires(need, decided) for left, need in met):
+                self._count(len(elsewhere))
+                open_rules = [(left - 1, need) for left, need in met if left > 1]
+                yield from self._search(elsewhere + open_rules, decided)
+            del decided[variable]
+
+    def _fires(self, need: Need, decided: Cells) -> bool:
+        if need.fires is None:
+            return True
+        self._count(10)
+        return need.fires(decided)
+
+    def _count(self, steps: int) -> None:
+        self.steps += steps
+        if self.steps > self._budget:
+            raise GaveUpError
+
+
+def distinct(cells: Sequence[Cell]) -> list[Cell]:
+    """Return the first of the cells that have the same degrees."""
+    return list({frozenset(cell.degrees.items()): cell for cell in reversed(cells)}.values())[::-1]
+
+
+def smallest(cells: Sequence[Cell]) -> list[Cell]:
+    """Return the cells whose literals include those of no other cell."""
+    first: dict[frozenset[Literal], Cell] = {}
+    for cell in cells:
+        first.setdefault(frozenset(cell.degrees), cell)
+    found: list[Cell] = []
+    by_literal: dict[Literal, list[frozenset[Literal]]] = {}
+    for literals in sorted(first, key=len):
+        if not literals:
+            return [first[literals]]
+        if any(known <= literals for each in literals for known in by_literal.get(each, ())):
+            continue
+        by_literal.setdefault(next(iter(literals)), []).append(literals)
+        found.append(first[literals])
+    return sorted(found, key=lambda cell: cell.x)

@@ -1,0 +1,139 @@
+"""What a check looks at: a rule base, its text, and what several checks ask of them."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable
+from functools import cached_property
+
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.language.check.search import Cell, Literal
+from fuzzyarm.language.document import Document
+from fuzzyarm.language.statements import GridNode
+from fuzzyarm.model.rulebase import (
+    And,
+    Input,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+)
+from fuzzyarm.model.shapes import centre, membership_function, polyline, probe_points
+
+FAINT = 1e-6
+"""A membership below this covers nothing."""
+
+
+class Subject:
+    """A rule base and, where it came from a text, its syntax tree.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Free of errors.
+    document : Document
+        Empty where it came from no text of the language.
+    on_step : callable
+        Called now and then in long work; what it raises ends the check.
+    """
+
+    def __init__(
+        self, rulebase: RuleBase, document: Document, on_step: Callable[[], None] = lambda: None
+    ) -> None:
+        self.rulebase = rulebase
+        self.document = document
+        self.on_step = on_step
+        self._probes: dict[str, list[Cell]] = {}
+        self._supports: dict[tuple[str, str], tuple[float, float]] = {}
+        self._middles: dict[str, dict[str, float] | None] = {}
+
+    @cached_property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules of all blocks."""
+        return self.rulebase.rules
+
+    @cached_property
+    def grids(self) -> list[GridNode]:
+        """The rule grids of the file."""
+        nodes = (statement.node for statement in self.document.statements)
+        return [part for node in nodes if isinstance(node, GridNode) for part in node.parts]
+
+    @cached_property
+    def _by_output(self) -> dict[str, list[tuple[RuleBlock, Rule]]]:
+        found: dict[str, list[tuple[RuleBlock, Rule]]] = {}
+        for block in self.rulebase.blocks:
+            for rule in block.rules:
+                for name in dict.fromkeys(each.variable for each in rule.consequents):
+                    found.setdefault(name, []).append((block, rule))
+        return found
+
+    def rules_for(self, output: Output) -> list[tuple[RuleBlock, Rule]]:
+        """Return the rules that set `output`, each with its block."""
+        return self._by_output.get(output.name, [])
+
+    def probes(self, variable: Input) -> list[Cell]:
+        """Return :func:`probe` of an input, worked out once."""
+        if variable.name not in self._probes:
+            self._probes[variable.name] = probe(variable)
+        return self._probes[variable.name]
+
+    def middle(self, variable: Input) -> float:
+        """Return a position in the middle of an input."""
+        probes = self.probes(variable)
+        return probes[len(probes) // 2].x
+
+    def support(self, variable: Input, term: str) -> tuple[float, float]:
+        """Return the ends of the stretch of `variable` in which `term` holds, to a corner."""
+        if (variable.name, term) not in self._supports:
+            probes = self.probes(variable)
+            holds = [i for i, cell in enumerate(probes) if (term, ()) in cell.degrees] or [0]
+            left, right = max(holds[0] - 1, 0), min(holds[-1] + 1, len(probes) - 1)
+            self._supports[variable.name, term] = probes[left].x, probes[right].x
+        return self._supports[variable.name, term]
+
+    def middles(self, name: str) -> dict[str, float] | None:
+        """Return the middle of each term of a variable in increasing order; None for values."""
+        if name not in self._middles:
+            variable = self.rulebase.variable(name)
+            found = {t.name: centre(t.shape, variable.low, variable.high) for t in variable.terms}
+            known = [(middle, term) for term, middle in found.items() if middle is not None]
+            known.sort(key=lambda each: each[0])
+            complete = len(known) == len(found)
+            self._middles[name] = {term: x for x, term in known} if complete else None
+        return self._middles[name]
+
+    def ranks(self, name: str) -> dict[str, int] | None:
+        """Return the rank of each term of the variable `name` by its middle; None for values."""
+        middles = self.middles(name)
+        return None if middles is None else {term: i for i, term in enumerate(middles)}
+
+
+def probe(variable: Input) -> list[Cell]:
+    """Return the corners of the terms and the middles between, with the terms that hold there.
+
+    Between two corners no bounded term starts or ends, so the middle stands for the stretch.
+    """
+    points = probe_points(variable)
+    degrees: list[dict[Literal, float]] = [{} for _ in points]
+    for term in variable.terms:
+        function = membership_function(term.shape)
+        start, stop = 0, len(points)
+        if SHAPES[term.shape.kind].straight:
+            # Of a thousand terms only a few hold at a point: skip where a line stays 0.
+            corners = polyline(term.shape)
+            start = bisect_left(points, corners[0][0]) if corners[0][1] == 0.0 else start
+            stop = bisect_right(points, corners[-1][0]) if corners[-1][1] == 0.0 else stop
+        for i in range(start, stop):
+            degree = function(points[i])
+            if degree >= FAINT:
+                degrees[i][term.name, ()] = degree
+    return [Cell(x, found) for x, found in zip(points, degrees, strict=True)]
+
+
+def plain_propositions(rule: Rule) -> tuple[Is, ...]:
+    """Return the propositions of a rule that is a conjunction without hedges; else none."""
+    antecedent = rule.antecedent
+    parts = antecedent.operands if isinstance(antecedent, And) else (antecedent,)
+    found = tuple(part for part in parts if isinstance(part, Is) and not part.hedges)
+    return found if len(found) == len(parts) else ()
