@@ -264,6 +264,8 @@ def _report_lines(report: CompileReport, out: str) -> list[str]:
             f"  {fidelity.mode:<7}  worst {number_words(fidelity.worst, 4):<8} "
             f"rms {number_words(fidelity.rms, 4):<8} worst at {where} (of {size} points)"
         )
+    if report.few_points:
+        lines.append("few points were compared, because direct inference takes long at each")
     if report.tolerance is not None:
         lines.append(
             f"this is the smallest even grid within {report.tolerance:g}, looked up linearly"

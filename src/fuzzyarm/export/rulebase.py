@@ -27,6 +27,7 @@ from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output
 
 _DENSE_POINTS = 60_000
+_DENSE_SAMPLES = 120_000_000
 _VECTORS = 48
 
 _AT_ONCE = 16_384
@@ -110,8 +111,7 @@ class DirectRoutine:
             array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in arrays
         ]
         result = np.empty(shape, outside)
-        samples = max((sums.count for sums in self.program.sums), default=1)
-        most = min(_AT_ONCE, 64 * _AT_ONCE // samples)
+        most = min(_AT_ONCE, 64 * _AT_ONCE // self._samples)
         step = max(1, most // max(1, math.prod(shape[1:])))
         for start in range(0, shape[0], step):
             stretch = slice(start, start + step)
@@ -122,6 +122,10 @@ class DirectRoutine:
             with np.errstate(over="ignore"):
                 result[stretch] = self.program.over_arrays(values, inside)
         return result.reshape(np.broadcast_shapes(*(np.shape(x) for x in inputs)))
+
+    @property
+    def _samples(self) -> int:
+        return max((sums.count for sums in self.program.sums), default=1)
 
     def literal(self, value: Any) -> str:
         """Return an argument or a result as a C literal."""
@@ -228,7 +232,8 @@ class DirectRoutine:
 
     def _grid(self) -> list[NDArray[Any]]:
         inputs = self.rulebase.inputs
-        count = max(3, round(_DENSE_POINTS ** (1.0 / len(inputs))))
+        points = min(_DENSE_POINTS, _DENSE_SAMPLES // self._samples)
+        count = max(3, round(points ** (1.0 / len(inputs))))
         return [self._axis_points(variable, count) for variable in inputs]
 
     def _axis_points(self, variable: Input, count: int) -> NDArray[Any]:

@@ -588,10 +588,10 @@ def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
         return at.weighted
     if plan.output.defuzzifier.resolution is not None:
         return at.sampled_centroid
-    return at.enveloped_centroid if _has_envelope(plan) else at.closed_centroid
+    return at.enveloped_centroid if has_envelope(plan) else at.closed_centroid
 
 
-def _has_envelope(plan: OutputPlan) -> bool:
+def has_envelope(plan: OutputPlan) -> bool:
     """Whether the sets have no closed form, but are straight under min or product, and max."""
     return (
         plan.closed is None
@@ -612,5 +612,5 @@ def _check_output(plan: OutputPlan) -> None:
     if method != "centroid" or plan.discrete:
         raise NotCoveredError(f"the {method} of '{output.name}'")
     exact = output.defuzzifier.resolution is None and plan.members
-    if exact and plan.closed is None and not _has_envelope(plan):
+    if exact and plan.closed is None and not has_envelope(plan):
         raise NotCoveredError(f"the exact centroid of '{output.name}' has no closed form")

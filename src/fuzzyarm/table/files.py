@@ -25,11 +25,12 @@ from fuzzyarm.table.header import (
     spelled,
 )
 from fuzzyarm.table.text import (
+    MAX_CHARACTERS,
     Grid,
     ParsedTable,
     finish,
     line_tokens,
-    page_conditions,
+    page_condition,
     parse_lut,
     read_grids,
     write_lut,
@@ -85,6 +86,9 @@ def parse_table(data: bytes, path: str) -> ParsedTable:
         column = len(before) - (before.rfind("\n") + 1) + 1
         message = f"not UTF-8: byte 0x{data[error.start]:02x}"
         return _fault("not-text", message, path, Span(line, column, line, column + 1))
+    if len(text) > MAX_CHARACTERS:
+        message = f"a table of more than {MAX_CHARACTERS:,} characters is not read"
+        return _fault("too-large", message, path)
     return _TEXTS.get(Path(path).suffix.lower(), _TEXTS[".lut"]).parse(text, path)
 
 
@@ -187,36 +191,21 @@ def _grids(
         message = f"the first columns must be headed {', '.join(names)}"
         diagnostics.append(Diagnostic("wrong-corner", message, Span(first, 1, first, 2)))
         return None
-    conditions = {_key(condition): k for k, condition in enumerate(_page_keys(head))}
-    texts = list(page_conditions(head))
-    grids: dict[int, Grid] = {}
+    grids: dict[tuple[float, ...], Grid] = {}
     for line_number, cells in split[1:]:
-        page = conditions.get(_key(cells[:pages]))
-        if page is None:
+        try:
+            page = tuple(map(float, cells[:pages]))
+        except ValueError:
             message = f"{', '.join(cells[:pages])} are not levels of {', '.join(names)}"
             span = Span(line_number, 1, line_number, 2)
             diagnostics.append(Diagnostic("wrong-label", message, span))
             continue
         if page not in grids:
-            tokens = line_tokens(line_number, f"grid{texts[page]}", [])
+            tokens = line_tokens(line_number, f"grid{page_condition(head, page)}", [])
             grids[page] = Grid(tuple(_at_start(token) for token in tokens))
             grids[page].lines.append((first, "  ".join(corner[pages:])))
         grids[page].lines.append((line_number, "  ".join(cells[pages:])))
     return list(grids.values())
-
-
-def _page_keys(head: TableHeader) -> list[list[str]]:
-    return [[number_text(x) for x in row] for row in product(*(a.levels for a in head.axes[:-2]))]
-
-
-def _key(cells: list[str]) -> tuple[float | str, ...]:
-    key: list[float | str] = []
-    for cell in cells:
-        try:
-            key.append(float(cell))
-        except ValueError:
-            key.append(cell)
-    return tuple(key)
 
 
 def _at_start(token: Token) -> Token:
@@ -395,6 +384,10 @@ _TEXTS = {
 # --- Tables as `.npz`: the values as an array, the header as JSON text beside it ---
 
 
+MOST_BYTES = 320_000_000
+"""Bytes of an archive, unpacked: the largest table that is compiled, and its header."""
+
+
 def npz_bytes(table: LookupTable) -> bytes:
     """Return the content of the file: ``values``, ``header``, and each axis for convenience."""
     import numpy as np
@@ -422,6 +415,11 @@ def read_npz(data: bytes, path: str) -> LookupTable:
 
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            size = sum(member.file_size for member in archive.zip.infolist())
+            if size > MOST_BYTES:
+                raise TableError(
+                    f"unpacked, the archive has {size:,} bytes; at most {MOST_BYTES:,} are read"
+                )
             # NumPy takes any 32 bits for a character; what is not one must not get into a text.
             header = np.asarray(archive["header"], dtype="<U").tobytes().decode("utf-32-le")
             head = header_from(json.loads(header.rstrip("\0")))

@@ -67,10 +67,6 @@ def parse_lut(text: str, path: str = "<text>") -> ParsedTable:
         The table, or what is wrong with the text.
     """
     diagnostics: list[Diagnostic] = []
-    if len(text) > MAX_CHARACTERS:
-        message = f"a table of more than {MAX_CHARACTERS:,} characters is not read"
-        diagnostics.append(Diagnostic("too-large", message))
-        return finish(None, None, diagnostics, path)
     header, grids = _scan(text, diagnostics)
     if header.version is None:
         return finish(None, None, [_no_format(text), *diagnostics][:20], path)
@@ -500,13 +496,16 @@ def _counted(count: int, word: str) -> str:
 
 
 def page_conditions(table: TableHeader) -> Iterator[str]:
-    """Yield `` when a = 1, b = 2`` for every combination of the page levels, in order."""
-    pages = table.axes[:-2]
-    for levels in product(*(axis.levels for axis in pages)):
-        parts = [
-            f"{spelled(a.name)} = {number_text(x)}" for a, x in zip(pages, levels, strict=True)
-        ]
-        yield f" when {', '.join(parts)}" if parts else ""
+    """Yield the condition of every page, in order."""
+    for levels in product(*(axis.levels for axis in table.axes[:-2])):
+        yield page_condition(table, levels)
+
+
+def page_condition(table: TableHeader, levels: Sequence[float]) -> str:
+    """Return `` when a = 1, b = 2`` for some levels of the page inputs."""
+    pairs = zip(table.names[:-2], levels, strict=True)
+    parts = [f"{spelled(name)} = {number_text(x)}" for name, x in pairs]
+    return f" when {', '.join(parts)}" if parts else ""
 
 
 # --- Writing: a header and aligned grids, one row of cells to a line ---
