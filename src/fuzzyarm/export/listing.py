@@ -12,9 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from fuzzyarm.export.numbers import C_TYPES, c_number
+from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.export.program import Call, Program
 from fuzzyarm.export.routine import CWriter
 from fuzzyarm.export.samples import SampleSums
@@ -245,7 +243,7 @@ class Listing:
 
     # ── text ─────────────────────────────────────────────────────────────────────────
 
-    def lines(self, writer: CWriter, real: type[np.floating]) -> tuple[list[str], str]:
+    def lines(self, writer: CWriter, real: Kind) -> tuple[list[str], str]:
         """Return the lines of C in a type of number, and the text of the result."""
         language = _language(writer, real)
         for name, (call, argument) in self._calls.items():
@@ -256,7 +254,7 @@ class Listing:
             if isinstance(each, Loop):
                 for name, column in each.sums.columns.items():
                     literals = [language.number(value) for value in column]
-                    array = writer.constant(C_TYPES[real], literals, each.sums.wanted[name])
+                    array = writer.constant(real, literals, each.sums.wanted[name])
                     language.rename[_element(each.sums, name)] = f"{array}[{each.sums.index}]"
         return _lines(self.body, language, C_TYPES[real], set()), language.expression(self.result)
 
@@ -337,7 +335,7 @@ def _function(call: Call, language: Language, real: str) -> str:
     return "\n".join([f"{real} NAME({real} h)", "{", *lines, f"    return {result};", "}", ""])
 
 
-def _language(writer: CWriter, real: type[np.floating]) -> Language:
+def _language(writer: CWriter, real: Kind) -> Language:
     """Return C with the helpers of a file and the literals of its tables."""
     kind = C_TYPES[real]
     basis = c_language(kind)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fuzzyarm import __version__
 from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import Precision, c_number, precision_named, rounded
+from fuzzyarm.export.numbers import C_TYPES, Kind, Precision, precision_named, rounded
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.kinds import SHAPES
@@ -90,9 +90,9 @@ class DirectRoutine:
         return found
 
     @property
-    def kind(self) -> str:
-        """The C type of arguments and result."""
-        return self.precision.c_outside
+    def kind(self) -> Kind:
+        """The type of arguments and result."""
+        return self.precision.outside
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
         """Return what the function returns, bit for bit.
@@ -102,7 +102,7 @@ class DirectRoutine:
         *inputs : array_like
             The arguments in order, rounded to the outer type first.
         """
-        outside, inside = self.precision.outside, self.precision.inside
+        outside, inside, _ = self.precision
         with np.errstate(over="ignore"):
             arrays = [np.atleast_1d(np.asarray(x, dtype=outside)) for x in inputs]
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
@@ -127,13 +127,9 @@ class DirectRoutine:
     def _samples(self) -> int:
         return max((sums.count for sums in self.program.sums), default=1)
 
-    def literal(self, value: Any) -> str:
-        """Return an argument or a result as a C literal."""
-        return "NAN" if math.isnan(value) else c_number(value, self.precision.outside)
-
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
-        inner, outer = self.precision.c_inside, self.precision.c_outside
+        outer, inner, _ = (C_TYPES[kind] for kind in self.precision)
         cast, back = (f"({inner})", f"({outer})") if inner != outer else ("", "")
         lines = []
         for given, parameter in zip(self.program.given, parameters, strict=True):
@@ -166,19 +162,13 @@ class DirectRoutine:
             f"and {b.conjunction}, or {b.disjunction}, implication {b.implication}"
             for b in self.rulebase.blocks
         )
-        inside, outside = self.precision.c_inside, self.precision.c_outside
-        arithmetic = (
-            f"{inside} arithmetic"
-            if inside == outside
-            else f"{inside} arithmetic, the result rounded to {outside}"
-        )
         return [
             f"direct inference of {len(self.rulebase.rules)} rules: {blocks},"
             f" aggregation {output.aggregation}, {output.defuzzifier}",
             *(_border_words(variable) for variable in self.rulebase.inputs),
             "an input that is not a number (NaN) counts as the lower border",
             f"the result is {silent}",
-            arithmetic,
+            self.precision.words,
         ]
 
     def provenance(self) -> Sequence[tuple[str, str]]:
@@ -191,13 +181,9 @@ class DirectRoutine:
         pairs.append(("sha256", hashlib.sha256(write(self.rulebase).encode()).hexdigest()))
         return [*pairs, ("engine", f"fuzzyarm {__version__}")]
 
-    def accuracy(self) -> Accuracy:
-        """Return :attr:`measured`, as all routines do."""
-        return self.measured
-
     @cached_property
-    def measured(self) -> Accuracy:
-        """Compare with the inference in double precision over a dense grid."""
+    def accuracy(self) -> Accuracy:
+        """The difference to the inference in double precision over a dense grid."""
         mesh = np.ix_(*self._grid())
         result = self.evaluate(*mesh, *self._held(mesh[0])).astype(np.float64)
         truth = self.model(*mesh)

@@ -191,11 +191,11 @@ def _grids(
         message = f"the first columns must be headed {', '.join(names)}"
         diagnostics.append(Diagnostic("wrong-corner", message, Span(first, 1, first, 2)))
         return None
+    levels = [set(axis.levels) for axis in head.axes[:-2]]
     grids: dict[tuple[float, ...], Grid] = {}
     for line_number, cells in split[1:]:
-        try:
-            page = tuple(map(float, cells[:pages]))
-        except ValueError:
+        page = _page(cells[:pages], levels)
+        if page is None:
             message = f"{', '.join(cells[:pages])} are not levels of {', '.join(names)}"
             span = Span(line_number, 1, line_number, 2)
             diagnostics.append(Diagnostic("wrong-label", message, span))
@@ -206,6 +206,16 @@ def _grids(
             grids[page].lines.append((first, "  ".join(corner[pages:])))
         grids[page].lines.append((line_number, "  ".join(cells[pages:])))
     return list(grids.values())
+
+
+def _page(cells: list[str], levels: list[set[float]]) -> tuple[float, ...] | None:
+    """Return the levels of the page inputs that begin a row; None where they are not levels."""
+    try:
+        page = tuple(map(float, cells))
+    except ValueError:
+        return None
+    known = len(page) == len(levels) and all(map(set.__contains__, levels, page))
+    return page if known else None
 
 
 def _at_start(token: Token) -> Token:
