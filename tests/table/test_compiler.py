@@ -219,6 +219,20 @@ def test_a_probe_that_proved_a_grid_wrong_is_asked_first():
     np.testing.assert_array_equal(probes.truth, probes._infer(probes.points.T))
 
 
+@pytest.mark.parametrize("alone", [0, 100])
+def test_every_probe_counts(alone):
+    probes = fidelity_module._Probes(rulebase(LOPSIDED), "y")
+    probes.truth[:] = probes._interpolate(probes.points, 5)
+    assert probes.worst(5, 1e-3) == 0.0
+    probes.truth[alone] += 1.0
+    assert probes.worst(5, 1e-3) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("step", "value"), [(3e6, 6e6), (0.1 + 2e-17, 0.7), (1 / 3, 2 / 3)])
+def test_steps_that_are_no_short_decimals(step, value):
+    assert round_to(np.array([value * 1.01]), step)[0] == pytest.approx(value, rel=1e-12)
+
+
 @pytest.mark.parametrize("tolerance", [1.0, 0.5, 0.25])
 def test_the_tolerance_is_met_by_the_smallest_grid(tolerance):
     base = rulebase(LOPSIDED)

@@ -312,7 +312,7 @@ class _Block:
         span = names[0].span.to(names[-1].span)
         found = [token.text for token in names]
         read = " \\ ".join(found)
-        if found == wanted[::-1] and len(wanted) > 1:
+        if found == wanted[::-1]:
             self._report(
                 "transposed-labels",
                 f"the corner '{read}' contradicts the index order "
@@ -389,8 +389,9 @@ class _Block:
         if labels == list(levels):
             return True
         sound = [label for label in labels if label is not None]
-        first, last = rows[0] if rows else (0, ""), rows[-1] if rows else (0, "")
-        whole = Span(first[0], 1, last[0], len(last[1]) + 1) if rows else self.grid.span
+        whole = self.grid.span
+        if rows:
+            whole = Span(rows[0][0], 1, rows[-1][0], len(rows[-1][1]) + 1)
         if sound == list(self.column.levels) and levels != self.column.levels:
             self._report(
                 "transposed-labels",

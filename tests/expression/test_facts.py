@@ -1,0 +1,63 @@
+"""What the records of norms and hedges state beside the formula is true of the formula."""
+
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
+
+degree = st.floats(0.0, 1.0)
+TENTHS = [k / 10 for k in range(11)]
+LINED = [name for name, kind in TNORMS.items() if kind.lines is not None]
+
+
+def test_lines_are_stated():
+    assert LINED == ["min", "product", "bounded"]
+
+
+@pytest.mark.parametrize("name", LINED)
+@given(strength=degree, membership=degree)
+def test_an_implication_is_the_least_of_its_lines_and_never_negative(name, strength, membership):
+    lines = TNORMS[name].lines(strength)
+    least = min(offset + slope * membership for offset, slope in lines)
+    found = TNORMS[name].scalar(strength, membership)
+    assert found == pytest.approx(max(0.0, least), abs=1e-15)
+
+
+@pytest.mark.parametrize("name", TNORMS)
+def test_a_positive_norm_vanishes_only_with_an_operand(name):
+    above = [TNORMS[name].scalar(a, b) > 0.0 for a in TENTHS[1:] for b in TENTHS[1:]]
+    assert TNORMS[name].positive == all(above) or name in {"hamacher", "einstein"}
+    assert all(above) or not TNORMS[name].positive
+
+
+def test_what_is_for_aggregation_alone():
+    assert [name for name, kind in SNORMS.items() if kind.aggregates] == ["sum", "normalized"]
+
+
+def hedge_of(name):
+    kind = HEDGES[name]
+    numbers = (3.0,) if kind.parameters else ()
+    return lambda d: kind.scalar(d, *numbers)
+
+
+@pytest.mark.parametrize("name", HEDGES)
+def test_a_straight_hedge_is_a_line(name):
+    hedge = hedge_of(name)
+    triples = itertools.combinations(TENTHS, 2)
+    bent = [abs(hedge((a + b) / 2) - (hedge(a) + hedge(b)) / 2) for a, b in triples]
+    assert HEDGES[name].straight == (max(bent) < 1e-12)
+
+
+@pytest.mark.parametrize("name", HEDGES)
+def test_the_curvature_jumps_at_the_bends_and_nowhere_else(name):
+    hedge, step = hedge_of(name), 1e-3
+
+    def curvature(d):
+        return (hedge(d + step) - 2 * hedge(d) + hedge(d - step)) / step**2
+
+    inner = [k / 20 for k in range(2, 19)]
+    jumps = [d for d in inner if abs(curvature(d + 2 * step) - curvature(d - 2 * step)) > 0.5]
+    assert jumps == list(HEDGES[name].bends)
