@@ -1,12 +1,15 @@
 """What the records of norms and hedges state beside the formula is true of the formula."""
 
 import itertools
+import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
+from fuzzyarm.expression.records import degree_on_polyline, degrees_on_polyline
 
 degree = st.floats(0.0, 1.0)
 TENTHS = [k / 10 for k in range(11)]
@@ -61,3 +64,21 @@ def test_the_curvature_jumps_at_the_bends_and_nowhere_else(name):
     inner = [k / 20 for k in range(2, 19)]
     jumps = [d for d in inner if abs(curvature(d + 2 * step) - curvature(d - 2 * step)) > 0.5]
     assert jumps == list(HEDGES[name].bends)
+
+
+heights = st.lists(st.sampled_from([0.0, 0.25, 0.5, 1.0]), min_size=1, max_size=2)
+UPRIGHT = st.dictionaries(st.sampled_from([0.0, 1.0, 1.5, 2.0]), heights, min_size=2).map(
+    lambda edges: [(x, y) for x in sorted(edges) for y in edges[x]]
+)
+
+
+@given(UPRIGHT)
+def test_polylines_with_upright_edges_over_arrays_are_those_at_points(corners):
+    edges = [x for x, _ in corners]
+    near = [math.nextafter(x, way) for x in edges for way in (-math.inf, math.inf)]
+    points = [*edges, *near, -1.0, 0.5, 1.25, 3.0]
+    found = degrees_on_polyline(corners, np.array(points))
+    assert found.tolist() == pytest.approx([degree_on_polyline(corners, x) for x in points])
+    for edge in set(edges):  # on an upright edge the highest point holds
+        height = max(y for x, y in corners if x == edge)
+        assert degree_on_polyline(corners, edge) == height
