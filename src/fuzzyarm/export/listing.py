@@ -67,18 +67,10 @@ def needs_math_header(nodes: Sequence[Node]) -> bool:
 
 @dataclass(frozen=True)
 class Loop:
-    """Statements that are run for each sample; the sums are set to 0 before.
+    """Statements that are run for each sample; the sums are set to 0 before."""
 
-    Attributes
-    ----------
-    sums : SampleSums
-        Of which program.
-    body : tuple of Statement
-        In terms of the variables of the program.
-    """
-
-    sums: SampleSums
-    body: tuple[Statement, ...]
+    sums: SampleSums  # of which program
+    body: tuple[Statement, ...]  # in terms of the variables of the program
 
 
 class Listing:

@@ -27,18 +27,10 @@ WIDTH = 96
 
 @dataclass
 class CWriter:
-    """Collects the parts of a file; equal constants and helpers are written once.
+    """Collects the parts of a file; equal constants and helpers are written once."""
 
-    Attributes
-    ----------
-    prefix : str
-        Begins every name that the file defines.
-    storage : str
-        ``static inline`` for a header on its own, empty for a ``.c`` file.
-    """
-
-    prefix: str
-    storage: str = ""
+    prefix: str  # begins every name that the file defines
+    storage: str = ""  # ``static inline`` for a header on its own, empty for a ``.c`` file
     names: Names = field(default_factory=Names)
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)

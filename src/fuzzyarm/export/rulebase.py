@@ -95,13 +95,7 @@ class DirectRoutine:
         return self.precision.outside
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
-        """Return what the function returns, bit for bit.
-
-        Parameters
-        ----------
-        *inputs : array_like
-            The arguments in order, rounded to the outer type first.
-        """
+        """Return what the function returns at arguments in order, bit for bit."""
         outside, inside, _ = self.precision
         with np.errstate(over="ignore"):
             arrays = [np.atleast_1d(np.asarray(x, dtype=outside)) for x in inputs]
@@ -265,24 +259,7 @@ def direct_routine(
     precision: str = "mixed",
     source: str | Path | None = None,
 ) -> DirectRoutine:
-    """Prepare the direct inference of one output for export.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Exact centroid of straight sets, or weighted average or sum.
-    output : str, optional
-        Which output; may be left out if there is only one.
-    precision : str
-        ``mixed``: float arguments and result, double between; ``float32``; ``float64``.
-    source : str or Path, optional
-        The file of the rule base, for the head.
-
-    Raises
-    ------
-    ExportError
-        If something of the rule base cannot be exported; the message names it.
-    """
+    """Prepare the direct inference of one output; an ExportError names what cannot be exported."""
     target = choose_output(rulebase, output)
     names = Names()
     arguments = [variable.name for variable in rulebase.inputs]

@@ -17,20 +17,7 @@ from fuzzyarm.expression.printing import STRUCTURED_TEXT
 
 
 def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
-    """Return a file with a function block for every routine, and the names of the blocks.
-
-    Parameters
-    ----------
-    routines : sequence of Routine
-        Tables.
-    prefix : str
-        Begins the names of the blocks.
-
-    Raises
-    ------
-    ExportError
-        If a routine is not a table.
-    """
+    """Return a file with a function block for every table, and the names of the blocks."""
     names = Names("st")
     blocks, called = [], []
     for routine in routines:
