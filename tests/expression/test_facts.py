@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_definitions import SHAPE_VALUES
 
-from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.nodes import symbol
 from fuzzyarm.expression.records import degree_on_polyline, degrees_on_polyline
 
 degree = st.floats(0.0, 1.0)
@@ -82,3 +84,54 @@ def test_polylines_with_upright_edges_over_arrays_are_those_at_points(corners):
     for edge in set(edges):  # on an upright edge the highest point holds
         height = max(y for x, y in corners if x == edge)
         assert degree_on_polyline(corners, edge) == height
+
+
+SAMPLES = [(kind, numbers) for kind, numbers, _ in SHAPE_VALUES]
+SAMPLES += [("sigmoid", (1, -50)), ("bell", (1, 2, 0.5))]
+CASES = [pytest.param(SHAPES[kind], numbers, id=f"{kind} {numbers}") for kind, numbers in SAMPLES]
+
+
+def on(x):
+    """Return a position that formulas take: far out where it is infinite."""
+    return min(1e6, max(-1e6, x))
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_corners_are_those_of_the_formula(kind, numbers):
+    if kind.corners is None:
+        return
+    corners = kind.corners(*map(float, numbers))
+    for x in np.linspace(-10, 10, 81):
+        assert degree_on_polyline(corners, x) == pytest.approx(kind.scalar(x, *numbers), abs=1e-14)
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_inverses_find_their_degree(kind, numbers):
+    if kind.inverse is None:
+        return
+    for wanted in (0.0, 0.01, 0.25, 0.5, 0.75, 0.99, 1.0):
+        x = kind.inverse(wanted, *map(float, numbers))
+        found = kind.scalar(on(x), *map(float, numbers))
+        # Beyond a step there is no degree between.
+        assert found == pytest.approx(wanted, abs=1e-5) or numbers[0] == numbers[1]
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_between_two_bends_a_curve_goes_half_its_way_at_most_and_none_beyond(kind, numbers):
+    if kind.bends is None:
+        return
+    degree = [kind.scalar(x, *map(float, numbers)) for x in sorted(kind.bends(*numbers))]
+    if kind.name == "cosine":  # it ends, and its bends are its ends and its centre
+        assert degree == pytest.approx([0.0, 1.0, 0.0])
+        return
+    assert max(abs(a - b) for a, b in itertools.pairwise(degree)) < 0.505
+    low, high = min(kind.bends(*numbers)), max(kind.bends(*numbers))
+    for end, far in ((low, low - 1e4), (high, high + 1e4)):
+        assert kind.scalar(far, *numbers) == pytest.approx(kind.scalar(end, *numbers), abs=0.13)
+
+
+def test_squares_and_cubes_are_products():
+    x = symbol("x")
+    assert x**2 is x * x
+    assert x**3 is x * x * x
+    assert x**4 is not x * x * x * x
