@@ -123,8 +123,9 @@ def test_what_is_written_reads_back(dialect, text):
     [
         "a + b - c", "a - (b + c)", "a - (b - c)", "a * b / c", "a / (b * c)", "a / (b / c)",
         "a * b + c / d", "(a + b) * (c - d)", "(a * b) ^ c", "a ^ (b * c)", "a * b ^ c",
-        "(a ^ b) ^ c", "a * (b % c)", "(a % b) * c", "-(a + b)", "-sin(a)", "a + (-b)", "a / b / c",
-        "a * b * c", "(a / b) ^ 2", "a + b * c", "(a + b) / c", "lt(a, b)", "eq(a, b)", "le(a, b)",
+        "(a ^ b) ^ c", "a * (b % c)", "(a % b) * c", "-(a + b)", "(-a) + b", "-sin(a)", "a + (-b)",
+        "a / b / c", "a * b * c", "(a / b) ^ 2", "a + b * c", "(a + b) / c",
+        "lt(a, b)", "eq(a, b)", "le(a, b)",
     ],
 )  # fmt: skip
 def test_parentheses_stand_where_they_are_needed_and_nowhere_else(text):

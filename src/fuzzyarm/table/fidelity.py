@@ -143,11 +143,8 @@ def _dense_grid(axes: Sequence[Axis], wanted: int = _DENSE_POINTS) -> tuple[_Poi
     count = max(3, round(wanted ** (1.0 / len(axes))))
     most = _MOST_POINTS if wanted == _DENSE_POINTS else 5 * wanted
     even = [np.linspace(*_ends(axis), count) for axis in axes]
-    for choose in (_levels_and_edges, _levels_and_middles, _levels, _nothing):
-        points = [
-            np.unique(np.concatenate([x, _inside(choose(axis), axis)]))
-            for axis, x in zip(axes, even, strict=True)
-        ]
+    for besides in zip(*map(_besides, axes), strict=True):
+        points = [np.unique(np.concatenate(pair)) for pair in zip(even, besides, strict=True)]
         if math.prod(x.size for x in points) <= most:
             break
     weights = [np.isin(x, e).astype(np.float64) for x, e in zip(points, even, strict=True)]
@@ -160,27 +157,14 @@ def _ends(axis: Axis) -> tuple[float, float]:
     return low, high
 
 
-def _inside(points: NDArray[np.float64], axis: Axis) -> NDArray[np.float64]:
+def _besides(axis: Axis) -> _Points:
+    """Return what the grid has besides even points: all of it, less, and nothing."""
+    levels, middles = np.array(axis.levels), np.array(axis.thresholds("nearest"))
+    edges = np.array([*axis.thresholds("bins"), *middles])
+    both_sides = [edges, np.nextafter(edges, np.inf)]
+    choices = [[levels, *both_sides], [levels, middles], [levels], [np.empty(0)]]
     low, high = _ends(axis)
-    return points[(points >= low) & (points <= high)]
-
-
-def _levels_and_edges(axis: Axis) -> NDArray[np.float64]:
-    """Return the levels and both sides of every threshold."""
-    edges = np.array([*axis.thresholds("bins"), *axis.thresholds("nearest")])
-    return np.concatenate([axis.levels, edges, np.nextafter(edges, np.inf)])
-
-
-def _levels_and_middles(axis: Axis) -> NDArray[np.float64]:
-    return np.array([*axis.levels, *axis.thresholds("nearest")])
-
-
-def _levels(axis: Axis) -> NDArray[np.float64]:
-    return np.array(axis.levels)
-
-
-def _nothing(axis: Axis) -> NDArray[np.float64]:
-    return np.empty(0)
+    return [x[(x >= low) & (x <= high)] for x in map(np.concatenate, choices)]
 
 
 class _Tally:
