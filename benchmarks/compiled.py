@@ -35,6 +35,7 @@ from compiled_pictures import draw
 from ratios import Ratio, in_turns, number, quarters, ratio
 
 from fuzzyarm import compiled, infer
+from fuzzyarm.inference import engine
 from fuzzyarm.inference.sets import polyline
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.files import write_atomically
@@ -218,7 +219,7 @@ def single_times() -> dict[str, list[float]]:
 def three_inputs() -> tuple[Row, float]:
     """Measure 343 rules on three inputs against 49 on two."""
     actions = []
-    for rulebase in (workload.three_inputs(), workload.even()):
+    for rulebase in (workload.many_inputs(7, 3), workload.even()):
         points = np.random.default_rng(3).uniform(
             workload.LOW, workload.HIGH, (len(rulebase.inputs), POINTS)
         )
@@ -282,27 +283,31 @@ print(time.process_time() - start)
 
 def profile() -> list[tuple[str, float]]:
     """Return where the time of 1,000,000 random points goes, in ns a point."""
+    spent = {"whole call": [], "kernel": []}  # type: dict[str, list[float]]
+    real, inside = engine.on_block, [0.0]
+
+    def watched(*given: Any, **named: Any) -> Callable[[], None]:
+        call = real(*given, **named)
+
+        def timed() -> None:
+            start = time.process_time()
+            call()
+            inside[0] += time.process_time() - start
+
+        return timed
+
+    engine.on_block = watched
+    engine.MANY, many = 1 << 62, engine.MANY
     fast = compiled(workload.even())
     e, ce = np.random.default_rng(1).uniform(workload.LOW, workload.HIGH, (2, POINTS))
     fast(e=e, ce=ce)
-    spent = {"whole call": [], "kernel": []}  # type: dict[str, list[float]]
-    engine = fast._engine
-    assert engine is not None
-    kernel, inside = engine._sweep, [0.0]
-
-    def timed(block: Any) -> None:
-        start = time.process_time()
-        kernel(block)
-        inside[0] += time.process_time() - start
-
-    engine._sweep = timed
     for _ in range(ROUNDS):
         inside[0] = 0.0
         start = time.process_time()
         fast(e=e, ce=ce)
         spent["whole call"].append((time.process_time() - start) / POINTS)
         spent["kernel"].append(inside[0] / POINTS)
-    engine._sweep = kernel
+    engine.on_block, engine.MANY = real, many
     whole, core = (statistics.median(spent[name]) for name in ("whole call", "kernel"))
     return [
         ("kernel: finding cells, sorting, firing, integrating", 1e9 * core),

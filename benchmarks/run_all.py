@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 PARTS = {
+    "goals": "first runs, single points, infer beside compiled, scaling",
     "inference": "a table against pyfuzzylite; the start of a check",
     "compiled": "compiled inference against C and peers",
     "lookup": "table look-up against C; memory of a large table",

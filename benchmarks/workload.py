@@ -5,11 +5,14 @@ from __future__ import annotations
 import dataclasses
 import itertools
 
+import numpy as np
+
 from fuzzyarm import shipped
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
+    Defuzzifier,
     Input,
     Is,
     Rule,
@@ -17,6 +20,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
     Term,
+    Variable,
 )
 
 LOW, HIGH = -6.0, 6.0
@@ -56,19 +60,46 @@ def uneven() -> RuleBase:
     )
 
 
-def three_inputs() -> RuleBase:
-    """Return 343 rules on three inputs: the index of the conclusion is about the mean."""
+def smooth() -> RuleBase:
+    """Return the same rules over bell curves, with a centroid of 101 samples."""
     base = even()
-    terms = base.inputs[0].terms
-    names = ("e", "ce", "load")
-    rules = []
-    for indexes in itertools.product(range(7), repeat=3):
-        parts = (Is(n, terms[i].name) for n, i in zip(names, indexes, strict=True))
-        then = terms[round(sum(indexes) / 3)].name
-        rules.append(Rule(And(tuple(parts)), (Consequent("u", then),)))
-    inputs = tuple(Input(name, LOW, HIGH, terms) for name in names)
+
+    def terms(old: Variable) -> tuple[Term, ...]:
+        centres = np.linspace(LOW, HIGH, len(old.terms)).tolist()
+        pairs = zip(old.terms, centres, strict=True)
+        return tuple(Term(term.name, Shape("gaussian", (centre, 0.8))) for term, centre in pairs)
+
+    (output,) = base.outputs
+    sampled = Defuzzifier("centroid", 101)
     return dataclasses.replace(
-        base, inputs=inputs, blocks=(RuleBlock(tuple(rules)),), lookup=None, expectations=()
+        base,
+        inputs=tuple(dataclasses.replace(each, terms=terms(each)) for each in base.inputs),
+        outputs=(dataclasses.replace(output, terms=terms(output), defuzzifier=sampled),),
+        expectations=(),
+    )
+
+
+def many_inputs(count: int, inputs: int) -> RuleBase:
+    """Return all rules on some inputs of even triangles: a conclusion has the mean index."""
+    base = even()
+    step = (HIGH - LOW) / (count - 1)
+    peaks = [LOW + step * i for i in range(count)]
+    shapes = [Shape("triangle", (peak - step, peak, peak + step)) for peak in peaks]
+    terms = tuple(Term(f"T{i}", shape) for i, shape in enumerate(shapes))
+    (output,) = base.outputs
+    names = [f"x{i}" for i in range(inputs)]
+    rules = []
+    for indexes in itertools.product(range(count), repeat=inputs):
+        parts = (Is(n, terms[i].name) for n, i in zip(names, indexes, strict=True))
+        then = terms[round(sum(indexes) / inputs)].name
+        rules.append(Rule(And(tuple(parts)), (Consequent(output.name, then),)))
+    return dataclasses.replace(
+        base,
+        inputs=tuple(Input(name, LOW, HIGH, terms) for name in names),
+        outputs=(dataclasses.replace(output, terms=terms),),
+        blocks=(RuleBlock(tuple(rules)),),
+        lookup=None,
+        expectations=(),
     )
 
 

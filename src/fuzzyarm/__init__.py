@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fuzzyarm.api import check_file, check_text, load
+    from fuzzyarm.api import FileWarning, check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "FileWarning",
     "FuzzyarmError",
     "LookupTable",
     "RuleBase",
@@ -60,7 +61,7 @@ __all__ = [
 ]
 
 _HOMES = {
-    "api": ("check_file", "check_text", "load"),
+    "api": ("FileWarning", "check_file", "check_text", "load"),
     "errors": ("FuzzyarmError",),
     "expression.kinds": ("kinds",),
     "expression.op": ("op",),

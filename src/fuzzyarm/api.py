@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
@@ -19,6 +21,20 @@ if TYPE_CHECKING:
 
 RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis")
 TABLE_SUFFIXES = (".lut", ".csv", ".npz", ".json")
+
+
+class FileWarning(UserWarning):
+    """What :func:`load` has to say of a file of another program that it could read.
+
+    Attributes
+    ----------
+    diagnostic : Diagnostic
+        The finding, with its position.
+    """
+
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        super().__init__(str(diagnostic))
+        self.diagnostic = diagnostic
 
 
 class UnknownKindError(FuzzyarmError, ValueError):
@@ -45,6 +61,12 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
         A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``) or a table (``.lut``, ``.csv``,
         ``.npz``, ``.json``).
 
+    Warns
+    -----
+    FileWarning
+        For every warning about a file of another program: what was dropped, or is read in
+        one of several ways. Errors are the same as those of :func:`check_file`.
+
     Raises
     ------
     OSError
@@ -68,6 +90,9 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
         imported = read(path)
         if imported.rulebase is None:
             raise RuleBaseError(imported.diagnostics)
+        for diagnostic in imported.diagnostics:
+            if diagnostic.severity is Severity.WARNING:
+                warnings.warn(FileWarning(diagnostic), stacklevel=2)
         return imported.rulebase
     raise UnknownKindError(name)
 
@@ -171,8 +196,11 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     text = text_to_show(path)
     if imported.rulebase is None:
         return Review(text, tuple(imported.diagnostics))
-    more = failed_expectations(imported.rulebase)
-    findings = check(imported.rulebase, path=name, more=more)
+    # The other program computes the file, so that a contradiction in it is a doubt.
+    findings = [
+        replace(each, severity=Severity.WARNING) if each.is_error else each
+        for each in check(imported.rulebase, path=name)
+    ]
     return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
 
 

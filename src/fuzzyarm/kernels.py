@@ -21,11 +21,12 @@ cannot be written is gone without.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib.util
 import os
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import FunctionType
 from typing import Any, TypeVar, cast
@@ -35,6 +36,8 @@ SWITCH = "FUZZYARM_JIT"
 
 _MARK = "__fuzzyarm_kernel__"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
 _Bindings = Mapping[str, Callable[..., Any]]
 
 
@@ -159,11 +162,17 @@ def routine(
 _NAMES = {"f": "float64", "i": "int64"}
 
 
-def is_kept(function: Callable[..., None], arrays: int | str) -> bool:
-    """Whether machine code of a kernel is on disk, so that loading it takes no compiling."""
+def is_at_hand(function: Callable[..., None], arrays: int | str) -> bool:
+    """Whether machine code of a kernel is in this process or on disk: nothing to compile."""
     types = "f" * arrays if isinstance(arrays, int) else arrays
+    return (function, types, True, False) in _addresses or _is_on_disk(function, types)
+
+
+@functools.cache
+def _is_on_disk(function: Callable[..., None], types: str) -> bool:
     label, digest = _label_and_digest(function, types, {}, inline=False)
-    return any((folder / f"{label}.{digest}.code").is_file() for folder in _folders(function))
+    # Unlike that of a path, this question has an answer where a folder cannot be searched.
+    return any(os.path.isfile(folder / f"{label}.{digest}.code") for folder in _folders(function))
 
 
 def _label_and_digest(
@@ -191,6 +200,51 @@ def _machine_address(
     return _load(code, symbol)
 
 
+# --- Several processors ---
+
+
+def in_threads(
+    job: Callable[[Iterator[_Item]], _Result], items: Iterable[_Item], workers: int
+) -> list[_Result]:
+    """Share items between this thread and others at the same time, which stay for the next call.
+
+    Parameters
+    ----------
+    job : callable
+        Takes items from the iterator that it is given, until nothing is left of it.
+    items : iterable
+        What there is to do; in parts so large that taking one costs nothing beside it.
+    workers : int
+        Threads, this one among them.
+
+    Returns
+    -------
+    list
+        What the jobs returned; one that had not begun when this thread was done is left out.
+    """
+    left = iter(list(items))
+    others = [_threads().submit(job, left) for _ in range(workers - 1)]
+    try:
+        found = [job(left)]
+    except BaseException:
+        list(left)  # so that the others begin nothing more
+        raise
+    finally:
+        elsewhere = [each.result() for each in others if not each.cancel()]
+    return found + elsewhere
+
+
+@functools.cache
+def _threads() -> Any:
+    from concurrent.futures import ThreadPoolExecutor
+
+    return ThreadPoolExecutor(os.cpu_count() or 1, "fuzzyarm")
+
+
+if hasattr(os, "register_at_fork"):  # a forked process has none of them
+    os.register_at_fork(after_in_child=_threads.cache_clear)
+
+
 # --- Machine code on disk ---
 #
 # A file is a line with a checksum and behind it an object file of the platform, in which one
@@ -206,10 +260,11 @@ def _folders(function: Callable[..., Any]) -> list[Path]:
     if chosen:
         return [Path(chosen)]
     own = Path(function.__code__.co_filename).parent / "__pycache__"
-    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     # A function printed from an expression has no file.
     found = own if own.parent.is_dir() and own.parent.is_absolute() else _HERE / "__pycache__"
-    return [found, Path(user) / "fuzzyarm"]
+    user = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache"))
+    # Without a home (a container may run under any number) the "~" stays as it is.
+    return [found, user / "fuzzyarm"] if user.is_absolute() else [found]
 
 
 _HERE = Path(__file__).resolve().parent
@@ -238,11 +293,12 @@ def _keep(code: bytes, folders: Sequence[Path], label: str, digest: str) -> None
         try:
             folder.mkdir(parents=True, exist_ok=True)
             write_atomically(folder / f"{label}.{digest}.code", _head(code) + code)
+        except OSError:  # read-only, or the disk is full
+            continue
+        with contextlib.suppress(OSError):  # another process may tidy up, too
             known = sorted(folder.glob(f"{label}.*.code"), key=lambda each: each.stat().st_mtime)
             for old in known[:-_VERSIONS]:
                 old.unlink()
-        except OSError:  # read-only, the disk is full, or another process was faster
-            continue
         return
 
 
@@ -353,6 +409,40 @@ def _inner_machine(inline: bool = False) -> Any:
     )
 
 
+@contextlib.contextmanager
+def _linked_only(codegen: Any) -> Iterator[None]:
+    """Have numba neither optimise functions nor make native code of them for now.
+
+    They are linked into others, which it is done for anyway: a third of the time of compiling.
+    """
+    library = _library_without_native_code()
+    codegen._library_class = library
+    codegen.set_env = lambda *_: None  # belongs to native code
+    try:
+        yield
+    finally:
+        del codegen._library_class, codegen.set_env
+
+
+@functools.cache
+def _library_without_native_code() -> Any:
+    from numba.core.codegen import JITCodeLibrary
+
+    class Linked(JITCodeLibrary):  # type: ignore[misc]
+        def _finalize_final_module(self) -> None:
+            self._finalize_dynamic_globals()
+            self._verify_declare_only_symbols()
+            self._finalized = True
+
+        def _optimize_final_module(self) -> None:
+            pass  # what it is linked into is optimised as a whole
+
+        def get_pointer_to_function(self, name: str) -> int:
+            return 0
+
+    return Linked
+
+
 def _compile(
     function: Callable[..., None], types: str, bindings: _Bindings, symbol: str, inline: bool
 ) -> tuple[bytes, bool]:
@@ -369,9 +459,10 @@ def _compile(
     inner = machine(_clone(function, bindings, {}, machine, root=True))
     scalars = {"f": numba_types.float64, "i": numba_types.int64}
     signature = tuple(numba_types.Array(scalars[letter], 1, "C") for letter in types)
-    inner.compile(signature)
+    context = inner.targetctx
+    with global_compiler_lock, _linked_only(context.codegen()):
+        inner.compile(signature)
     made = inner.overloads[signature]
-    context = made.target_context
     word, eight = ir.IntType(64), ir.Constant(ir.IntType(64), 8)
     pointers = [context.get_value_type(kind.dtype).as_pointer() for kind in signature]
 

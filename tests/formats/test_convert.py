@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import input_points, rulebases
 
 from fuzzyarm import shipped
 from fuzzyarm.cli.corpus import difference
 from fuzzyarm.cli.main import main
-from fuzzyarm.formats import same_model
+from fuzzyarm.formats import same_model, write
 from fuzzyarm.formats.registry import read
-from fuzzyarm.inference import infer
+from fuzzyarm.formats.tables import in_tables
+from fuzzyarm.inference import InferenceError, infer, prepare
 from fuzzyarm.language import load_rulebase
+from fuzzyarm.model.rulebase import RuleBase
 
 DATA = Path(__file__).parent / "data"
 
@@ -144,3 +152,136 @@ def test_shipped_files_go_out_and_come_back_with_their_numbers(
     point = {v.name: v.low + 0.3 * (v.high - v.low) for v in before.inputs}
     for output, value in infer(before, point).items():
         assert infer(after, point)[output] == pytest.approx(value, rel=1e-4)
+
+
+# ── Nothing lost ─────────────────────────────────────────────────────────────────────
+
+OWN = """# at the top
+rulebase t  # behind the name
+input e 0 .. 1
+output u 0 .. 1
+terms e, u: triangles A B
+
+# between
+rules u
+  # above the header
+  e  A  B
+  # above the row
+  u  A  B  # behind the row
+# at the end
+"""
+
+
+@pytest.mark.parametrize("link", ["", "hard", "symbolic", "dotted"])
+@pytest.mark.parametrize("suffix", [".frb", ".fll"])
+def test_the_file_that_is_read_is_not_written(
+    link: str, suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = tmp_path / f"a{suffix}"
+    source.write_text(OWN if suffix == ".frb" else (DATA / "chain.fll").read_text())
+    before = source.read_bytes()
+    target = tmp_path / f"b{suffix}" if link in ("hard", "symbolic") else source
+    if link == "hard":
+        target.hardlink_to(source)
+    if link == "symbolic":
+        target.symlink_to(source)
+    where = f"{tmp_path}/./a{suffix}" if link == "dotted" else str(target)
+    for mode in ([], ["--lossy"], ["--strict"]):
+        assert main(["convert", str(source), where, *mode]) == 1
+        assert "the same" in capsys.readouterr().err
+        assert source.read_bytes() == before
+
+
+def test_comments_survive_or_are_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, own = tmp_path / "a.frb", tmp_path / "b.frb"
+    source.write_text(OWN)
+    assert main(["convert", str(source), str(own)]) == 0
+    assert "nothing lost" in capsys.readouterr().out
+    assert re.findall("#.*", own.read_text()) == re.findall("#.*", OWN)
+    first, again = load_rulebase(source), load_rulebase(own)
+    assert same_model(first, again)
+    for suffix in (".fll", ".fcl", ".fis"):
+        assert main(["convert", str(source), str(tmp_path / f"c{suffix}"), "--lossy"]) == 0
+        assert "7 comments left out" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("suffix", "program"), [(".fcl", "fuzzylite"), (".fis", "fuzzylite")])
+def test_a_threshold_of_a_millionth_is_a_warning_both_ways(
+    suffix: str, program: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, foreign = tmp_path / "a.frb", tmp_path / f"a{suffix}"
+    source.write_text(OWN + "inference u: defuzzifier centroid(1000, midpoints), no-rule nan\n")
+    assert main(["convert", str(source), str(foreign), "--for", program]) == 0
+    assert "warning[threshold]" in capsys.readouterr().out
+    back = tmp_path / "a.fll"
+    assert main(["convert", str(foreign), str(back), "--from", program, "--strict"]) == 0
+    away = tmp_path / "b.fcl"
+    words = ["convert", str(foreign), str(away), "--from", program, "--for", "jfuzzylogic"]
+    for mode, code in (("--strict", 1), ("--lossy", 0)):
+        assert main([*words, mode]) == code
+        said = capsys.readouterr()
+        assert "[threshold]" in said.out + said.err
+    foreign.unlink()
+    assert main(["convert", str(source), str(foreign), "--for", program, "--strict"]) == 1
+    assert not foreign.exists()
+
+
+def test_tables_of_other_programs_become_grids(tmp_path: Path) -> None:
+    terms = ["low", "middle", "high"]
+    declared = "".join(f"  term: {t} Triangle {i} {i + 1} {i + 2}\n" for i, t in enumerate(terms))
+    text = "Engine: e\n"
+    for kind, name in [("Input", "a"), ("Input", "b"), ("Output", "u"), ("Output", "v")]:
+        text += f"{kind}Variable: {name}\n  range: 0 4\n{declared}"
+        if kind == "Output":
+            text += "  aggregation: Maximum\n  defuzzifier: Centroid\n"
+    text += "RuleBlock: r\n  conjunction: Minimum\n  implication: Minimum\n"
+    for b in terms:  # the first condition changes fastest
+        for a in terms:
+            text += f"  rule: if a is {a} and b is {b} then u is {b} and v is {a}\n"
+    source, target = tmp_path / "a.fll", tmp_path / "a.frb"
+    source.write_text(text)
+    assert main(["convert", str(source), str(target)]) == 0
+    lines = target.read_text().splitlines()
+    assert [line for line in lines if line.startswith("rule")] == [
+        "rulebase e",
+        "rules u",
+        "rules v",
+    ]
+    inference = [line for line in lines if line.startswith("inference")]
+    assert len(inference) == 2
+    assert inference[1].endswith("no-rule nan, outside extend")
+    one, other = read(source).rulebase, read(target).rulebase
+    assert one is not None
+    assert other is not None
+    for a, b in itertools.product((0.3, 1.2, 2.9), (0.7, 1.9, 3.1)):
+        assert infer(one, a=a, b=b) == infer(other, a=a, b=b)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_tables_mean_what_the_rules_meant(data: st.DataObject) -> None:
+    rulebase = data.draw(rulebases())
+    shuffled = tuple(
+        replace(block, rules=tuple(data.draw(st.permutations(block.rules))))
+        for block in rulebase.blocks
+    )
+    for one in (rulebase, replace(rulebase, blocks=shuffled)):
+        other = in_tables(one)
+        assert write(other, ".frb").text is not None
+        points = data.draw(input_points(one, 3))
+        for row in zip(*points.values(), strict=True):
+            at = dict(zip(points, row, strict=True))
+            assert outcome(other, at) == pytest.approx(
+                outcome(one, at), rel=1e-9, abs=1e-12, nan_ok=True
+            )
+
+
+def outcome(rulebase: RuleBase, at: dict[str, float]) -> dict[str, float]:
+    """The outputs at a point; none where the model gives an error."""
+    held = {output.name: 0.25 for output in rulebase.outputs}
+    try:
+        return prepare(rulebase).evaluate(at, held)
+    except InferenceError:
+        return {}

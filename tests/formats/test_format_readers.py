@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read
+from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS
 
 DATA = Path(__file__).parent / "data"
 
@@ -179,9 +180,7 @@ def test_fll_faults_have_a_name_and_a_place(text: str, name: str, line: int) -> 
 def test_every_mistake_of_a_file_in_one_run_with_what_was_meant() -> None:
     text = FLL.replace("Ramp", "Rampp").replace("Maximum\n  def", "Maximun\n  def")
     errors = parse_fll(text.replace("RULE", "if x is a then y is lo")).errors
-    assert [d.name for d in errors] == [
-        "unknown-shape", "unknown-norm", "undefined-term", "undefined-term",
-    ]  # fmt: skip
+    assert [d.name for d in errors] == ["unknown-shape", "unknown-norm", "undefined-term"]
     assert errors[0].replacement == "Ramp"
     assert errors[1].replacement == "Maximum"
     assert errors[-1].replacement == "low"
@@ -449,7 +448,7 @@ def test_latin_1_is_read_and_said(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".fll", ".fcl", ".fis"])
 def test_absurd_length_is_refused(suffix: str) -> None:
-    assert names(parse("x" * 200_001, suffix)) == {"too-long"}
+    assert names(parse("x" * (MAX_CHARACTERS + 1), suffix)) == {"too-long"}
 
 
 @pytest.mark.parametrize("suffix", [".fll", ".fcl", ".fis"])
@@ -458,3 +457,143 @@ def test_line_ends_of_other_systems_do_not_matter(suffix: str) -> None:
     text = path.read_text()
     for end in ("\r\n", "\r"):
         assert parse(text.replace("\n", end), suffix).rulebase == parse(text, suffix).rulebase
+
+
+# ── FCL as people write it ───────────────────────────────────────────────────────────
+
+DIMMER = """FUNCTION_BLOCK simple-dimmer (new, 2) // a name to the end of the line
+VAR_INPUT v : REAL; END_VAR
+VAR_OUTPUT y : REAL; END_VAR
+FUZZIFY v
+ RANGE := (0 .. 1) WITH 0.01;
+ TERM a := (0, 1) (1, 0);
+ TERM b := (0, 0) (1, 1);
+END_FUZZIFY
+DEFUZZIFY y
+ RANGE := (0 .. 8) WITH 0.01;
+ TERM lo := 0; TERM hi := 8;
+ METHOD : COGS;
+ DEFAULT := 0;
+END_DEFUZZIFY
+RULEBLOCK No-1 of two
+ AND : MIN;
+ RULE 1 : IF v IS a THEN (y IS lo);
+ RULE 2 : IF (v IS b) THEN ((y IS hi)) WITH 0.5;
+END_RULEBLOCK
+END_FUNCTION_BLOCK
+"""
+SETS = {"lo := 0;": "lo := (0, 1) (4, 0);", "hi := 8;": "hi := (4, 0) (8, 1);"}
+
+
+def dimmer(changes: dict[str, str], **options: bool) -> Imported:
+    text = DIMMER
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    return parse(text, ".fcl", **options)
+
+
+def test_fcl_names_of_blocks_reach_to_the_end_of_the_line() -> None:
+    rulebase = good(dimmer({}))
+    assert rulebase.name == "simple-dimmer (new, 2)"
+    assert rulebase.blocks[0].name == "No-1 of two"
+    one_line = good(
+        parse(DIMMER.replace("// a name to the end of the line", "").replace("\n", " "), ".fcl")
+    )
+    assert one_line.name == "simple-dimmer (new, 2)"
+
+
+def test_fcl_steps_of_ranges_and_conclusions_in_parentheses() -> None:
+    imported = dimmer({})
+    # at 0.25 lo fires with 0.75 and hi with 0.5 * 0.25
+    assert infer(good(imported), v=0.25)["y"] == pytest.approx(8 * 0.125 / 0.875)
+    assert [d.line for d in imported.diagnostics if d.name == "dropped-step"] == [5, 10]
+
+
+def test_fcl_text_behind_the_end_is_one_warning() -> None:
+    imported = dimmer(
+        {"END_FUNCTION_BLOCK": "END_FUNCTION_BLOCK;\nThat is: FUZZIFY all of it\n(ok)"}
+    )
+    assert good(imported).name == "simple-dimmer (new, 2)"
+    assert [d.line for d in imported.diagnostics if d.name == "trailing-text"] == [21]
+
+
+def test_fcl_integral_of_singletons_is_read_as_their_average() -> None:
+    imported = dimmer({"COGS": "COG"})
+    assert good(imported).outputs[0].defuzzifier == Defuzzifier("weighted-average")
+    assert "value-as-set" in {d.name for d in imported.diagnostics if d.severity == "warning"}
+
+
+@pytest.mark.parametrize("word", ["MM", "MOM"])
+def test_fcl_mean_of_maximum_says_where_it_differs(word: str) -> None:
+    changes = {**SETS, "COGS": word}
+    imported = dimmer(changes)
+    assert good(imported).outputs[0].defuzzifier.method == "mean-of-maximum"
+    assert "mean-of-maximum" in {d.name for d in imported.diagnostics if d.severity == "warning"}
+    strict = dimmer(changes, strict=True)
+    assert {d.name for d in strict.errors} == {"mean-of-maximum"}
+    assert dimmer(changes, strict=True, lossy=True).rulebase is not None
+
+
+def test_a_refused_term_is_one_finding() -> None:
+    for number in ("1.5.5", "x", "(1, y)"):
+        assert len(dimmer({"hi := 8;": f"hi := {number};"}).errors) == 1
+    assert len(fll(term="a Ramp 0.1.2 1").errors) == 1
+
+
+@pytest.mark.parametrize("number", ["1.52.5", ".5.5", "1e1.5", "0.5.", "1.5e"])
+def test_adjacent_numbers_are_not_two(number: str) -> None:
+    data = {
+        ".fll": (DATA / "chain.fll").read_text(),
+        ".fcl": DIMMER,
+        ".fis": (DATA / "tipper_matlab.fis").read_text(),
+    }
+    place = {".fll": " 0.5 ", ".fcl": " 0.5;", ".fis": " -0.5 "}
+    for suffix, old in place.items():
+        assert parse(data[suffix], suffix).rulebase is not None
+        text = data[suffix].replace(old, old.replace("0.5", number), 1)
+        errors = parse(text, suffix).errors
+        assert errors, (suffix, number)
+        assert errors[0].line == data[suffix][: data[suffix].index(old)].count("\n") + 1
+
+
+def test_jfuzzylogic_takes_powers_from_the_left() -> None:
+    # Its grammar: fun_mp : fun_atom ((HAT^ | PERCENT^) fun_atom)*, so (2 ^ 3) ^ 2 = 64, not 2 ^ 9.
+    for text, value in (
+        ("2 ^ 3 ^ 2", 64.0), ("2 ^ (3 ^ 2)", 512.0), ("7 % 4 ^ 2", 9.0), ("2 * 3 ^ 2", 18.0),
+        ("8 / 2 / 2", 2.0), ("8 - 4 - 2", 2.0), ("v ^ 2 ^ 2", 0.0625),
+    ):  # fmt: skip
+        rulebase = good(
+            dimmer({"lo := 0;": f"lo := FUNCTION {text};", "hi := 8;": f"hi := FUNCTION {text};"})
+        )
+        assert infer(rulebase, v=0.5)["y"] == pytest.approx(value), text
+        again = good(parse(str(write(rulebase, ".fcl", producer="jfuzzylogic").text), ".fcl"))
+        assert infer(again, v=0.5)["y"] == pytest.approx(value), text
+
+
+CIRCLE = "RULE 3 : IF y IS hi THEN y IS lo;\nEND_RULEBLOCK"
+
+
+def test_outputs_that_wait_for_themselves_are_refused_even_with_losses() -> None:
+    changes = {**SETS, "COGS": "COG", "END_RULEBLOCK": CIRCLE}
+    for lossy in (False, True):
+        imported = dimmer(changes, lossy=lossy)
+        assert {d.name for d in imported.errors} == {"chained-output"}
+        assert {d.line for d in imported.errors} == {19}
+    later = {**changes, "END_RULEBLOCK": "END_RULEBLOCK\nRULEBLOCK b\n" + CIRCLE}
+    assert {d.name for d in dimmer(later, lossy=True).errors} == {"chained-output"}
+    itself = dimmer({"hi := 8;": "hi := FUNCTION y + 1;"}, lossy=True)
+    assert {d.name for d in itself.errors} == {"chained-output"}
+
+
+def test_formulas_ask_for_variables_that_are_there() -> None:
+    errors = dimmer({"hi := 8;": "hi := FUNCTION v + q;"}).errors
+    assert [(d.name, d.line) for d in errors] == [("undefined-variable", 11)]
+
+
+def test_tsukamoto_needs_the_inverse_of_what_rules_conclude() -> None:
+    text = FLL.replace("defuzzifier: Centroid", "defuzzifier: WeightedAverage Tsukamoto")
+    text = text.replace("low Triangle 0 0.25 0.5", "low Ramp 0 1")
+    assert good(parse_fll(text.replace("RULE", "if x is a then y is low")))
+    errors = parse_fll(text.replace("RULE", "if x is a then y is high")).errors
+    assert [d.name for d in errors] == ["not-monotonic"]

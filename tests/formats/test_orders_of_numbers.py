@@ -102,6 +102,29 @@ JFUZZYLOGIC: dict[str, Function] = {
 """The manual of jFuzzyLogic: SIGM has its gain first, COSINE half its width."""
 
 
+FIS_TERM = """[System]
+Name='x'
+[Input1]
+Name='x'
+Range=[0 10]
+MF1='a':TERM
+[Output1]
+Name='y'
+Range=[0 1]
+MF1='b':'trimf',[0 0.5 1]
+[Rules]
+"""
+FLL_TERM = """InputVariable: x
+range: 0 10
+term: a TERM
+OutputVariable: y
+range: 0 1
+defuzzifier: Centroid
+"""
+FCL_TERM = """FUNCTION_BLOCK b FUZZIFY x TERM a := TERM; END_FUZZIFY
+DEFUZZIFY y RANGE := (0 .. 1); METHOD : COG; END_DEFUZZIFY END_FUNCTION_BLOCK"""
+
+
 def shape(text: str, suffix: str, producer: str | None = None) -> Shape:
     imported = parse(text, suffix, producer=producer)
     assert imported.rulebase is not None, [str(d) for d in imported.errors]
@@ -115,21 +138,21 @@ def agree(found: Shape, expected: Function) -> None:
 
 @pytest.mark.parametrize("term", MATLAB)
 def test_functions_of_matlab(term: str) -> None:
-    text = f"[System]\nName='x'\n[Input1]\nName='x'\nRange=[0 10]\nMF1='a':{term}\n[Rules]\n"
+    text = FIS_TERM.replace("TERM", term)
     for producer in ("matlab", "octave", "fuzzylite"):
         agree(shape(text, ".fis", producer), MATLAB[term])
 
 
 @pytest.mark.parametrize("term", FUZZYLITE)
 def test_terms_of_fuzzylite(term: str) -> None:
-    agree(shape(f"InputVariable: x\nrange: 0 10\nterm: a {term}\n", ".fll"), FUZZYLITE[term])
-    text = f"FUNCTION_BLOCK b FUZZIFY x RANGE := (0 .. 10); TERM a := {term}; END_FUZZIFY"
+    agree(shape(FLL_TERM.replace("TERM", term), ".fll"), FUZZYLITE[term])
+    text = FCL_TERM.replace("TERM a := TERM", f"RANGE := (0 .. 10); TERM a := {term}")
     agree(shape(text, ".fcl", "fuzzylite"), FUZZYLITE[term])
 
 
 @pytest.mark.parametrize("term", JFUZZYLOGIC)
 def test_functions_of_jfuzzylogic(term: str) -> None:
-    text = f"FUNCTION_BLOCK b FUZZIFY x TERM a := {term}; END_FUZZIFY END_FUNCTION_BLOCK"
+    text = FCL_TERM.replace(" a := TERM", f" a := {term}")
     agree(shape(text, ".fcl", "jfuzzylogic"), JFUZZYLOGIC[term])
 
 
@@ -145,7 +168,7 @@ def test_functions_of_jfuzzylogic(term: str) -> None:
     ],
 )
 def test_functions_of_matlab_are_those_of_scikit_fuzzy(term: str, oracle: Function) -> None:
-    text = f"[System]\nName='x'\n[Input1]\nName='x'\nRange=[0 10]\nMF1='a':{term}\n[Rules]\n"
+    text = FIS_TERM.replace("TERM", term)
     agree(shape(text, ".fis"), oracle)
 
 

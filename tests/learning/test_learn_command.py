@@ -111,6 +111,20 @@ def test_every_shows_the_table_grow(capsys):
     assert times[-1] == pytest.approx(0.798, abs=0.01)
 
 
+def test_a_rate_out_of_range_is_told_with_the_range(capsys):
+    status, _, err = run(capsys, "learn", "--rate", "-1")
+    assert status == 1
+    assert "gain learning_rate = -1.0 is out of range" in err
+    assert "a number from 0 to 10" in err
+
+
+@pytest.mark.parametrize("words", [[], ["--json"]])
+def test_a_training_that_diverges_exits_with_3(capsys, words):
+    status, out, _ = run(capsys, "learn", *FAST, "--set", "supply=1e9", *words)
+    assert "diverged" in out
+    assert status == 3
+
+
 @pytest.mark.parametrize(
     "words",
     [
@@ -123,6 +137,10 @@ def test_every_shows_the_table_grow(capsys):
         ["learn", "--start", "missing.lut"],
         ["learn", "--performance", "nobody"],
         ["learn", "--delay", "-1"],
+        ["learn", "--rate", "-1"],
+        ["learn", "--rate", "11"],
+        ["learn", "--rate", "nan"],
+        ["simulate", "soc-zero", "--set", "learning_rate=-1"],
         ["learn", "--set", "nothing=1"],
         ["learn", "--start", "a.lut", "b.lut", "c.lut"],
         ["learn", "--start", str(RULEBASES / "thermostat.frb")],

@@ -114,12 +114,14 @@ def test_compiled_equals_interpreted_to_the_last_bit(name, start):
 
 def test_environment_turns_compilation_off(monkeypatch):
     monkeypatch.setenv("FUZZYARM_JIT", "0")
-    assert not simulate(controller("pd"), reach(segment=0.05)).compiled
+    assert not simulate(controller("pd"), reach(segment=0.05, hold=0.05)).compiled
 
 
 def test_runs_do_not_remember_each_other():
     made = controller("acdid+ie")
-    first, second = (simulate(made, reach(segment=0.1), options=INTERPRETED) for _ in range(2))
+    first, second = (
+        simulate(made, reach(segment=0.1, hold=0.1), options=INTERPRETED) for _ in range(2)
+    )
     np.testing.assert_array_equal(first.errors, second.errors)
 
 
@@ -135,9 +137,12 @@ def test_runge_kutta_agrees_with_the_study_integrator_to_first_order():
 
 def test_single_precision_keeps_the_state_single():
     run = simulate(
-        controller("pd"), reach(segment=0.1), conventions=STUDY_CONVENTIONAL, options=INTERPRETED
+        controller("pd"),
+        reach(segment=0.1, hold=0.1),
+        conventions=STUDY_CONVENTIONAL,
+        options=INTERPRETED,
     )
-    double = simulate(controller("pd"), reach(segment=0.1), options=INTERPRETED)
+    double = simulate(controller("pd"), reach(segment=0.1, hold=0.1), options=INTERPRETED)
     assert (run.torques == run.torques.astype(np.float32)).all()
     assert not (double.torques == double.torques.astype(np.float32)).all()
 
@@ -179,7 +184,7 @@ def test_controller_that_returns_not_a_number_diverges_at_once():
         def torque(self, reference, state, clock):
             return math.nan, 0.0
 
-    run = simulate(Broken(), reach(segment=0.1))
+    run = simulate(Broken(), reach(segment=0.1, hold=0.1))
     assert run.diverged == pytest.approx(0.0006)
     assert run.samples == 0
 
@@ -194,7 +199,7 @@ def test_schedule_that_does_not_fit_is_refused():
     [{"torque_limits": (0.0, 1.0)}, {"torque_limits": (math.nan, 1.0)}, {"runge_kutta": -1}],
 )
 def test_options_out_of_sense_are_refused(options):
-    with pytest.raises(ArmError, match="out of sense"):
+    with pytest.raises(ArmError, match="out of range"):
         Options(**options)
 
 

@@ -1,16 +1,24 @@
 """Interpreted and compiled kernels, laziness, and the cache on disk."""
 
 import errno
+import itertools
 import json
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fuzzyarm import kernels
-from fuzzyarm.kernels import address_of, build, call, jit_wanted, kernel, routine
+from fuzzyarm.kernels import address_of, build, call, in_threads, jit_wanted, kernel, routine
 
 
 @kernel
@@ -49,15 +57,24 @@ def test_environment_switches_compilation(monkeypatch, value, wanted):
     assert jit_wanted() is wanted
 
 
-def in_new_process(code, **environment):
-    done = subprocess.run(
+def new_process(code, **environment):
+    return subprocess.Popen(
         [sys.executable, "-c", code],
         env={**os.environ, **environment},
-        capture_output=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
-        check=True,
     )
-    return json.loads(done.stdout)
+
+
+def told_by(process):
+    printed, errors = process.communicate()
+    assert (process.returncode, errors) == (0, "")
+    return json.loads(printed)
+
+
+def in_new_process(code, **environment):
+    return told_by(new_process(code, **environment))
 
 
 def test_importing_does_not_load_numba_or_scipy_or_matplotlib():
@@ -74,7 +91,7 @@ def test_interpreted_run_does_not_load_numba():
     code = (
         "import sys, json;from fuzzyarm.plant import reach;"
         "from fuzzyarm.controller import *;from fuzzyarm.loop import *;"
-        "run = simulate(controller('pd'), reach(segment=0.1));"
+        "run = simulate(controller('pd'), reach(segment=0.1, hold=0.1));"
         "print(json.dumps([run.compiled, 'numba' in sys.modules]))"
     )
     assert in_new_process(code, FUZZYARM_JIT="0") == [False, False]
@@ -93,7 +110,7 @@ RUN_AND_TELL = (
     "import sys, json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
     "from fuzzyarm.loop import simulate; from fuzzyarm import kernels; told = [];"
     "kernels.watch_compiling(told.append);"
-    "run = simulate(controller('cdid'), reach(segment=0.1));"
+    "run = simulate(controller('cdid'), reach(segment=0.1, hold=0.1));"
     "print(json.dumps([list(run.rms), 'numba' in sys.modules, told]))"
 )
 
@@ -113,7 +130,7 @@ RUN_IN_ORDER = (
     "import sys, json; from dataclasses import replace; from fuzzyarm.plant import reach;"
     "from fuzzyarm.controller import controller; from fuzzyarm.loop import simulate;"
     "from fuzzyarm.plant.setting import STUDY_CONVENTIONAL as study;"
-    "runs = [simulate(controller('cdid+ie'), reach(segment=0.5),"
+    "runs = [simulate(controller('cdid+ie'), reach(segment=0.5, hold=0.5),"
     " conventions=replace(study, precision=each)) for each in {order}];"
     "print(json.dumps([[list(run.rms) for run in runs], 'numba' in sys.modules]))"
 )
@@ -139,7 +156,7 @@ def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
     code = (
         "import json; from fuzzyarm.plant import *; from fuzzyarm.controller import *;"
         "from fuzzyarm.loop import simulate;"
-        "runs = [simulate(controller('cdid'), reach(segment=0.1), conventions=each)"
+        "runs = [simulate(controller('cdid'), reach(segment=0.1, hold=0.1), conventions=each)"
         " for each in (PLAIN, STUDY_CONVENTIONAL, PLAIN)];"
         "print(json.dumps([list(run.rms) for run in runs]))"
     )
@@ -148,6 +165,127 @@ def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
     assert wanted[0] != wanted[1]
     assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
     assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
+
+
+ALL_WAYS = """
+import json, sys
+import numpy as np
+from fuzzyarm import compiled, kernels
+from fuzzyarm.controller import controller
+from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import reach
+from fuzzyarm.table import lookup
+lookup.ONCE_LOADED = lookup.WORTH_LOADING = 0
+told = []
+kernels.watch_compiling(told.append)
+x = np.linspace(-6.0, 6.0, 7)
+run = simulate(controller("pd"), reach(segment=0.1, hold=0.1))
+control = compiled(shipped_rulebase("pd7.frb"))(e=x, ce=x[::-1])
+table = shipped_table("thesis-6.1.lut").lookup(x, x[::-1])
+print(json.dumps([list(run.rms), control["u"].tolist(), table.tolist(), len(told)]))
+"""
+"""Runs a loop, a rule base and a table as machine code; tells how much was compiled."""
+
+
+def truncated(files):
+    for path in files:
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def overwritten(files):
+    for path in files:
+        path.write_bytes(b"\x80\x04nonsense" + bytes(path.stat().st_size))
+
+
+def one_bit_flipped(files):
+    """In files that have a checksum, and in the index of those of numba."""
+    for path in files:
+        if path.suffix in {".code", ".nbi"}:
+            content = bytearray(path.read_bytes())
+            content[len(content) // 3] ^= 4
+            path.write_bytes(content)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", [truncated, overwritten, one_bit_flipped])
+def test_a_damaged_cache_heals(tmp_path, kept_code, damage):
+    folder, wanted = kept_code
+    cache = shutil.copytree(folder, tmp_path / "cache")
+    environment = {"NUMBA_CACHE_DIR": str(cache), "FUZZYARM_JIT": "1"}
+    damage([path for path in cache.rglob("*") if path.is_file()])
+    *found, compiled = in_new_process(ALL_WAYS, **environment)
+    assert found == wanted
+    assert compiled > 0
+    assert in_new_process(ALL_WAYS, **environment) == [*wanted, 0]
+
+
+@pytest.fixture(scope="module")
+def kept_code(tmp_path_factory):
+    """Return a cache that two processes filled at the same time, and what they told."""
+    folder = tmp_path_factory.mktemp("cache")
+    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": "1"}
+    processes = [new_process(ALL_WAYS, **environment) for _ in range(2)]
+    wanted, again = ([*told_by(each)][:-1] for each in processes)
+    assert wanted == again
+    return folder, wanted
+
+
+@pytest.mark.slow
+def test_two_processes_at_once_fill_one_cache(kept_code):
+    folder, wanted = kept_code
+    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": "1"}
+    assert in_new_process(ALL_WAYS, **environment) == [*wanted, 0]
+    assert not list(folder.rglob("*.part"))
+    interpreted = in_new_process(ALL_WAYS, **environment | {"FUZZYARM_JIT": "0"})
+    assert interpreted == [*wanted, 0]
+
+
+@pytest.mark.slow
+def test_a_full_disk_under_the_cache(tmp_path, kept_code):
+    pytest.importorskip("resource")
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (99, 99))\n"
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
+    for _ in range(2):
+        *found, compiled = in_new_process(limit + ALL_WAYS, **environment)
+        assert found == kept_code[1]
+        assert compiled > 0
+    assert not [path for path in tmp_path.rglob("*") if path.is_file() and path.stat().st_size]
+
+
+@pytest.mark.slow
+def test_a_cache_that_cannot_be_written(tmp_path, kept_code):
+    # Permissions do not stop the superuser; a file in the place of a folder does.
+    (tmp_path / "file").write_bytes(b"")
+    folder = str(tmp_path / "file" / "cache")
+    *found, _ = in_new_process(ALL_WAYS, NUMBA_CACHE_DIR=folder, FUZZYARM_JIT="1")
+    assert found == kept_code[1]
+
+
+@given(st.binary(max_size=300), st.data())
+def test_code_is_read_as_it_was_written_or_not_at_all(code, data):
+    whole = kernels._head(code) + code
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "a.code"
+        assert kernels._read_code(path) is None
+        path.write_bytes(whole)
+        assert kernels._read_code(path) == code
+        begin = data.draw(st.integers(0, len(whole)))
+        end = data.draw(st.integers(begin, len(whole)))
+        damaged = whole[:begin] + data.draw(st.binary(max_size=20)) + whole[end:]
+        path.write_bytes(damaged)
+        assert kernels._read_code(path) == (code if damaged == whole else None)
+        path.unlink()
+        path.mkdir()
+        assert kernels._read_code(path) is None
+
+
+def test_without_a_home_only_the_folder_of_the_package_is_used(monkeypatch):
+    for name in ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(os.path, "expanduser", lambda path: path)
+    (only,) = kernels._folders(doubled)
+    assert only == Path(__file__).parent / "__pycache__"
 
 
 @pytest.mark.slow
@@ -255,3 +393,57 @@ def test_without_any_writable_folder_it_compiles_anew(monkeypatch):
 
     monkeypatch.setattr(CompileResultCacheImpl, "_locator_classes", [])
     assert build(added, compiled=True)(0.1, 0.2) == added(0.1, 0.2)
+
+
+def test_threads_share_what_there_is_to_do():
+    parts = in_threads(list, range(1000), 4)
+    assert len(parts) <= 4
+    assert sorted(itertools.chain(*parts)) == list(range(1000))
+    assert in_threads(lambda _: threading.get_ident(), [], 1) == [threading.get_ident()]
+
+
+def test_threads_work_at_the_same_time():
+    together = threading.Barrier(2, timeout=60)
+    assert sorted(in_threads(lambda _: together.wait(), [], 2)) == [0, 1]
+
+
+def test_what_a_thread_raises_comes_back():
+    together = threading.Barrier(2, timeout=60)
+
+    def fail_elsewhere(_):
+        together.wait()
+        if threading.current_thread() is not threading.main_thread():
+            raise ValueError("elsewhere")
+
+    with pytest.raises(ValueError, match="elsewhere"):
+        in_threads(fail_elsewhere, [], 2)
+
+
+def test_after_an_exception_nothing_more_is_begun():
+    together = threading.Barrier(2, timeout=60)
+    taken = []
+
+    def fail_here(numbers):
+        together.wait()
+        if threading.current_thread() is threading.main_thread():
+            raise KeyboardInterrupt
+        for number in numbers:
+            taken.append(number)
+            time.sleep(0.01)
+
+    with pytest.raises(KeyboardInterrupt):
+        in_threads(fail_here, range(1_000_000), 2)
+    assert len(taken) < 1_000_000
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_a_forked_process_has_threads_of_its_own():
+    code = (
+        "import json, os, threading, warnings; from fuzzyarm.kernels import in_threads;"
+        "warnings.simplefilter('ignore');"
+        "work = lambda: in_threads(lambda _, b=threading.Barrier(2, timeout=60): b.wait(), [], 2);"
+        "work(); child = os.fork(); found = sorted(work());"
+        "child or os._exit(7 if found == [0, 1] else 1);"
+        "print(json.dumps([found, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])]))"
+    )
+    assert in_new_process(code) == [[0, 1], 7]

@@ -107,11 +107,12 @@ def test_list_names_every_controller(capsys):
 def test_diverged_run_is_reported_with_finite_figures(capsys):
     status, out, _ = run(capsys, "simulate", "pid", "--set", "K_I=1000", "--json")
     result = json.loads(out)
-    assert status == 0
+    assert status == 3
     assert 0.0 < result["diverged"] < 1.0
     assert all(math.isfinite(value) for value in result["rms"])
     assert "NaN" not in out
-    _, out, _ = run(capsys, "simulate", "pid", "--set", "K_I=1000")
+    status, out, _ = run(capsys, "simulate", "pid", "--set", "K_I=1000")
+    assert status == 3
     assert "diverged: stopped at" in out
     assert "nan" not in out
 
@@ -228,10 +229,29 @@ def test_identify_prints_fitted_beside_shipped(capsys, monkeypatch):
     assert json.loads(out)[0]["labels"] == ["K_I"]
 
 
+def duration(capsys, *words):
+    """Return how long a run is, s: a sample every 3 ms."""
+    status, out, _ = run(capsys, "simulate", "pd", *words, "--json")
+    assert status == 0
+    return 0.003 * json.loads(out)["samples"]
+
+
+@pytest.mark.parametrize(("name", "moves"), [("reach", 1), ("reach-return", 2)])
+def test_the_hold_is_5_s_unless_it_is_given(capsys, name, moves):
+    words = ["--trajectory", name]
+    assert duration(capsys, *words) == pytest.approx(5.0 * moves + 5.0, abs=0.02)
+    assert duration(capsys, *words, "--segment", "0.5") == pytest.approx(
+        0.5 * moves + 5.0, abs=0.02
+    )
+    assert duration(capsys, *words, "--hold", "0.3") == pytest.approx(5.0 * moves + 0.3, abs=0.02)
+    both = ["--segment", "0.5", "--hold", "0.3"]
+    assert duration(capsys, *words, *both) == pytest.approx(0.5 * moves + 0.3, abs=0.02)
+
+
 def test_a_run_that_diverges_before_its_first_sample_prints_no_figures(capsys):
     words = ["simulate", "pd", "--set", "K_P=1e9", *FAST]
     status, out, _ = run(capsys, *words)
-    assert status == 0
+    assert status == 3
     assert "0 samples" in out
     assert "before the first sample" in out
     assert "nan" not in out

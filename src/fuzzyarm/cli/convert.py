@@ -3,10 +3,11 @@
     fuzzyarm convert tipper.fis tipper.frb
     fuzzyarm convert robot.fcl robot.fll --from jfuzzylogic
 
-Everything that does not come across is said, with its position in the file. Where the other
-program samples a defuzzifier differently, or treats values outside a range differently, the
-file is written with a warning (not so with --strict); what would change numbers beyond that is
-an error, and nothing is written, unless --lossy.
+Everything that does not come across is said, with its position in the file. Where numbers
+change a little (another sampling of the defuzzifier, another manner outside a range, fuzzylite's
+threshold of 1e-6), the file is written with a warning, and refused with --strict; what would
+change numbers beyond that is an error, and nothing is written, unless --lossy. From .frb to .frb
+the text is formatted and its comments stay; other files have no place for them.
 
     fuzzyarm convert learned.lut learned.frb
 
@@ -16,6 +17,7 @@ A table becomes the rules whose terms come nearest; what they cannot express is 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +26,7 @@ from fuzzyarm.api import TABLE_SUFFIXES
 from fuzzyarm.cli.command import (
     argument,
     command,
+    counted,
     finding_data,
     flag,
     json_of,
@@ -32,13 +35,12 @@ from fuzzyarm.cli.command import (
     print_json,
 )
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
-from fuzzyarm.language.reading import text_to_show
+from fuzzyarm.formats.tables import in_tables
+from fuzzyarm.language.reading import format_text, read_text, text_to_show
+from fuzzyarm.language.tokens import tokenize
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Severity
 from fuzzyarm.text.files import write_atomically
-
-_SLIGHT = frozenset({"sampling", "outside-range"})
-"""Losses that change numbers a little, or only outside the range of a variable."""
 
 _FIELDS = ("name", "severity", "message", "hint", "line", "column")
 """What --json tells of a finding."""
@@ -48,6 +50,9 @@ _PROGRAMS = sorted({program for programs in PRODUCERS.values() for program in pr
 
 def _run(arguments: argparse.Namespace) -> int:
     target = suffix_of(arguments.target)
+    if _same_file(arguments.source, arguments.target):
+        print_error(f"{arguments.target}: the file to read and the file to write are the same")
+        return 1
     if Path(arguments.source).suffix.lower() in TABLE_SUFFIXES:
         return _convert_table(arguments, target)
     imported = read(
@@ -55,14 +60,12 @@ def _run(arguments: argparse.Namespace) -> int:
         producer=arguments.producer,
         block=arguments.block,
         lossy=arguments.lossy,
+        strict=arguments.strict,
     )
     found = list(imported.diagnostics)
     text = None
     if imported.rulebase is not None:
-        named = _named(imported.rulebase, arguments.source)
-        exported = write(named, target, producer=arguments.consumer, lossy=arguments.lossy)
-        if exported.text is None and not arguments.strict and _differs_slightly(exported):
-            exported = write(named, target, producer=arguments.consumer, lossy=True)
+        exported = _exported(arguments, imported.rulebase, target)
         text = exported.text
         # A rule knows where it stood in the file that was read.
         found += [replace(d, path=arguments.source) for d in exported.diagnostics]
@@ -70,6 +73,32 @@ def _run(arguments: argparse.Namespace) -> int:
         write_atomically(arguments.target, text)
     _report(arguments, imported, found, written=text is not None)
     return 0 if text is not None else 1
+
+
+def _same_file(source: str, target: str) -> bool:
+    return os.path.exists(source) and os.path.exists(target) and os.path.samefile(source, target)
+
+
+def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:
+    """Write a rule base; a text of the language keeps its comments, or they are counted."""
+    is_own = suffix_of(arguments.source) == ".frb"
+    source = read_text(arguments.source) if is_own else ""
+    if is_own and target == ".frb":
+        return Exported(format_text(source, arguments.source))
+    named = _named(rulebase, arguments.source)
+    exported = write(
+        in_tables(named) if target == ".frb" else named,
+        target,
+        producer=arguments.consumer,
+        lossy=arguments.lossy,
+        strict=arguments.strict,
+    )
+    comments = sum(bool(line.comment) for line in tokenize(source, []))
+    if not comments:
+        return exported
+    message = f"{counted(comments, 'comment')} left out"
+    lost = Diagnostic("dropped-comments", message, severity=Severity.INFO)
+    return replace(exported, diagnostics=(lost, *exported.diagnostics))
 
 
 def _convert_table(arguments: argparse.Namespace, target: str) -> int:
@@ -80,7 +109,13 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
     table = read_table(arguments.source)
     name = Path(arguments.target).stem
     found = rules_of_table(table, name, terms=arguments.terms or TERMS)
-    exported = write(found.rulebase, target, producer=arguments.consumer, lossy=arguments.lossy)
+    exported = write(
+        found.rulebase,
+        target,
+        producer=arguments.consumer,
+        lossy=arguments.lossy,
+        strict=arguments.strict,
+    )
     # A table has no order of conditions or descriptions to lose: only what changes numbers counts.
     diagnostics = [
         replace(d, path=arguments.source)
@@ -104,10 +139,6 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
             f"{found.rms:.3g} rms over {table.values.size} cells"
         )
     return int(not written)
-
-
-def _differs_slightly(exported: Exported) -> bool:
-    return all(d.name in _SLIGHT for d in exported.diagnostics if d.is_error)
 
 
 def _named(rulebase: RuleBase, path: str) -> RuleBase:

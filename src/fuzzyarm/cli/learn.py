@@ -7,7 +7,8 @@ that changed since the start in brackets, and how often each cell was used.
 
 -o FILE writes one table with an input 'joint' over those of both joints; with --joint N
 that of one joint alone. fuzzy-lut-x10, whose error gain is that of SOC, runs either. A table
-that is to be frozen is learned at a small rate: at rate 1 it keeps jumping to the end.
+that is to be frozen is learned at a small rate: at rate 1 it keeps jumping to the end. Exit
+status 3 if the last pass diverged.
 
 Examples
 --------
@@ -41,6 +42,7 @@ from fuzzyarm.cli.command import (
 )
 from fuzzyarm.cli.simulate import (
     CONVENTIONS,
+    DIVERGED,
     TRAJECTORY,
     experiment_of,
     overrides,
@@ -75,9 +77,10 @@ def _run(arguments: argparse.Namespace) -> int:
     start, last = training.start, finished[-1]
     if arguments.out:
         training.write(last.learned)
+    status = 0 if last.diverged is None else DIVERGED
     if not arguments.json:
         training.print(finished)
-        return 0
+        return status
     report = {
         "passes": [training.data(snapshot) for snapshot in finished],
         "levels": {
@@ -89,7 +92,7 @@ def _run(arguments: argparse.Namespace) -> int:
         "file": arguments.out,
     }
     print_json({**report, "snapshots": shown} if arguments.every else report, 1)
-    return 0
+    return status
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -325,7 +328,7 @@ COMMANDS = (
         *group(
             "training",
             argument("--passes N", "repeat the trajectory", type=int, default=1),
-            argument("--rate R", "learning rate", type=float, default=1.0),
+            argument("--rate R", "learning rate, 0 to 10", type=float, default=1.0),
             argument(
                 "--delay N", "control steps from a cell's use to its judgement", type=int, default=1
             ),

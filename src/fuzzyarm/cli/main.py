@@ -8,6 +8,7 @@ import gc
 import importlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 
 from fuzzyarm.cli.command import Command, print_error, print_findings, print_os_error
@@ -55,7 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 = fine, 1 = the input is at fault, 2 = wrong usage, 130 = interrupted.
+        0 = fine, 1 = the input is at fault, 2 = wrong usage, 3 = a run diverged,
+        130 = interrupted.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     # A command makes many small objects and ends soon: looking for cycles among them takes
@@ -64,6 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:  # the process ends with the command: no last search for cycles either
         atexit.register(gc.freeze)
     _prepare_output()
+    warnings.formatwarning = _warning_text
     if sys.stderr.isatty():
         from fuzzyarm.kernels import watch_compiling
 
@@ -99,6 +102,19 @@ def _prepare_output() -> None:
     reconfigure = getattr(sys.stdout, "reconfigure", None)
     if reconfigure is not None and sys.stdout.errors == "strict":
         reconfigure(errors="replace")
+
+
+def _warning_text(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    line: str | None = None,
+) -> str:
+    """Return a warning about a file as the finding that it is."""
+    if hasattr(message, "diagnostic"):
+        return f"{message}\n"
+    return f"{filename}:{lineno}: {category.__name__}: {message}\n"
 
 
 def _run(words: list[str]) -> int:

@@ -3,7 +3,7 @@
 CONTROLLER is a name (--list shows all), several names with plus signs between, or a
 Python file of yours (FILE.py or FILE.py:CLASS) with a class derived from
 fuzzyarm.controller.Controller. Errors are degrees: root mean square, largest magnitude
-with its sign, and final.
+with its sign, and final. Exit status 3 if the run diverged.
 
 Examples
 --------
@@ -55,8 +55,8 @@ TRAJECTORY = (
             default="reach-return",
         ),
         argument("--angles A1 A2", "where to turn to, degrees", type=float, either="where"),
-        argument("--segment SECONDS", "duration of each segment", type=float),
-        argument("--hold SECONDS", "duration of the hold", type=float),
+        argument("--segment SECONDS", "duration of each segment but the hold", type=float),
+        argument("--hold SECONDS", "duration of the hold, 5 by default", type=float),
         argument(
             "--way-points A1,A2", "move through these, degrees, instead", nargs="+", either="where"
         ),
@@ -146,6 +146,9 @@ def read_performance(word: str) -> LookupTable:
 
 # --- The run ---
 
+DIVERGED = 3
+"""Exit status where the arm was lost: the figures are those until then."""
+
 
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.list:
@@ -176,7 +179,7 @@ def _run(arguments: argparse.Namespace) -> int:
         print_json(_as_json(result))
     else:
         print(_as_text(result))
-    return 0
+    return 0 if result.diverged is None else DIVERGED
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:

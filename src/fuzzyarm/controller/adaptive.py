@@ -41,6 +41,8 @@ def adaptive_critically_damped_torque(
 
     Constants: Λ (2), K_D (2), Γ (7), velocity in W22; memory: P̂ (7), motor inertias (2).
     """
+    # (5.4.3): CDID with the estimate in place of the model. θ̇ − θ̇r, in rad/s, is what it damps
+    # and what it learns from.
     reference, state, pose, clock = now
     motion = sliding_reference(reference, state, numbers, clock.single)
     v_1, v_2 = state.velocity
@@ -51,11 +53,14 @@ def adaptive_critically_damped_torque(
     model = model_torque(motion, state.velocity, pose, memory, 0)
     torque = (model[0] - numbers[2] * e_1, model[1] - numbers[3] * e_2)
 
+    # (5.4.7), after the torque: what is learned now counts from the next step on. For each
+    # parameter its column of W times θ̇ − θ̇r; that of P2 is long enough for names.
     w_12 = (
         pose.cos_2 * (a_1 + 0.5 * a_2)
         - 0.5 * pose.sin_2 * v_2 * (r_1 + r_2)
         - 0.5 * pose.sin_2 * v_1 * r_2
     )
+    # The published figures have the reference velocity in W22 where the theory has acceleration.
     moved = r_1 if numbers[11] != 0.0 else a_1
     w_22 = 0.5 * (pose.cos_2 * moved + pose.sin_2 * v_1 * r_1)
     adapt(memory, 0, numbers[4] * a_1 * e_1, clock)
@@ -71,6 +76,7 @@ def adaptive_critically_damped_torque(
 @kernel
 def adapt(memory: list[float], cell: int, rate: float, clock: Clock) -> None:
     """Subtract ``rate · dt`` from a remembered number."""
+    # The rate is a stored value, as the parameter is: in single precision both are rounded.
     memory[cell] = stored(memory[cell] - clock.step * stored(rate, clock.single), clock.single)
 
 
@@ -100,6 +106,7 @@ def decentralised_torque(
 
     Constants: p₂ (2), p₃ (2), C (2), k (2); memory: four integrals for each joint.
     """
+    # No term of one joint in the torque of the other: coupling counts as a disturbance.
     return (
         joint_torque(0, now, numbers, memory),
         joint_torque(1, now, numbers, memory),
@@ -109,6 +116,8 @@ def decentralised_torque(
 @kernel
 def joint_torque(joint: int, now: Moment, numbers: list[float], memory: list[float]) -> float:
     """Return the torque of one joint; its constants are two apart."""
+    # (5.6.10): each of the four gains is C ∫ r s dt + k |r| r s, with s = 1, e, ė and θ̈d, and r
+    # a weighted error. The direct part is the same for all four and is computed once.
     reference, state, _, clock = now
     cell = 4 * joint
     error = reference.position[joint] - state.position[joint]
@@ -127,6 +136,7 @@ def joint_torque(joint: int, now: Moment, numbers: list[float], memory: list[flo
 @kernel
 def accumulated(memory: list[float], cell: int, rate: float, clock: Clock) -> float:
     """Add ``rate · dt`` to a remembered integral and return it."""
+    # The new value is what the torque of this step uses.
     memory[cell] = stored(memory[cell] + rate * clock.step, clock.single)
     return memory[cell]
 
@@ -193,9 +203,11 @@ def model_reference_torque(
     e_2 = reference.position[1] - q_2
     d_1 = reference.velocity[0] - v_1
     d_2 = reference.velocity[1] - v_2
+    # v drives the reference model and, by Δv, the arm.
     into = numbers[13]
     in_1 = into * a_1 + numbers[2] * reference.velocity[0] + numbers[0] * reference.position[0]
     in_2 = into * a_2 + numbers[3] * reference.velocity[1] + numbers[1] * reference.position[1]
+    # (5.5.12) fixed feedback towards the reference model, then (5.5.13) the learned part.
     u_1 = in_1 - numbers[0] * q_1 - numbers[2] * v_1
     u_2 = in_2 - numbers[1] * q_2 - numbers[3] * v_2
     u_1 += row_times(memory, 8, in_1, in_2)
@@ -203,6 +215,9 @@ def model_reference_torque(
     u_2 += row_times(memory, 10, in_1, in_2)
     u_2 -= row_times(memory, 2, q_1, q_2) + row_times(memory, 6, v_1, v_2)
 
+    # The torque behind u, and what the estimate adds. As the figures have it: u times a unit
+    # mass, gravity where the arm is, friction and inertia of the desired motion. As the text:
+    # the estimate's inertia times u, friction of the actual motion.
     model = 14
     mass = numbers[10]
     weight = numbers[11]
@@ -228,6 +243,7 @@ def model_reference_torque(
         + (numbers[model + 2] + numbers[model + 8]) * moved[1]
     )
 
+    # (5.5.14) and (5.5.15): the gains move along the outer product of w with what they multiply.
     w_1 = numbers[4] * e_1 + numbers[6] * d_1
     w_2 = numbers[5] * e_2 + numbers[7] * d_2
     slow = numbers[8] * clock.step
@@ -241,6 +257,7 @@ def model_reference_torque(
 @kernel
 def row_times(memory: list[float], cell: int, first: float, second: float) -> float:
     """Multiply one row of a 2 × 2 matrix with a vector."""
+    # `cell` is where the row begins: a matrix lies by rows.
     return memory[cell] * first + memory[cell + 1] * second
 
 
@@ -255,6 +272,7 @@ def add_outer_product(
     single: bool,
 ) -> None:
     """Add the outer product of two vectors to a 2 × 2 matrix."""
+    # Full matrices, as in the study: a joint learns from the other's motion, too.
     memory[cell] = stored(memory[cell] + left_1 * right_1, single)
     memory[cell + 1] = stored(memory[cell + 1] + left_1 * right_2, single)
     memory[cell + 2] = stored(memory[cell + 2] + left_2 * right_1, single)

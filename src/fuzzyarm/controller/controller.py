@@ -64,7 +64,7 @@ class Controller:
         Raises
         ------
         GainError
-            If a name is unknown or a value out of sense.
+            If a name is unknown or a value out of range.
         """
         for name in values:
             raise unknown_gain(self, name)

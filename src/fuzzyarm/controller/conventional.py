@@ -22,6 +22,7 @@ PD_DERIVATIVE = Gain("K_D", (50.0, 50.0), "N m s/rad", "velocity error")
 @kernel
 def pd_torque(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
     """Return ``K_P e + K_D ė``; constants: K_P (2), K_D (2)."""
+    # In double precision throughout: a torque is rounded where the loop stores it.
     reference, state, _, _ = now
     return (
         numbers[2] * (reference.velocity[0] - state.velocity[0])
@@ -52,6 +53,8 @@ def computed_torque(
     Constants: K_P (2), K_D (2), model (9). The friction term, with the actual
     velocity, is not in the printed law; the published figures need it.
     """
+    # The feedback asks for an acceleration, in rad/s², and the model turns it into a torque:
+    # with a model that is exact the error obeys ë + K_D ė + K_P e = 0 in any pose.
     reference, state, pose, _ = now
     first = (
         reference.acceleration[0]
@@ -87,6 +90,8 @@ def sliding_reference(
     reference: Reference, state: State, numbers: list[float], single: bool
 ) -> Reference:
     """Return the motion ``θ̇r = θ̇d + Λ e, θ̈r = θ̈d + Λ ė``; constants: Λ (2)."""
+    # (4.2.3.1) and (4.2.3.2). An arm that moves with θ̇r has an error that decays at the rate Λ,
+    # so a law that keeps θ̇ at θ̇r needs no term of the position.
     return Reference(
         reference.position,
         (
@@ -119,6 +124,7 @@ def critically_damped_torque(
     now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``W(θ, θ̇, θ̇r, θ̈r) P + K_D (θ̇r − θ̇)``; constants: Λ (2), K_D (2), model (9)."""
+    # (4.2.3.6). Against FFID the damping acts on Λ e too: as a proportional gain of K_D Λ.
     reference, state, pose, clock = now
     motion = sliding_reference(reference, state, numbers, clock.single)
     model = model_torque(motion, state.velocity, pose, numbers, 4)
@@ -148,6 +154,8 @@ def feed_forward_inverse_torque(
 
     Constants: K_P (2), K_D (2), model (9).
     """
+    # Feedback in N m stands beside the model, not in front of it as in computed torque: a wrong
+    # mass spoils the model's part only.
     reference, state, pose, _ = now
     model = model_torque(reference, state.velocity, pose, numbers, 4)
     feedback = pd_torque(now, numbers, memory, links)
@@ -178,6 +186,8 @@ def pure_feed_forward_torque(
 
     Constants: K_P (2), K_D (2), σ (2), model (9).
     """
+    # The model knows the trajectory alone, so its pose is that of the set point: all of it could
+    # be computed before the run. The cubic term holds an arm that is far off.
     reference, state, _, _ = now
     model = model_torque(reference, reference.velocity, pose_of(reference.position), numbers, 6)
     feedback = pd_torque(now, numbers, memory, links)
@@ -210,6 +220,8 @@ def integral_torque(
     now: Moment, numbers: list[float], memory: list[float], links: list[int]
 ) -> Pair:
     """Return ``K_I Σe``; constants: K_I (2), whole run; memory: the two sums."""
+    # Raw errors, without dt. In the last iteration of a set point the whole sum still counts;
+    # cleared is what the next one begins with.
     reference, state, _, clock = now
     first = stored(memory[0] + (reference.position[0] - state.position[0]), clock.single)
     second = stored(memory[1] + (reference.position[1] - state.position[1]), clock.single)

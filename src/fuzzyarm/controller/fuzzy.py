@@ -71,6 +71,7 @@ def fuzzy_rules_torque(
     each.
     """
     _, state, _, clock = now
+    # Sections 6.4 to 6.6; both joints have the same rules, which may ask for the joint.
     first = second = 0.0
     for joint in range(2):  # called in one line: it is compiled once for both joints
         concluded = concluded_control(joint, now, numbers, memory, links)
@@ -88,9 +89,12 @@ def concluded_control(
     zoom = magnification(
         max(abs(e), abs(ce)), numbers[WIRED + 1], numbers[WIRED + 2], numbers[WIRED + 3]
     )
+    # u = G_u · pd(e, ė) · α(e, ė): the rule bases multiply in the order of the links. Only their
+    # inputs are magnified; neither α nor the gain is made smaller for it (the study's CFAF).
     control = numbers[WIRED]
     base = 2
     for _ in range(links[1]):
+        # A block is a rule base with room for one point: inputs in, evaluate, result out.
         block = memory[links[base + BEGIN] : links[base + END]]
         for i in range(links[base + INPUTS]):
             signal = links[base + BASE_HEAD + i]
@@ -239,6 +243,8 @@ def fuzzy_table_torque(
 
     Constants: wires, grid, values of joint 1, values of joint 2.
     """
+    # One grid serves both joints: thresholds and levels once, then the values of joint 1 and,
+    # `cells` behind, those of joint 2; numbers[grid + 2] says whether it interpolates.
     reference, state, _, clock = now
     grid = WIRED
     values = grid + grid_length(numbers, grid)

@@ -30,7 +30,7 @@ Origin = Literal["printed", "identified", "own", "given"]
 
 
 class GainError(FuzzyarmError, ValueError):
-    """A gain is unknown or its value is out of sense; `name` and `value` say which."""
+    """A gain is unknown or its value is out of range; `name` and `value` say which."""
 
     def __init__(self, message: str, *, name: str, value: object = None, hint: str = "") -> None:
         super().__init__(message, hint=hint)
@@ -56,7 +56,9 @@ class Gain:
         Printed in the study, identified from its figures, chosen here, or given by
         the user.
     positive : bool, optional
-        Whether zero and below are out of sense.
+        Whether zero and below are out of range.
+    bounds : pair of float, optional
+        Smallest and largest value; by default anything below 1e12 in magnitude.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Gain:
     meaning: str
     origin: Origin = "printed"
     positive: bool = False
+    bounds: tuple[float, float] | None = None
 
     def with_value(self, value: Sequence[float], origin: Origin = "given") -> Gain:
         """Return the gain with another value; a single number goes for all places.
@@ -72,7 +75,7 @@ class Gain:
         Raises
         ------
         GainError
-            If the count does not fit or a number is out of sense.
+            If the count does not fit or a number is out of range.
         """
         values = tuple(float(each) for each in value)
         if len(values) == 1:
@@ -83,15 +86,14 @@ class Gain:
                 name=self.name,
                 value=value,
             )
+        low, high = self.bounds or (-1e12, 1e12)
+        wanted = f"a {'positive' if self.positive else 'finite'} number below 1e12"
+        if self.bounds:
+            wanted = f"a number from {low:g} to {high:g}"
         for each in values:
-            if not math.isfinite(each) or abs(each) > 1e12 or (self.positive and each <= 0):
-                wanted = "a positive number" if self.positive else "a finite number"
-                raise GainError(
-                    f"gain {self.name} = {each} is out of sense",
-                    name=self.name,
-                    value=each,
-                    hint=f"{wanted} below 1e12",
-                )
+            if not low <= each <= high or (self.positive and each <= 0):
+                message = f"gain {self.name} = {each} is out of range"
+                raise GainError(message, name=self.name, value=each, hint=wanted)
         return replace(self, value=values, origin=origin)
 
 
@@ -263,6 +265,8 @@ def summed_torque(
     signals: list[float],
 ) -> Pair:
     """Return the sum of the torques of all laws, called one after the other."""
+    # Only arrays cross an address, so the moment is written down once for all laws; they read
+    # 0 … 16 and write 17 and 18.
     reference, state, pose, clock = now
     signals[0], signals[1] = reference.position
     signals[2], signals[3] = reference.velocity
@@ -273,6 +277,7 @@ def summed_torque(
     signals[14] = clock.step
     signals[15] = 1.0 if clock.last else 0.0
     signals[16] = 1.0 if clock.single else 0.0
+    # In the order of the sum as it is written: the order of additions is part of the bits.
     first = 0.0
     second = 0.0
     for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
@@ -315,6 +320,8 @@ def law_at_address(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]
 ) -> None:
     """Run a law on the signals of :func:`summed_torque`."""
+    # Back into named tuples, which cost nothing: in machine code they are registers, and the
+    # law, inlined here, uses what it needs of them.
     reference = Reference(
         (signals[0], signals[1]), (signals[2], signals[3]), (signals[4], signals[5])
     )

@@ -25,7 +25,11 @@ from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import cell_of, grid_length
 
 LEARNING = Gain(
-    "learning_rate", (1.0,), "1", "share of the performance value that corrects; 0: no learning"
+    "learning_rate",
+    (1.0,),
+    "1",
+    "share of the performance value that corrects; 0: no learning",
+    bounds=(0.0, 10.0),
 )
 DELAY = Gain("delay", (1.0,), "control periods", "how long ago the responsible cell was in use")
 BOUND = Gain("bound", (6.0,), "1", "largest magnitude of a cell", positive=True)
@@ -44,6 +48,7 @@ def self_organizing_torque(
     `delay` cells of joint 1 and of joint 2 (each a ring), the tables of both joints, and how
     often each of their cells was used.
     """
+    # Both joints first, then the ring moves on: they share its index.
     _, state, _, clock = now
     control = (
         corrected_control(0, now, numbers, memory),
@@ -71,6 +76,8 @@ def corrected_control(joint: int, now: Moment, numbers: list[float], memory: lis
     table = 1 + 2 * delay + joint * cells
     visits = table + 2 * cells
 
+    # The study's order: the cell in use `delay` periods ago is corrected by how the state is now,
+    # and only then the control is looked up; with delay 0 that is the corrected value itself.
     e, ce = scaled_errors(joint, reference, state, numbers, clock.single)
     cell = cell_of(numbers, grid, e, ce)
     judgement = numbers[judged + (cell if alike else cell_of(numbers, judge, e, ce))]
@@ -79,6 +86,7 @@ def corrected_control(joint: int, now: Moment, numbers: list[float], memory: lis
         value = stored(memory[table + responsible] + rate * judgement, clock.single)
         memory[table + responsible] = min(max(value, -bound), bound)
     memory[visits + cell] += 1.0
+    # What `delay` periods from now is responsible takes the place of what has been judged.
     if delay > 0:
         memory[latest] = cell
     return memory[table + cell]
@@ -140,7 +148,7 @@ def starting_tables(start: LookupTable | None, judge: JointTables) -> JointTable
 def _check(delay: float) -> None:
     if delay != int(delay) or not 0 <= delay <= LONGEST_DELAY:
         raise SourceError(
-            f"a delay of {delay:g} control periods is out of sense",
+            f"a delay of {delay:g} control periods is out of range",
             hint=f"a whole number from 0 to {LONGEST_DELAY}",
         )
 

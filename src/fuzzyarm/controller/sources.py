@@ -49,6 +49,7 @@ def scaled_errors(
     joint: int, reference: Reference, state: State, numbers: list[float], single: bool
 ) -> Pair:
     """Return position and velocity error of a joint on the scale of the rules."""
+    # G_e and G_ce are per π rad, for whichever π the run has; they come divided by it.
     return (
         stored((reference.position[joint] - state.position[joint]) * numbers[joint], single),
         stored((reference.velocity[joint] - state.velocity[joint]) * numbers[2 + joint], single),
@@ -61,6 +62,8 @@ def motor_torques(control: Pair, state: State, numbers: list[float], single: boo
 
     Constants: G_e (2), G_ce (2), supply, converter steps per unit of control.
     """
+    # Through a converter of 8 bits that is not simulated as one: its 255 steps multiply and
+    # divide again, and leave their rounding behind, which the published figures have.
     supply = numbers[4]
     first = stored(control[0] * numbers[5], single)
     second = stored(control[1] * numbers[5], single)

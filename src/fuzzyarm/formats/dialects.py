@@ -75,6 +75,9 @@ class Dialect:
         What may stand between two conclusions.
     ties : str
         Which of two points at one x counts: ``first`` or ``last``.
+    heights : bool
+        Whether the number after those of a shape is its height, and unordered corners are
+        computed rather than refused (fuzzylite).
     """
 
     suffix: str
@@ -95,6 +98,7 @@ class Dialect:
     any_case: bool = False
     separators: tuple[str, ...] = ("and",)
     ties: str = "last"
+    heights: bool = False
 
 
 _FLL_INTEGRAL = {
@@ -127,7 +131,7 @@ FLL = Dialect(
     integral=_FLL_INTEGRAL,
     weighted={"WeightedAverage": "weighted-average", "WeightedSum": "weighted-sum"},
     samples=(1000, "midpoints"),  # of fuzzylite 7 and 8; version 6 took 100 and always wrote it
-    activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"),
+    activates=True, chains=True, thresholds=True, clamps=("inputs", "outputs"), heights=True,
 )  # fmt: skip
 
 FCL = {
@@ -143,7 +147,7 @@ FCL = {
         integral=_FCL_INTEGRAL, weighted=_FCL_WEIGHTED, samples=(1000, "midpoints"),
         threshold=MACHINE_EPSILON, activates=True, chains=True, clamps=("outputs",),
         assumed="read as fuzzylite does: 1000 midpoints, nan where no rule fires",
-        any_case=True, separators=("and", ","),
+        any_case=True, separators=("and", ","), heights=True,
     ),
 }  # fmt: skip
 
@@ -163,7 +167,7 @@ FIS = {
     "fuzzylite": Dialect(
         suffix=".fis", producer="fuzzylite", program="fuzzylite", kinds="fis",
         integral=_FIS_INTEGRAL, weighted=_FIS_WEIGHTED, samples=(1000, "midpoints"),
-        threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",),
+        threshold=MACHINE_EPSILON, activates=True, clamps=("outputs",), heights=True,
         assumed="read with the defaults of fuzzylite: 1000 midpoints, nan where no rule "
         "fires",
     ),

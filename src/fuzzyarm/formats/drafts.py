@@ -5,29 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from graphlib import CycleError, TopologicalSorter
 
+from fuzzyarm.expression.formulas import read_formula
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect
-from fuzzyarm.formats.findings import (
-    MAX_CHARACTERS,
-    MAX_TERMS,
-    Findings,
-    Imported,
-    Word,
-    number,
-    rounded,
-)
+from fuzzyarm.formats.findings import Findings, Imported, Word, number, rounded, shortened
 from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
     Consequent,
     Defuzzifier,
     Input,
     Output,
+    Rule,
     RuleBase,
     RuleBlock,
     Shape,
     Term,
+    propositions,
 )
-from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, Span
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS, MAX_MAGNITUDE, MAX_TERMS, Span
 
 VALUES = frozenset({"singleton", "linear", "formula"})
 """Kinds of shape that are a number rather than a set."""
@@ -47,22 +44,88 @@ def imported(
     read: Callable[[str, Findings], tuple[RuleBase | None, Dialect]],
     *,
     lossy: bool,
+    strict: bool,
 ) -> Imported:
     """Refuse a text of absurd length, else have it read with line ends of one kind."""
-    findings = Findings(path, lossy=lossy)
+    findings = Findings(path, lossy=lossy, strict=strict)
     if len(text) > MAX_CHARACTERS:
         message = (
-            f"the file has {len(text)} characters, more than the {MAX_CHARACTERS} that are read"
+            f"the file has {len(text):,} characters, more than the {MAX_CHARACTERS:,} that are read"
         )
         findings.error("too-long", message)
         return Imported(None, findings.all())
     plain = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
     rulebase, dialect = read(plain, findings)
+    if rulebase is not None and not findings.failed:
+        _refuse_unknown_names(rulebase, findings)
+        _refuse_without_inverse(rulebase, findings)
+        _refuse_circles(rulebase, dialect, findings)
     if dialect.assumed:
         findings.info("assumed-producer", dialect.assumed)
     if findings.failed:
         rulebase = None
     return Imported(rulebase, findings.all(), dialect.producer)
+
+
+def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
+    """Report formulas of values that name no variable, and of sets that name one."""
+    values = [o for o in rulebase.outputs if o.defuzzifier.method in TAKAGI_SUGENO]
+    known = {each.name for each in (*rulebase.inputs, *rulebase.outputs)}
+    for variable in (*rulebase.inputs, *values):
+        is_set = isinstance(variable, Input)
+        for term in variable.terms:
+            names = read_formula(term.shape.formula).names if term.shape.formula else ()
+            for name in sorted(set(names) - ({"x"} if is_set else known)):
+                message = f"the formula of '{term.name}' asks for '{shortened(name)}', "
+                message += "but a set depends on x alone" if is_set else "an unknown variable"
+                findings.error("undefined-variable", message, term.span)
+
+
+def _refuse_without_inverse(rulebase: RuleBase, findings: Findings) -> None:
+    """Report terms that rules conclude for Tsukamoto's method, which cannot invert them."""
+    tsukamoto = {o.name for o in rulebase.outputs if o.defuzzifier.method == "tsukamoto"}
+    concluded = {(c.variable, c.term) for rule in rulebase.rules for c in rule.consequents}
+    for name, word in sorted(each for each in concluded if each[0] in tsukamoto):
+        term = rulebase.variable(name).term(word)
+        if not all_invertible({term.shape.kind}):
+            message = f"'{word}' of '{name}' has no inverse, which Tsukamoto needs"
+            findings.error("not-monotonic", message, term.span)
+
+
+def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) -> None:
+    """Report outputs that wait for themselves: other programs have their last value there."""
+    outputs = {output.name: index for index, output in enumerate(rulebase.outputs)}
+    formulas = {
+        (output.name, term.name): set(read_formula(term.shape.formula).names) & outputs.keys()
+        for output in rulebase.outputs
+        for term in output.terms
+        if term.shape.kind == "formula"
+    }
+    last: dict[str, int] = {}
+    for index, block in enumerate(rulebase.blocks):
+        last |= {c.variable: index for rule in block.rules for c in rule.consequents}
+    waits: dict[str, set[str]] = {}
+    reader: dict[str, Rule] = {}
+    late: list[str] = []
+    for index, block in enumerate(rulebase.blocks):
+        for rule in block.rules:
+            used = {part.variable for part in propositions(rule.antecedent)} & outputs.keys()
+            for name, term in [(c.variable, c.term) for c in rule.consequents]:
+                own = formulas.get((name, term), set())
+                late += [other for other in own if outputs[other] >= outputs[name]]
+                late += [other for other in used | own if last.get(other, -1) > index]
+                waits.setdefault(name, set()).update(used, own)
+                reader |= dict.fromkeys(used | own, rule)
+    try:
+        TopologicalSorter(waits).prepare()
+    except CycleError as error:
+        late += error.args[1]
+    if late:
+        message = (
+            f"'{late[0]}' is asked for before all rules that conclude it; {dialect.program} takes "
+            "its last value, which the model does not have"
+        )
+        findings.error("chained-output", message, reader[late[0]].span)
 
 
 def lines_of(text: str, without_comment: Callable[[str], str]) -> Iterator[Word]:
@@ -120,6 +183,7 @@ class Draft:
     defuzzifier: Defuzzifier = field(default_factory=Defuzzifier)
     no_rule: float | str = math.nan
     _index: dict[str, Term] = field(default_factory=dict)
+    refused: set[str] = field(default_factory=set)  # names of terms that have findings
 
     @property
     def name(self) -> str:
@@ -201,6 +265,8 @@ def add_term(draft: Draft, word: Word, shape: Shape, findings: Findings, *, keep
     if earlier is None:
         if findings.room(len(draft.terms), MAX_TERMS, "terms of a variable", word):
             draft.add(term)
+        else:
+            draft.refused.add(term.name)
         return
     message = f"'{draft.name}' has two terms called '{word.text}'; the {keep} counts"
     findings.duplicate("duplicate-term-name", message, word, earlier.span)
@@ -227,9 +293,6 @@ def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Fi
         monotonic = draft.kinds and all_invertible(draft.kinds)
         kind = "Tsukamoto" if monotonic else "TakagiSugeno"
     if kind == "Tsukamoto":
-        if not all_invertible(draft.kinds):
-            message = f"'{draft.name}' has terms without an inverse, which Tsukamoto needs"
-            findings.error("not-monotonic", message, at)
         if method == "weighted-sum":
             message = "a weighted sum of Tsukamoto terms cannot be carried"
             findings.loss("weighted-sum-of-tsukamoto", message, at)
@@ -245,9 +308,11 @@ def settle_weighted(draft: Draft, method: str, kind: str, at: Word, findings: Fi
 
 
 def maximum_of_nothing(output: Draft | Output) -> float:
-    """Return what fuzzylite 7 takes for the maximum of an empty output: all samples are it."""
+    """Return the maximum of nothing to fuzzylite 7 and Octave: all samples are it."""
     defuzzifier = output.defuzzifier
-    half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
+    half_step = 0.0
+    if defuzzifier.sampling == "midpoints":
+        half_step = 0.5 * (output.high - output.low) / (defuzzifier.resolution or 1)
     match defuzzifier.method:
         case "mean-of-maximum":
             return 0.5 * (output.low + output.high)

@@ -21,7 +21,14 @@ from fuzzyarm.formats.drafts import (
     rulebase_of,
     settle_weighted,
 )
-from fuzzyarm.formats.fcl_text import SECTIONS, Cursor, fcl_words, read_shape
+from fuzzyarm.formats.fcl_text import (
+    MEAN_OF_MAXIMUM,
+    SECTION_ENDS,
+    SECTIONS,
+    Cursor,
+    fcl_words,
+    read_shape,
+)
 from fuzzyarm.formats.findings import (
     MAX_RULES,
     MAX_VARIABLES,
@@ -176,6 +183,9 @@ def _joined_numbers(words: list[Word]) -> list[Word]:
 # --- Read FCL ---
 
 _END_OF_RULE = frozenset({";", "RULE", "END_RULEBLOCK", "END_FUNCTION_BLOCK", *SECTIONS})
+_END_OF_TITLE = frozenset({*SECTIONS, *SECTION_ENDS, "OPTIONS", "OPTION"})
+_BLOCK_SETTINGS = frozenset({"AND", "OR", "ACT", "ACCU", "RULE", "ENABLED"})
+_METHODS_OF_OTHERS = {"MOM": "MM", "SOM": "LM", "LOM": "RM"}
 _S_TO_T = {s: t for t, s in JFUZZYLOGIC_PAIRS.items()}
 _OPTIONS = {"OPTIONS": "END_OPTIONS", "OPTION": "END_OPTION"}
 
@@ -187,6 +197,7 @@ def parse_fcl(
     dialect: str | None = None,
     block: str | None = None,
     lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read a function block: :func:`~fuzzyarm.formats.registry.parse` of ``.fcl``.
 
@@ -197,7 +208,7 @@ def parse_fcl(
         found = FCL[dialect or _detect(plain)]
         return _Reader(plain, found, findings).read(block), found
 
-    return imported(text, path, read, lossy=lossy)
+    return imported(text, path, read, lossy=lossy, strict=strict)
 
 
 class _Reader:
@@ -207,6 +218,11 @@ class _Reader:
         self.cursor = Cursor(fcl_words(text, findings))
         self.blocks: list[_FunctionBlock] = []
         self.block = _FunctionBlock(Word(""))  # the one that is read or settled
+
+    @property
+    def _own(self) -> bool:
+        """Whether fuzzylite's meaning counts, else jFuzzyLogic's."""
+        return self.dialect.producer == "fuzzylite"
 
     def read(self, wanted: str | None) -> RuleBase | None:
         while not self.cursor.ended:
@@ -242,12 +258,12 @@ class _Reader:
         key = cursor.key()
         if key == "FUNCTION_BLOCK":
             cursor.take()
-            is_name = not cursor.ended and cursor.key() not in SECTIONS
-            word = cursor.take() if is_name else Word("", cursor.word.span)
-            self.blocks.append(_FunctionBlock(word))
+            self.blocks.append(_FunctionBlock(cursor.title(_END_OF_TITLE)))
+            cursor.skip(";")
         elif key == "END_FUNCTION_BLOCK":
             cursor.take()
             cursor.skip(";")
+            self._between_blocks()
         elif key in SECTIONS:
             self._inner(key)
         elif key in _OPTIONS:
@@ -259,6 +275,16 @@ class _Reader:
             found = cursor.word.text[:40]
             message = f"a section such as FUZZIFY or RULEBLOCK is expected here, not '{found}'"
             raise FaultError(message, cursor.word)
+
+    def _between_blocks(self) -> None:
+        """Leave out what stands behind a function block, up to the next one."""
+        first = self.cursor.word
+        if self.cursor.ended or self.cursor.key() == "FUNCTION_BLOCK":
+            return
+        while not self.cursor.ended and self.cursor.key() != "FUNCTION_BLOCK":
+            self.cursor.take()
+        message = "the text behind END_FUNCTION_BLOCK is left out"
+        self.findings.warn("trailing-text", message, first)
 
     def _inner(self, key: str) -> None:
         if not self.blocks:
@@ -346,9 +372,11 @@ class _Reader:
                 cursor.take()
                 word = cursor.name("a term")
                 cursor.skip(":=", "=", ":")
+                draft.refused.add(word.text)  # unless what follows is a function
                 shape = read_shape(cursor, self.dialect, inputs, self.findings)
                 if shape is not None:
-                    keep = "last" if self.dialect.producer == "jfuzzylogic" else "first"
+                    draft.refused.discard(word.text)
+                    keep = "first" if self._own else "last"
                     add_term(draft, word, shape, self.findings, keep=keep)
             case "RANGE":
                 self._range(draft)
@@ -387,6 +415,13 @@ class _Reader:
         cursor.expect("..", ",")
         draft.high = cursor.number()
         cursor.expect(")")
+        if cursor.key() == "WITH":
+            word = cursor.take()
+            cursor.number()
+            message = (
+                f"the step of a range is left out: {self.dialect.program} takes its own samples"
+            )
+            self.findings.info("dropped-step", message, word)
         cursor.skip(";")
 
     def _accumulation(self, draft: Draft) -> None:
@@ -412,7 +447,7 @@ class _Reader:
             draft.no_rule = cursor.number()
         if cursor.skip("|") and cursor.skip("NC"):
             message = "the value is held; the default counts only before the first value"
-            self.findings.info("default-with-hold", message, draft.word)
+            self.findings.loss("default-with-hold", message, draft.word, slight=True)
             draft.no_rule = "hold"
 
     def _lock(self, draft: Draft) -> None:
@@ -430,8 +465,9 @@ class _Reader:
     def _rule_block(self) -> _BlockText:
         """Read from behind RULEBLOCK to behind END_RULEBLOCK."""
         cursor = self.cursor
-        unnamed = cursor.key() in ("AND", "OR", "ACT", "ACCU", "RULE", "ENABLED", "END_RULEBLOCK")
-        block = _BlockText(Word("", cursor.word.span) if unnamed or cursor.ended else cursor.take())
+        end_of_title = _END_OF_TITLE | _BLOCK_SETTINGS
+        block = _BlockText(cursor.title(end_of_title, setting=True))
+        cursor.skip(";")
         while not cursor.skip("END_RULEBLOCK"):
             if cursor.ended or cursor.key() in SECTIONS or cursor.key() == "END_FUNCTION_BLOCK":
                 raise FaultError("'END_RULEBLOCK' is missing", cursor.word)
@@ -486,7 +522,7 @@ class _Reader:
             norm = self.findings.norm(f"the norm for {key}", word, table, name)
             if norm is None:
                 continue
-            if self.dialect.producer == "jfuzzylogic" and key in ("AND", "OR"):
+            if not self._own and key in ("AND", "OR"):
                 self._pair(found, key, norm, word)
             found[key] = norm
         return found
@@ -505,7 +541,7 @@ class _Reader:
 
     def _accumulate(self, rules: list[RuleText], accumulation: str | None) -> None:
         """Set the aggregation of the outputs that rules conclude from ACCU in their block."""
-        if accumulation is None and self.dialect.producer == "fuzzylite":
+        if accumulation is None and self._own:
             return
         norm = accumulation or "sum"
         for rule in rules:
@@ -514,7 +550,7 @@ class _Reader:
                 if draft is None or not draft.is_output:
                     continue
                 draft.aggregation = self.block.accumulations.setdefault(draft.name, norm)
-                if draft.aggregation != norm and self.dialect.producer == "jfuzzylogic":
+                if draft.aggregation != norm and not self._own:
                     message = f"two blocks accumulate '{draft.name}' by different norms"
                     self.findings.loss("mixed-accumulation", message, conclusion.span)
 
@@ -549,7 +585,7 @@ class _Reader:
         if math.isinf(draft.low) and math.isinf(draft.high):
             self._estimate(draft)
         draft.settle_range(self.findings)
-        if draft.is_output and self.dialect.producer == "jfuzzylogic":
+        if draft.is_output and not self._own:
             _settle_edges(draft, self.findings)
 
     def _finish_output(self, draft: Draft, method: Word | None) -> None:
@@ -557,8 +593,21 @@ class _Reader:
         dialect, findings = self.dialect, self.findings
         name = method.text.upper() if method is not None else "COG"
         at = method if method is not None else draft.word
+        if name in _METHODS_OF_OTHERS:
+            message = (
+                f"{dialect.program} has no method {name}; it is read as {_METHODS_OF_OTHERS[name]}"
+            )
+            findings.warn("guessed-defuzzifier", message, at)
+            name = _METHODS_OF_OTHERS[name]
+        if name == "COG" and draft.kinds and draft.kinds <= VALUES and not self._own:
+            message = (
+                f"the terms of '{draft.name}' are values; jFuzzyLogic refuses to integrate them"
+            )
+            hint = "read as METHOD : COGS, which is for singletons"
+            findings.warn("value-as-set", message, at, hint)
+            name = "COGS"
         if name in dialect.weighted:
-            if dialect.producer == "fuzzylite":
+            if self._own:
                 settle_weighted(draft, dialect.weighted[name], "Automatic", at, findings)
                 return
             if not draft.kinds <= VALUES:
@@ -571,14 +620,14 @@ class _Reader:
             findings.unknown("unknown-defuzzifier", "the method", Word(name, at.span), methods)
             return
         draft.defuzzifier = Defuzzifier(dialect.integral[name], *dialect.samples)
-        if name == "COA" and dialect.producer == "jfuzzylogic":
+        if name == "COA" and not self._own:
             message = "jFuzzyLogic finds the middle of the area one sample coarser than the model"
-            findings.info("bisector-rule", message, at)
+            findings.loss("bisector-rule", message, at, slight=True)
+        if name == "MM" and not self._own:
+            findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, at, slight=True)
         if draft.kinds & VALUES:
             message = f"'{draft.name}' has values for terms but integrates sets"
-            singletons = dialect.producer == "jfuzzylogic" and draft.kinds == {"singleton"}
-            report = findings.warn if singletons else findings.loss
-            report("value-as-set", message, at, "METHOD : COGS is for singletons")
+            findings.loss("value-as-set", message, at, "METHOD : COGS is for singletons")
 
     def _estimate(self, draft: Draft) -> None:
         integrated = draft.is_output and draft.defuzzifier.resolution is not None

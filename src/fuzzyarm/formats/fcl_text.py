@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.formats.dialects import Dialect, Spelling, all_spellings
+from fuzzyarm.formats.dialects import FCL, Dialect, Spelling, all_spellings
 from fuzzyarm.formats.findings import FaultError, Findings, Word, number
 from fuzzyarm.formats.shapes import formula_shape, make_shape, spelled_shape
 from fuzzyarm.model.rulebase import Shape
@@ -15,18 +16,19 @@ _TOKEN = re.compile(
     r"(?P<space>[^\S\n]+)|(?P<newline>\n)"
     r"|(?P<line>(?://|#)[^\n]*)|(?P<block>/\*.*?\*/|\(\*.*?\*\))"
     r"|(?P<open>/\*|\(\*)"
-    r"|(?P<number>(?:\d+(?:\.(?!\.)\d*)?|\.\d+)(?:[eE][+-]?\d+)?(?!\w))"
+    r"|(?P<number>(?:\d+(?:\.(?!\.)\d*)?|\.\d+)(?:[eE][+-]?\d+)?(?!\w|\.\d))"
+    r"|(?P<bad>\d*\.\d[\w.]*)"
     r"|(?P<word>\w+)|(?P<sign>:=|\.\.|\*\*|\S)",
     re.DOTALL,
 )
 _PERCENT_LINE = re.compile(r"^[^\S\n]*%[^\n]*", re.MULTILINE)
 
+SECTION_ENDS = ("END_VAR", "END_FUZZIFY", "END_DEFUZZIFY", "END_RULEBLOCK", "END_FUNCTION_BLOCK")
 SECTIONS = ("FUNCTION_BLOCK", "VAR_INPUT", "VAR_OUTPUT", "FUZZIFY", "DEFUZZIFY", "RULEBLOCK")
 
 KEYWORDS = frozenset(
-    f"VAR OPTIONS OPTION {' '.join(SECTIONS)} END_FUNCTION_BLOCK END_VAR END_FUZZIFY "
-    "END_DEFUZZIFY END_RULEBLOCK END_OPTIONS END_OPTION TERM RANGE METHOD DEFAULT ACCU ACT AND "
-    "OR RULE ENABLED LOCK".split()
+    f"VAR OPTIONS OPTION {' '.join((*SECTIONS, *SECTION_ENDS))} END_OPTIONS END_OPTION TERM RANGE "
+    "METHOD DEFAULT ACCU ACT AND OR RULE ENABLED LOCK".split()
 )
 """Words that begin a statement or end a section, in capitals."""
 
@@ -53,9 +55,15 @@ def fcl_words(text: str, findings: Findings) -> list[Word]:
             word = Word(piece, Span(line, column, line, column + 2))
             findings.error("open-comment", "the comment that begins here never ends", word)
             break
-        elif kind in ("number", "word", "sign"):
+        elif kind in ("number", "bad", "word", "sign"):
             words.append(Word(piece, Span(line, column, line, column + len(piece))))
     return words
+
+
+MEAN_OF_MAXIMUM = (
+    "releases of jFuzzyLogic divide the last of the maximal samples by their number; here it is "
+    "their mean"
+)
 
 
 class Cursor:
@@ -109,6 +117,26 @@ class Cursor:
             raise FaultError(f"the name of {what} is expected here", self.word)
         return self.take()
 
+    def title(self, keys: frozenset[str], *, setting: bool = False) -> Word:
+        """Return the rest of the line up to one of `keys`, as the name of a block.
+
+        With `setting` a key ends it only where a colon follows at once or after one more word.
+        """
+        start, line = self.at, self.word.span.line
+        while not self.ended and self.word.span.line == line and self.key() != ";":
+            follows = not setting or ":" in (self.key(1), self.key(2))
+            if self.key() in keys and follows:
+                break
+            self.at += 1
+        words = self.words[start : self.at]
+        if not words:
+            return Word("", self.word.span)
+        text = words[0].text
+        for before, word in pairwise(words):
+            apart = before.span.end_column < word.span.column
+            text += f" {word.text}" if apart else word.text
+        return Word(text, words[0].span.to(words[-1].span))
+
     def number(self) -> float:
         """Return the number that follows, with its signs."""
         first = self.word
@@ -118,7 +146,8 @@ class Cursor:
                 sign = -sign
         value = number(self.word.text) if not self.ended else None
         if value is None:
-            raise FaultError("a number is expected here", first, "not-a-number")
+            found = f", not '{self.word.text[:40]}'" if not self.ended else ""
+            raise FaultError(f"a number is expected here{found}", first, "not-a-number")
         self.at += 1
         return sign * value
 
@@ -163,6 +192,8 @@ def read_shape(cursor: Cursor, dialect: Dialect, inputs: int, findings: Findings
         return _points(cursor, dialect, findings)
     if cursor.at_number():
         return make_shape("singleton", [cursor.number()], word, findings)
+    if not cursor.ended and word.text[0] in ".0123456789":
+        cursor.number()
     if cursor.ended or not word.text[0].isalpha():
         raise FaultError("a membership function is expected here", word)
     cursor.take()
@@ -196,13 +227,15 @@ def _shape(
     if key == "GENERALIZEDBELL":
         message = f"'{word.text}' is taken for a bell with width, slope and centre"
         findings.warn("guessed-shape", message, word)
-    shape = spelled_shape(spelling, values, inputs, word, findings, "last")
+    is_fuzzylites = spelling in all_spellings(SHAPES, "fcl").values()
+    program = FCL["fuzzylite"] if is_fuzzylites else dialect
+    shape = spelled_shape(spelling, values, inputs, word, findings, program)
     if key == "DSIGM" and shape is not None and is_cut(shape):
         message = (
             "jFuzzyLogic takes 0 where the difference of the sigmoids is negative, the model "
             "its magnitude"
         )
-        findings.warn("negative-difference", message, word)
+        findings.loss("negative-difference", message, word, slight=True)
     return shape
 
 
@@ -221,6 +254,8 @@ def _numbers(cursor: Cursor, findings: Findings) -> list[float] | None:
 
 
 def _moving(word: Word, findings: Findings) -> None:
+    if not word.text[0].isalpha():
+        raise FaultError(f"'{word.text[:40]}' is not a number", word, "not-a-number")
     message = (
         f"the corner '{word.text[:40]}' is a variable; a term whose shape moves cannot be carried"
     )

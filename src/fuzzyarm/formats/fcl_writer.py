@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 from fuzzyarm.expression.formulas import CONSTANTS, FRB, FormulaError, read_formula, write_formula
@@ -16,7 +17,8 @@ from fuzzyarm.formats.dialects import (
     Dialect,
     word_of,
 )
-from fuzzyarm.formats.fcl_text import KEYWORDS, is_cut
+from fuzzyarm.formats.drafts import VALUES, all_invertible
+from fuzzyarm.formats.fcl_text import KEYWORDS, MEAN_OF_MAXIMUM, is_cut
 from fuzzyarm.formats.findings import Exported, all_written, written
 from fuzzyarm.formats.shapes import larger_wins, word_and_numbers
 from fuzzyarm.formats.writing import (
@@ -24,6 +26,7 @@ from fuzzyarm.formats.writing import (
     HEADER,
     Writer,
     best,
+    identifier,
     identifiers,
     written_sentences,
 )
@@ -33,21 +36,22 @@ _RESERVED = FUZZYLITE_WORDS | frozenset(word.lower() for word in KEYWORDS) | {
     "real", "nan", "nc", "constant", "function", "linear", "discrete", "points",
 }  # fmt: skip
 _METHODS = {method: word for word, method in FCL["fuzzylite"].integral.items()}
-_ALL_FUNCTIONS = replace(
-    FCL["jfuzzylogic"].formula,
-    functions={**FRB.functions, **FCL["jfuzzylogic"].formula.functions},
-    comparisons=True,
-)
-"""For --lossy: the functions that jFuzzyLogic lacks are written by their names here."""
 
 
-def write_fcl(rulebase: RuleBase, *, dialect: str | None = None, lossy: bool = False) -> Exported:
+def write_fcl(
+    rulebase: RuleBase,
+    *,
+    dialect: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
     """Write a function block: :func:`~fuzzyarm.formats.registry.write` of ``.fcl``.
 
     The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
     """
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
-    return best([_Writer(rulebase, FCL[each], lossy=lossy).export() for each in producers])
+    dialects = [FCL[each] for each in producers]
+    return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
 
 
 class _Writer(Writer):
@@ -56,7 +60,7 @@ class _Writer(Writer):
     def lines(self) -> list[str]:
         rulebase = self.rulebase
         self.names = identifiers(rulebase, self.findings, _RESERVED, ignore_case=True)
-        name = self.one_line(rulebase.name, ";:#/()")
+        name = self._title(rulebase.name)
         lines = [f"// {HEADER} for {self.program}.", "", f"FUNCTION_BLOCK {name}".rstrip()]
         lines += self._declared("VAR_INPUT", rulebase.inputs)
         lines += self._declared("VAR_OUTPUT", rulebase.outputs)
@@ -72,6 +76,19 @@ class _Writer(Writer):
     def own(self) -> bool:
         """Whether it is for fuzzylite, else for jFuzzyLogic."""
         return self.dialect.producer == "fuzzylite"
+
+    def _title(self, name: str) -> str:
+        """Return the name of a block, an identifier to jFuzzyLogic."""
+        if not self.own:
+            title = identifier(name, _RESERVED, ignore_case=True) if name else ""
+        else:
+            plain = re.sub(r"[;:#]|/[/*]|\(\*", " ", name)
+            words = "".join(c if c.isprintable() else " " for c in plain).split()
+            title = " ".join(f"{w}_" if w.upper() in KEYWORDS else w for w in words)
+        if title != name:
+            message = f"the block '{name[:40]}' is written as '{title[:40]}'"
+            self.findings.info("changed-text", message)
+        return title
 
     def _declared(self, key: str, variables: tuple[Input | Output, ...]) -> list[str]:
         lines = ["", key]
@@ -121,35 +138,45 @@ class _Writer(Writer):
 
     def _method(self, output: Output) -> str:
         method = output.defuzzifier.method
-        kinds = {term.shape.kind for term in output.terms}
-        if method == "tsukamoto" and self.own:
-            return "COGS"
-        if method in TAKAGI_SUGENO:
-            self.need_values(output)
-            if method == "weighted-average":
-                return "COGS" if kinds <= {"singleton"} or self.own else "COGF"
-            if self.own:
-                return "COGSS"
         if method not in _METHODS:
-            message = f"{self.program} has no {method} for '{output.name}'"
-            self.findings.loss("unsupported-defuzzifier", message)
-            return "COGS"
-        if not self.own and kinds == {"singleton"}:
-            message = f"'{output.name}' has singletons for terms but integrates sets"
-            self.findings.warn("value-as-set", message)
-        else:
-            self.need_sets(output)
+            return self._weighted(output) if self.own else self._plain_weighted(output)
+        self.need_sets(output)
+        if method == "mean-of-maximum" and not self.own:
+            self.findings.loss("mean-of-maximum", MEAN_OF_MAXIMUM, slight=True)
         resolution, sampling = self.dialect.samples
         if (output.defuzzifier.resolution, output.defuzzifier.sampling) != self.dialect.samples:
             message = (
                 f"'{output.name}' is not defuzzified over {resolution} {sampling} samples, as "
                 f"{self.program} does"
             )
-            self.findings.loss("sampling", message)
+            self.findings.loss("sampling", message, slight=True)
         return _METHODS[method]
 
+    def _weighted(self, output: Output) -> str:
+        if output.defuzzifier.method in TAKAGI_SUGENO:
+            self.need_values(output)
+        elif not all_invertible({term.shape.kind for term in output.terms}):
+            message = (
+                f"to fuzzylite '{output.name}' is Tsukamoto's if all of its terms have an inverse, "
+                "which some have not"
+            )
+            self.findings.loss("unsupported-defuzzifier", message)
+        return "COGSS" if output.defuzzifier.method == "weighted-sum" else "COGS"
+
+    def _plain_weighted(self, output: Output) -> str:
+        """Return the method of jFuzzyLogic that takes the terms as they are."""
+        kinds = {term.shape.kind for term in output.terms}
+        method = output.defuzzifier.method
+        if method != "weighted-average":
+            message = f"jFuzzyLogic has no {method} for '{output.name}'"
+            self.findings.loss("unsupported-defuzzifier", message)
+        if kinds <= VALUES:
+            return "COGS" if kinds <= {"singleton"} else "COGF"
+        self.need_values(output, refused=bool(kinds & VALUES))
+        return "COG"
+
     def _block(self, block: RuleBlock) -> list[str]:
-        lines = [f"RULEBLOCK {self.one_line(block.name, ';:#/() ')}".rstrip()]
+        lines = [f"RULEBLOCK {self._title(block.name)}".rstrip()]
         if self.own:
             lines += [
                 f"  AND : {self.tnorm(block.conjunction)};",
@@ -237,10 +264,13 @@ class _Writer(Writer):
         formula = read_formula(text)
         free = CONSTANTS.keys() - {variable.name for variable in self.rulebase.inputs}
         root = put_in(_without_signs(formula.root), {name: CONSTANTS[name] for name in free})
-        for function in _missing_functions(root, self.dialect):
+        missing = _missing_functions(root, self.dialect)
+        for function in missing:
             message = f"jFuzzyLogic has no function '{function}'"
-            self.findings.loss("unsupported-function", message)
-        return write_formula(root, _ALL_FUNCTIONS, self.names.variables, upper=True)
+            self.findings.error("unsupported-function", message)
+        if missing:
+            return ""
+        return write_formula(root, self.dialect.formula, self.names.variables, upper=True)
 
 
 _OPERATORS = {"add", "subtract", "multiply", "divide", "power", "remainder", "where"}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -20,9 +20,6 @@ from fuzzyarm.text.names import near_hint
 
 # --- What a reader or writer of a foreign format hands back, and how it collects findings ---
 
-MAX_CHARACTERS = 200_000
-"""Longest foreign text that is read: some hundred times the largest that people write."""
-
 MAX_FINDINGS = 300
 """Most findings that one reading lists; the rest is counted."""
 
@@ -32,7 +29,6 @@ MAX_HINTS = 20
 MAX_CHOICES = 300
 """Names that are compared for such a guess."""
 
-MAX_TERMS = 1_000
 MAX_VARIABLES = 200
 MAX_RULES = 10_000
 
@@ -128,11 +124,14 @@ class Findings:
         The file, as the caller named it.
     lossy : bool
         Whether a loss that changes numbers is a warning rather than an error.
+    strict : bool
+        Whether a slight loss is an error too.
     """
 
-    def __init__(self, path: str = "", *, lossy: bool = False) -> None:
+    def __init__(self, path: str = "", *, lossy: bool = False, strict: bool = False) -> None:
         self.path = path
         self.lossy = lossy
+        self.strict = strict
         self._items: list[Diagnostic] = []
         self._left_out = 0
         self._errors = 0
@@ -152,10 +151,22 @@ class Findings:
         """Record what ended the reading of a part."""
         self.error(fault.name, str(fault), fault.word)
 
-    def loss(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
-        """Record what cannot be carried and changes numbers."""
-        severity = Severity.WARNING if self.lossy else Severity.ERROR
-        self._add(name, message, at, severity, hint or ("" if self.lossy else LOSSY_HINT))
+    def loss(
+        self,
+        name: str,
+        message: str,
+        at: Word | Span = NOWHERE,
+        hint: str = "",
+        *,
+        slight: bool = False,
+    ) -> None:
+        """Record what cannot be carried and changes numbers.
+
+        A `slight` loss, such as another sampling, is a warning unless the caller is strict.
+        """
+        allowed = self.lossy or (slight and not self.strict)
+        severity = Severity.WARNING if allowed else Severity.ERROR
+        self._add(name, message, at, severity, hint or ("" if allowed else LOSSY_HINT))
 
     def warn(self, name: str, message: str, at: Word | Span = NOWHERE, hint: str = "") -> None:
         """Record a doubt that changes no number."""
@@ -173,6 +184,15 @@ class Findings:
             hint, replacement = near_hint(word.text, islice(choices, MAX_CHOICES))
         message = f"{what} '{shortened(word.text)}' is not known"
         self._add(name, message, word, Severity.ERROR, hint, replacement)
+
+    def ignored_key(self, word: Word, choices: Sequence[str]) -> None:
+        """Record a key that has no effect: an error where one of `choices` may be meant."""
+        hint, _ = near_hint(word.text.lower(), [choice.lower() for choice in choices])
+        if hint:
+            self.unknown("unknown-key", "the key", word, choices)
+        else:
+            message = f"the key '{shortened(word.text)}' is not known; it is left out"
+            self.warn("unknown-key", message, word)
 
     def norm(self, what: str, word: Word, table: Mapping[str, str], key: str = "") -> str | None:
         """Return the norm that `key` (the word itself) names in a table of words."""

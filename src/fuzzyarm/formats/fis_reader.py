@@ -22,8 +22,8 @@ from fuzzyarm.formats.drafts import (
 )
 from fuzzyarm.formats.findings import (
     MAX_RULES,
-    MAX_TERMS,
     MAX_VARIABLES,
+    FaultError,
     Findings,
     Imported,
     Word,
@@ -47,11 +47,12 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
-from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.text.diagnostic import MAX_TERMS, NOWHERE, Span
 
 # --- FIS text: sections in brackets, `key=value` lines, rules of numbers ---
 
-_HEADER = re.compile(r"\[\s*(system|input|output|rules)\s*(\d*)\s*\]\s*\Z", re.IGNORECASE)
+_HEADER = re.compile(r"\[\s*([a-z_]+)\s*(\d*)\s*\]\s*\Z", re.IGNORECASE)
+_SECTIONS = ("System", "Input", "Output", "Rules")
 
 
 @dataclass(slots=True)
@@ -71,6 +72,12 @@ def _sections(text: str, findings: Findings) -> list[_Section]:
         if match:
             digits = match.group(2)[:6]
             sections.append(_Section(match.group(1).lower(), int(digits or 0), line.span))
+            name = line.part(*match.span(1))
+            if name.text.lower() == "fistree":
+                message = "a tree of systems is not supported; each of its systems can be read"
+                raise FaultError(message, line, "unsupported-type")
+            if name.text.capitalize() not in _SECTIONS:
+                findings.unknown("syntax", "the section", name, _SECTIONS)
         elif sections:
             sections[-1].lines.append(line)
         else:
@@ -101,6 +108,7 @@ def _unquoted(word: Word) -> Word:
     return word
 
 
+_QUOTED = re.compile(r"'[^']*'")
 _BRACKETED = re.compile(r"[^\s,;\[\]]+")
 """A word in brackets, between space, commas and semicolons."""
 
@@ -154,7 +162,9 @@ def _detect(text: str) -> str:
 # --- Membership functions ---
 
 
-def _shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | None:
+def _shape(
+    kind: Word, rest: Word, inputs: int, dialect: Dialect, findings: Findings
+) -> Shape | None:
     """Return the shape of ``'kind',[numbers]``."""
     name = kind.text.lower()
     if name == "function":
@@ -169,11 +179,11 @@ def _shape(kind: Word, rest: Word, inputs: int, findings: Findings) -> Shape | N
     values = numbers(rest.parts(_BRACKETED), findings)
     if values is None:
         return None
-    if name == "constant":
-        values = values[-1:]
-    elif name in ("smf", "zmf") and len(values) in (2, 3):
+    if name == "constant" and len(values) > 1 and not any(values[:-1]):
+        values = values[-1:]  # old files write it as a linear term, with factors of 0
+    elif spelling.kind in ("s", "z") and not dialect.heights:
         values[:2] = _crossed(values[:2])
-    return spelled_shape(spelling, values, inputs, kind, findings, "last")
+    return spelled_shape(spelling, values, inputs, kind, findings, dialect)
 
 
 def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> None:
@@ -189,7 +199,7 @@ def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> N
 
 def _crossed(values: list[float]) -> list[float]:
     """MATLAB makes a step half-way of an s or z whose numbers are the wrong way round."""
-    if values[0] > values[1]:
+    if len(values) == 2 and values[0] > values[1]:
         middle = 0.5 * (values[0] + values[1])
         return [middle, middle]
     return values
@@ -237,19 +247,47 @@ _KEYS = (
 _ALL = ("fis", "octave", "matlab")
 """Keys of names: the words of all programs are read in each."""
 
+_TYPE_2 = "a system of type 2 is not supported: its terms have an upper and a lower function"
+_TYPE_2_NUMBERS = re.compile(r"\[[^\]]*\]\s*,\s*\[")
+"""``[upper],[scale],[lag]`` where a term of type 1 has one list."""
+
+_ENDING = re.compile(r"\)\s*:\s*\d\s*\Z")
+"""Weight and connective of a rule."""
+
+_OTHER_END = {
+    "smallest-of-maximum": "largest-of-maximum",
+    "largest-of-maximum": "smallest-of-maximum",
+}
+
+_VARIABLE_KEYS = ("Name", "Range", "NumMFs")
+_TYPES = (
+    "mamdani", "sugeno", "larsen", "takagi-sugeno", "tsukamoto", "inverse tsukamoto", "hybrid",
+    "unknown",
+)  # fmt: skip
+"""Words for ``Type=``, those of fuzzylite among them; terms and defuzzifier decide."""
+
 _MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
 
 
 def parse_fis(
-    text: str, path: str = "<text>", *, producer: str | None = None, lossy: bool = False
+    text: str,
+    path: str = "<text>",
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
 
-    def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
+    def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
         found = FIS[producer or _detect(plain)]
-        return _Reader(plain, found, findings).read(), found
+        try:
+            return _Reader(plain, found, findings).read(), found
+        except FaultError as fault:
+            findings.fault(fault)
+            return None, found
 
-    return imported(text, path, read, lossy=lossy)
+    return imported(text, path, read, lossy=lossy, strict=strict)
 
 
 class _Reader:
@@ -263,22 +301,28 @@ class _Reader:
         self.terms: dict[str, dict[int, str]] = {}
         self.rules: list[Word] = []
         self.seen: dict[tuple[str, int], Span] = {}
+        self.unequal: list[Word] = []  # rules with too many or too few numbers
 
-    def read(self) -> RuleBase:
+    def read(self) -> RuleBase | None:
         sections = _sections(self.text, self.findings)
-        if not sections and not self.findings.failed:
-            self.findings.error("no-engine", "there is no section like [System] in this file")
+        systems = [section for section in sections if section.kind == "system"]
+        for section in systems:
+            self._section(section, 0)
+        if not self._has_known_type():
+            return None
         inputs = sum(section.kind == "input" for section in sections)
         # [Input2] may stand before [Input1]; the rules go by number.
         for section in sorted(sections, key=lambda section: section.number):
-            self._section(section, inputs)
+            if section.kind != "system":
+                self._section(section, inputs)
+        self._check_whole(has_system=bool(systems))
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
         for draft in self.outputs:
             self._finish_output(draft)
         block = self._block()
-        self._check_counts()
-        self._notes()
+        if self.dialect.producer == "fuzzylite":
+            note_rounding(self.text, self.findings)
         return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), (block,))
 
     def _section(self, section: _Section, inputs: int) -> None:
@@ -294,14 +338,17 @@ class _Reader:
             self._system(section)
         elif section.kind == "rules":
             self.rules = section.lines
-        else:
+        elif section.kind in ("input", "output"):
             self._variable(section, inputs)
 
     def _settings(self, section: _Section) -> Iterator[tuple[Word, Word]]:
         for line in section.lines:
             parts = line.around("=")
             if parts is None:
-                self.findings.error("syntax", f"'{line.text[:40]}' is no 'key=value'", line)
+                message = f"'{line.text[:40]}' is not 'key=value'"
+                self.findings.error("syntax", message, line)
+            elif _is_open(parts[1].text):
+                self.findings.error("syntax", "a quote or bracket is not closed", parts[1])
             else:
                 yield parts
 
@@ -309,10 +356,21 @@ class _Reader:
 
     def _system(self, section: _Section) -> None:
         for key, value in self._settings(section):
-            if key.text.lower() not in _KEYS:
-                self.findings.unknown("unknown-key", "the key", key, _KEYS)
-                continue
-            self.settings[key.text.lower()] = _unquoted(value)
+            if key.text.lower() in _KEYS:
+                self.settings[key.text.lower()] = _unquoted(value)
+            else:
+                self.findings.ignored_key(key, _KEYS)
+
+    def _has_known_type(self) -> bool:
+        """Refuse what is not a system of type 1, before its parts bring findings of their own."""
+        word = self.settings.get("type")
+        name = self.text_of("type").lower()
+        if word is None or not name or name in _TYPES:
+            return True
+        if name.endswith("type2"):
+            raise FaultError(_TYPE_2, word, "unsupported-type")
+        self.findings.unknown("unknown-type", "the type of system", word, _TYPES)
+        return False
 
     def text_of(self, key: str) -> str:
         word = self.settings.get(key)
@@ -351,8 +409,11 @@ class _Reader:
             resolution, sampling = dialect.samples
             if name == "centroid_integral":
                 sampling = "trapezoid"
-            draft.defuzzifier = Defuzzifier(dialect.integral[name], resolution, sampling)
-            if producer == "fuzzylite" and _is_nan(draft.no_rule):
+            method = dialect.integral[name]
+            if producer == "matlab":
+                method = self._by_magnitude(draft, method, at)
+            draft.defuzzifier = Defuzzifier(method, resolution, sampling)
+            if _is_nan(draft.no_rule):
                 draft.no_rule = maximum_of_nothing(draft)
             self._values_as_sets(draft, at)
             if not draft.bounded:
@@ -362,6 +423,17 @@ class _Reader:
             word = self.settings["defuzzmethod"]
             methods = (*dialect.integral, *dialect.weighted)
             self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
+
+    def _by_magnitude(self, draft: Draft, method: str, at: Word) -> str:
+        """Return the method of an output for which MATLAB compares the magnitudes of maxima."""
+        found = by_magnitude(method, draft.low, draft.high)
+        if found is None:
+            message = (
+                f"MATLAB takes the maximum of '{draft.name}' that is nearest to 0 for som and the "
+                "farthest for lom; here the lowest and the highest are taken"
+            )
+            self.findings.loss("maximum-by-magnitude", message, at, slight=True)
+        return found or method
 
     def _weighted(self, draft: Draft, method: str, at: Word) -> None:
         if self.dialect.producer == "matlab":
@@ -414,11 +486,18 @@ class _Reader:
             draft.no_rule = math.nan
         taken: dict[int, str] = {}
         memberships: list[tuple[int, Word]] = []
+        declared: list[Word] = []
         for key, value in self._settings(section):
-            self._variable_setting(draft, key, value, memberships)
+            if key.text.lower() == "nummfs":
+                declared.append(value)
+            else:
+                self._variable_setting(draft, key, value, memberships)
         self._name(draft, section)
+        names: set[str] = set()
         for index, value in memberships:
-            self._term(draft, index, value, taken, inputs)
+            self._term(draft, index, value, taken, names, inputs)
+        for word in declared[-1:]:
+            self._check_count(word, len(memberships), "terms")
         self.terms[draft.name] = taken
         (self.outputs if is_output else self.inputs).append(draft)
 
@@ -444,8 +523,6 @@ class _Reader:
                 draft.set_range(
                     value.parts(_BRACKETED), value, self.findings, "two numbers in brackets"
                 )
-            case "nummfs":
-                pass
             case "enabled":
                 draft.enabled = number(value.text) == 1.0
             case "default" if draft.is_output:
@@ -458,7 +535,7 @@ class _Reader:
             case _ if membership:
                 memberships.append((int(membership.group(1)), value))
             case _:
-                self.findings.unknown("unknown-key", "the key", key, ("Name", "Range", "NumMFs"))
+                self.findings.ignored_key(key, _VARIABLE_KEYS)
 
     def _default(self, draft: Draft, value: Word) -> None:
         default = number(value.text)
@@ -468,7 +545,13 @@ class _Reader:
             draft.no_rule = default
 
     def _term(
-        self, draft: Draft, index: int, value: Word, taken: dict[int, str], inputs: int
+        self,
+        draft: Draft,
+        index: int,
+        value: Word,
+        taken: dict[int, str],
+        names: set[str],
+        inputs: int,
     ) -> None:
         parts = _membership_parts(value)
         if parts is None:
@@ -476,21 +559,24 @@ class _Reader:
             self.findings.error("syntax", message, value)
             return
         name, kind, rest = parts
+        if _TYPE_2_NUMBERS.match(rest.text):
+            raise FaultError(_TYPE_2, value, "unsupported-type")
         if index in taken:
             message = f"'{draft.name}' has two functions with the number {index}"
             self.findings.error("duplicate-index", message, value)
             return
-        if not self.findings.room(len(taken), MAX_TERMS, "terms of a variable", value):
+        unique = unique_name(name.text or f"mf{index}", names)
+        names.add(unique)
+        taken[index] = unique  # a term that is refused is known to the rules all the same
+        if not self.findings.room(len(taken) - 1, MAX_TERMS, "terms of a variable", value):
             return
-        unique = unique_name(name.text or f"mf{index}", set(taken.values()))
-        taken[index] = unique
         if name.text and unique != name.text:
             message = (
                 f"'{draft.name}' has two terms called '{name.text}'; the rules tell them apart "
                 f"by number, so this one is called '{unique}'"
             )
             self.findings.warn("duplicate-term-name", message, name)
-        shape = _shape(kind, rest, inputs, self.findings)
+        shape = _shape(kind, rest, inputs, self.dialect, self.findings)
         if shape is not None:
             draft.add(Term(unique, shape, name.span))
 
@@ -501,6 +587,11 @@ class _Reader:
             self.findings.room(len(self.rules), MAX_RULES, "rules", self.rules[MAX_RULES])
         rules = self.rules[:MAX_RULES]
         texts = [text for line in rules if (text := self._rule(line)) is not None]
+        if self.unequal:
+            counts = f"{len(self.inputs)} inputs and {len(self.outputs)} outputs"
+            more = f" (and {len(self.unequal) - 1} other rules)" if len(self.unequal) > 1 else ""
+            message = f"the rule does not have a number for each of {counts}{more}"
+            self.findings.error("wrong-count", message, self.unequal[0])
         block = Block("", NOWHERE, threshold=self.dialect.threshold, rules=texts)
         block.conjunction = self.tnorm("andmethod")
         block.disjunction = self.snorm("ormethod")
@@ -518,11 +609,7 @@ class _Reader:
         inputs = line.part(*match.span("inputs")).parts(_WORD)
         outputs = line.part(*match.span("outputs")).parts(_WORD)
         if len(inputs) != len(self.inputs) or len(outputs) != len(self.outputs):
-            message = (
-                f"the rule has {len(inputs)} inputs and {len(outputs)} outputs, the file "
-                f"{len(self.inputs)} and {len(self.outputs)}"
-            )
-            self.findings.error("wrong-count", message, line)
+            self.unequal.append(line)
             return None
         weight, is_or = self._weight(match, line), self._is_or(match, line)
         conditions = [Is(*each) for each in self._propositions(self.inputs, inputs)]
@@ -596,22 +683,59 @@ class _Reader:
 
     # --- What the file says of itself ---
 
-    def _check_counts(self) -> None:
-        for key, counted in (
-            ("numinputs", len(self.inputs)),
-            ("numoutputs", len(self.outputs)),
-            ("numrules", len(self.rules)),
-        ):
+    def _check_whole(self, *, has_system: bool) -> None:
+        """Say, once, that a file is cut off: it has less than it says."""
+        counts = (
+            ("numinputs", len(self.inputs), "inputs"),
+            ("numoutputs", len(self.outputs), "outputs"),
+            ("numrules", len(self.rules), "rules"),
+        )
+        if not has_system:
+            message = "there is no section [System] in this file"
+            self.findings.error("no-engine", message)
+            return
+        for key, counted, what in counts:
             word = self.settings.get(key)
-            if word is not None and number(word.text) != counted:
-                message = f"the file says {word.text[:20]}, but there are {counted}"
-                self.findings.warn("wrong-count", message, word)
+            if word is not None and not self._check_count(word, counted, what):
+                return
+        system = self.seen["system", 0]
+        if not self.inputs or not self.outputs:
+            what = "input" if not self.inputs else "output"
+            self.findings.error("no-engine", f"there is no {what} in this file", system)
+        elif ("rules", 0) not in self.seen:
+            self.findings.error("no-rules", "there is no section [Rules] in this file", system)
+        elif not self.rules:
+            self.findings.warn("no-rules", "the file has no rules", self.seen["rules", 0])
+        elif _ENDING.search(self.rules[0].text) and not _ENDING.search(self.rules[-1].text):
+            message = "the last rule lacks the ending of the others: the file is cut off"
+            self.findings.error("syntax", message, self.rules.pop())
 
-    def _notes(self) -> None:
-        if ("rules", 0) not in self.seen:
-            self.findings.warn("no-rules", "the file has no [Rules]")
-        if self.dialect.producer == "fuzzylite":
-            note_rounding(self.text, self.findings)
+    def _check_count(self, word: Word, counted: int, what: str) -> bool:
+        """Compare a count with what the file has; return whether nothing is missing."""
+        declared = number(word.text)
+        if declared == counted:
+            return True
+        message = f"the file says {word.text[:20]} {what}, but there are {counted}"
+        if declared is None or declared > counted:
+            self.findings.error("wrong-count", message, word, "is the file cut off?")
+            return False
+        self.findings.warn("wrong-count", f"{message}, which are all read", word)
+        return True
+
+
+def by_magnitude(method: str, low: float, high: float) -> str | None:
+    """Return MATLAB's som or lom, which compare magnitudes, for a range on one side of 0."""
+    if low >= 0.0 or method not in _OTHER_END:
+        return method
+    return _OTHER_END[method] if high <= 0.0 else None
+
+
+def _is_open(value: str) -> bool:
+    """Whether a quote at the start of a value, or a bracket outside quotes, is not closed."""
+    if value[:1] in ("'", '"') and value[1:].count(value[0]) == 0:
+        return True
+    bare = _QUOTED.sub("", value)
+    return bare.count("[") > bare.count("]")
 
 
 def _is_nan(value: float | str) -> bool:

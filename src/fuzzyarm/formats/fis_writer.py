@@ -8,7 +8,7 @@ from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing
 from fuzzyarm.formats.findings import Exported, all_written, written
-from fuzzyarm.formats.fis_reader import fractions, hedges_of
+from fuzzyarm.formats.fis_reader import by_magnitude, fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import fuzzylite_formula, fuzzylite_shape, word_and_numbers
@@ -45,10 +45,17 @@ _Group = dict[str, tuple[Consequent, tuple[Hedge, ...]]]
 """Output → its conclusion and the hedges before it."""
 
 
-def write_fis(rulebase: RuleBase, *, producer: str | None = None, lossy: bool = False) -> Exported:
+def write_fis(
+    rulebase: RuleBase,
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Exported:
     """Write a fuzzy inference system: :func:`~fuzzyarm.formats.registry.write` of ``.fis``."""
     producers = (producer,) if producer is not None else tuple(FIS)
-    return best([_Writer(rulebase, FIS[each], lossy=lossy).export() for each in producers])
+    dialects = [FIS[each] for each in producers]
+    return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])
 
 
 class _Writer(Writer):
@@ -108,7 +115,11 @@ class _Writer(Writer):
 
     def _method(self) -> str:
         names = [self._defuzzifier(output) for output in self.rulebase.outputs]
-        return self._one(names, "defuzzifier", "centroid")
+        method = self._one(names, "defuzzifier", "centroid")
+        if len(set(names)) > 1 and method in self.dialect.weighted:
+            for output in self.rulebase.outputs:
+                self.need_values(output, refused=not self.is_own)
+        return method
 
     def _defuzzifier(self, output: Output) -> str:
         method = output.defuzzifier.method
@@ -119,7 +130,7 @@ class _Writer(Writer):
                 self.findings.loss("unsupported-defuzzifier", message)
             return "wtaver"
         if method in TAKAGI_SUGENO:
-            self.need_values(output)
+            self.need_values(output, refused=not self.is_own)
             if self.dialect.producer == "matlab" and output.aggregation != "sum":
                 message = f"MATLAB adds up the rules of '{output.name}' whatever the aggregation"
                 self.findings.loss("unsupported-norm", message)
@@ -139,17 +150,25 @@ class _Writer(Writer):
         defuzzifier = output.defuzzifier
         resolution, sampling = self.dialect.samples
         found = (defuzzifier.resolution, defuzzifier.sampling)
-        if self.dialect.producer == "octave" and found == (resolution, "trapezoid"):
-            if defuzzifier.method == "centroid":
-                return "centroid_integral"
-        elif found == (resolution, sampling):
-            return _METHODS[defuzzifier.method]
-        message = (
-            f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
-            f"{self.program} does"
-        )
-        self.findings.loss("sampling", message)
-        return _METHODS[defuzzifier.method]
+        of_integral = ("centroid", resolution, "trapezoid")
+        if self.dialect.producer == "octave" and (defuzzifier.method, *found) == of_integral:
+            return "centroid_integral"
+        if found != (resolution, sampling):
+            message = (
+                f"'{output.name}' is not defuzzified over {resolution} {sampling}, as "
+                f"{self.program} does"
+            )
+            self.findings.loss("sampling", message, slight=True)
+        method: str | None = defuzzifier.method
+        if self.dialect.producer == "matlab":
+            method = by_magnitude(defuzzifier.method, output.low, output.high)
+        if method is None:
+            message = (
+                f"MATLAB takes the maximum of '{output.name}' that is nearest to 0 for som and "
+                "the farthest for lom, not the lowest and the highest"
+            )
+            self.findings.loss("maximum-by-magnitude", message, slight=True)
+        return _METHODS[method or defuzzifier.method]
 
     def _variable(self, variable: Input | Output) -> list[str]:
         lines = [
@@ -166,7 +185,7 @@ class _Writer(Writer):
 
     def _term(self, variable: Input | Output, term: Term) -> str:
         shape = fuzzylite_shape(term.shape) if self.is_own else term.shape
-        if shape.kind in VALUES:
+        if shape.kind in VALUES or not self.dialect.heights:
             shape = self.without_height(variable, term)
         known = word_and_numbers(shape, self.dialect.kinds)
         found = known or word_and_numbers(shape, "fis")
@@ -174,7 +193,7 @@ class _Writer(Writer):
             self.nothing_like(variable, term)
             return ""
         word, values = found
-        if not self.is_own and (known is None or term.shape.height != 1.0):
+        if not self.is_own and known is None:
             message = f"{self.program} has nothing like '{term.name}' of '{variable.name}' ({word})"
             self.findings.loss("unsupported-shape", message)
         if shape.kind != "formula":
@@ -213,7 +232,7 @@ class _Writer(Writer):
     def _usual(self, output: Output) -> float:
         if self.dialect.producer == "matlab":
             return 0.5 * (output.low + output.high)
-        return maximum_of_nothing(output) if self.is_own else math.nan
+        return maximum_of_nothing(output)
 
     # --- Rules: a term index for each variable, weight, and connective ---
 

@@ -21,7 +21,6 @@ from fuzzyarm.formats.drafts import (
 )
 from fuzzyarm.formats.findings import (
     MAX_RULES,
-    MAX_TERMS,
     MAX_VARIABLES,
     Exported,
     Findings,
@@ -44,6 +43,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
 )
+from fuzzyarm.text.diagnostic import MAX_TERMS
 
 # --- FLL text, line by line: `key: value` with `#` comments ---
 
@@ -169,7 +169,7 @@ def _shape(
     if spelling.kind == "ramp" and len(values) in (2, 3) and values[0] == values[1]:
         findings.error("unordered-corners", "a Ramp from a number to itself is nowhere", name)
         return None
-    return spelled_shape(spelling, values, inputs, name, findings, FLL.ties)
+    return spelled_shape(spelling, values, inputs, name, findings, FLL)
 
 
 # --- Read FLL ---
@@ -177,13 +177,15 @@ def _shape(
 _SECTIONS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
 
 
-def parse_fll(text: str, path: str = "<text>", *, lossy: bool = False) -> Imported:
+def parse_fll(
+    text: str, path: str = "<text>", *, lossy: bool = False, strict: bool = False
+) -> Imported:
     """Read an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.parse` of ``.fll``."""
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
         return _Reader(plain, findings).read(), FLL
 
-    return imported(text, path, read, lossy=lossy)
+    return imported(text, path, read, lossy=lossy, strict=strict)
 
 
 class _Reader:
@@ -296,7 +298,8 @@ class _Reader:
 
     def _held_default(self, at: Word) -> None:
         message = "the value is held; the default counts only before the first value"
-        self.findings.info("default-with-hold", message, at, "pass it as the held value")
+        hint = "pass it as the held value"
+        self.findings.loss("default-with-hold", message, at, hint, slight=True)
 
     def _finish_variables(self) -> None:
         inputs = sum(not d.is_output for d in self.variables.values())
@@ -322,7 +325,9 @@ class _Reader:
             message = f"fuzzylite calls the term '{name.text[:60]}' {cleaned}"
             self.findings.info("renamed", message, name)
         shape = _shape(kind, parameters, formula, inputs, self.findings)
-        if shape is not None:
+        if shape is None:
+            draft.refused.add(cleaned)
+        else:
             add_term(draft, Word(cleaned, name.span), shape, self.findings, keep="last")
 
     # --- Rule blocks ---
@@ -398,9 +403,9 @@ def _identifier(name: str) -> str:
 # --- Write FLL ---
 
 
-def write_fll(rulebase: RuleBase, *, lossy: bool = False) -> Exported:
+def write_fll(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) -> Exported:
     """Write an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.write` of ``.fll``."""
-    return _Writer(rulebase, FLL, lossy=lossy).export()
+    return _Writer(rulebase, FLL, lossy=lossy, strict=strict).export()
 
 
 _METHODS = {method: word for word, method in FLL.integral.items()}
@@ -465,7 +470,7 @@ class _Writer(Writer):
         self.need_sets(output, "which fuzzylite takes for sets")
         if defuzzifier.resolution is None or defuzzifier.sampling != "midpoints":
             message = f"'{output.name}' is not defuzzified at midpoints, as fuzzylite does"
-            self.findings.loss("sampling", message)
+            self.findings.loss("sampling", message, slight=True)
         return f"{_METHODS[defuzzifier.method]} {defuzzifier.resolution or FLL.samples[0]}"
 
     def _block(self, block: RuleBlock) -> list[str]:

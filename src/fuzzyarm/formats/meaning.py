@@ -94,8 +94,10 @@ def blocks_in_model(
                 _note_outputs(text, variables, findings)
                 conclusions = tuple(same_value(each, variables) for each in conclusions)
             rule = Rule(text.antecedent, conclusions, text.weight, text.span)
-            is_octave = dialect.producer == "octave"
-            rules += _octave_rules(rule, variables, findings) if is_octave else [rule]
+            if dialect.suffix == ".fis":
+                rules += _rules_of_values(rule, variables, dialect, findings)
+            else:
+                rules.append(rule)
         made.append(block.in_model(rules))
     return tuple(made)
 
@@ -116,19 +118,32 @@ def _note_outputs(text: RuleText, variables: dict[str, Draft], findings: Finding
             findings.loss("chained-output", message, text.span)
 
 
-def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> list[Rule]:
+FIRES = Hedge("power", 1e-20)
+"""1 of all that is above 0: a rule that does not fire has no conclusion to negate."""
+
+
+def _rules_of_values(
+    rule: Rule, drafts: dict[str, Draft], dialect: Dialect, findings: Findings
+) -> list[Rule]:
     """Express two habits of Octave's toolkit.
 
     It aggregates values that are equal, whatever their names, and a hedge on a value takes
-    the root of the firing strength.
+    the root of the firing strength, ``not`` its complement where the rule fires.
     """
     plain: list[Consequent] = []
     hedged_ones: list[Consequent] = []
     for consequent in rule.consequents:
         method = drafts[consequent.variable].defuzzifier.method
-        named = same_value(consequent, drafts)
-        is_value = method in TAKAGI_SUGENO
+        is_octave = dialect.producer == "octave"
+        named = same_value(consequent, drafts) if is_octave else consequent
+        is_value = method in TAKAGI_SUGENO or method == "tsukamoto"
         (hedged_ones if is_value and named.hedges else plain).append(named)
+        if not is_octave and hedged_ones and hedged_ones[-1] is named:
+            message = (
+                f"the hedge on the value '{named.term}' is read as Octave and fuzzylite do "
+                "(not: 1 minus the firing strength); some releases of MATLAB ignore it"
+            )
+            findings.warn("hedged-value", message, consequent.span)
     rules = [replace(rule, consequents=tuple(plain))] if plain else []
     for consequent in hedged_ones:
         hedges = tuple(map(root, consequent.hedges))
@@ -138,6 +153,8 @@ def _octave_rules(rule: Rule, drafts: dict[str, Draft], findings: Findings) -> l
             findings.loss("hedged-weight", message, consequent.span)
             weight = rule.weight
         antecedent = around(hedges, rule.antecedent)
+        if NOT in hedges:
+            antecedent = And((antecedent, around((FIRES,), rule.antecedent)))
         bare = (replace(consequent, hedges=()),)
         rules.append(Rule(antecedent, bare, weight, rule.span))
     return rules

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 import os
 from dataclasses import replace
@@ -11,13 +12,13 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.dialects import FCL, FIS, FLL
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
-from fuzzyarm.formats.findings import MAX_CHARACTERS, Exported, Findings, Imported
+from fuzzyarm.formats.findings import Exported, Findings, Imported
 from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import Diagnostic, Span
+from fuzzyarm.text.diagnostic import MAX_CHARACTERS, Diagnostic, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
 """Suffixes of other programs' files."""
@@ -57,6 +58,7 @@ def parse(
     producer: str | None = None,
     block: str | None = None,
     lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read `text` as the format of `suffix`; never raises on any text.
 
@@ -75,6 +77,8 @@ def parse(
         The function block of an FCL file with several.
     lossy : bool
         Whether a loss that changes numbers is a warning rather than an error.
+    strict : bool
+        Whether a slight loss, as by another sampling, is an error rather than a warning.
 
     Raises
     ------
@@ -84,11 +88,11 @@ def parse(
     _demand_program(producer, suffix, "writes")
     match suffix:
         case ".fll":
-            return parse_fll(text, path, lossy=lossy)
+            return parse_fll(text, path, lossy=lossy, strict=strict)
         case ".fcl":
-            return parse_fcl(text, path, dialect=producer, block=block, lossy=lossy)
+            return parse_fcl(text, path, dialect=producer, block=block, lossy=lossy, strict=strict)
         case ".fis":
-            return parse_fis(text, path, producer=producer, lossy=lossy)
+            return parse_fis(text, path, producer=producer, lossy=lossy, strict=strict)
         case ".frb":
             return _own(text, path)
     raise FormatError(f"no format has the suffix '{suffix}'")
@@ -107,6 +111,7 @@ def read(
     producer: str | None = None,
     block: str | None = None,
     lossy: bool = False,
+    strict: bool = False,
 ) -> Imported:
     """Read the file at `path` by its suffix.
 
@@ -114,7 +119,7 @@ def read(
     ----------
     path : str or PathLike
         A ``.frb``, ``.fll``, ``.fcl`` or ``.fis`` file, UTF-8 or else Latin-1.
-    producer, block, lossy
+    producer, block, lossy, strict
         As for :func:`parse`.
 
     Raises
@@ -129,13 +134,24 @@ def read(
     with Path(path).open("rb") as file:
         data = file.read(4 * MAX_CHARACTERS + 1)
     text, findings = decoded(data, name)
-    imported = parse(text, suffix, name, producer=producer, block=block, lossy=lossy)
+    if any(diagnostic.is_error for diagnostic in findings):
+        return Imported(None, findings)
+    imported = parse(text, suffix, name, producer=producer, block=block, lossy=lossy, strict=strict)
     diagnostics = tuple(sorted((*findings, *imported.diagnostics), key=lambda d: d.span))
     return replace(imported, diagnostics=diagnostics)
 
 
 def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
-    """Return the text of UTF-8 bytes, or of Latin-1 with a warning at the first bad byte."""
+    """Return the text of UTF-8 bytes, or of Latin-1 with a warning at the first bad byte.
+
+    UTF-16 with its mark is read as well; other bytes with a NUL among them are not a text.
+    """
+    if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+        return data.decode("utf-16", errors="replace"), ()
+    if b"\0" in data:
+        findings = Findings(path)
+        findings.error("not-text", "not a text file")
+        return "", findings.all()
     try:
         return data.decode("utf-8-sig"), ()
     except UnicodeDecodeError as error:
@@ -150,7 +166,12 @@ def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
 
 
 def write(
-    rulebase: RuleBase, suffix: str, *, producer: str | None = None, lossy: bool = False
+    rulebase: RuleBase,
+    suffix: str,
+    *,
+    producer: str | None = None,
+    lossy: bool = False,
+    strict: bool = False,
 ) -> Exported:
     """Return `rulebase` in the format of `suffix`.
 
@@ -165,6 +186,8 @@ def write(
         one whose sampling the outputs have.
     lossy : bool
         Whether to write even where that program would give other numbers.
+    strict : bool
+        Whether to refuse slight losses too, such as another sampling.
 
     Raises
     ------
@@ -174,23 +197,23 @@ def write(
     _demand_program(producer, suffix, "reads")
     match suffix:
         case ".fll":
-            return write_fll(rulebase, lossy=lossy)
+            return write_fll(rulebase, lossy=lossy, strict=strict)
         case ".fcl":
-            return write_fcl(rulebase, dialect=producer, lossy=lossy)
+            return write_fcl(rulebase, dialect=producer, lossy=lossy, strict=strict)
         case ".fis":
-            return write_fis(rulebase, producer=producer, lossy=lossy)
+            return write_fis(rulebase, producer=producer, lossy=lossy, strict=strict)
         case ".frb":
-            return _write_own(rulebase, lossy=lossy)
+            return _write_own(rulebase, lossy=lossy, strict=strict)
     raise FormatError(f"no format has the suffix '{suffix}'")
 
 
-def _write_own(rulebase: RuleBase, *, lossy: bool) -> Exported:
+def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
     """Write a ``.frb`` text; refuse where the language would, or would read another model."""
     from fuzzyarm.language import parse as parse_rulebase
     from fuzzyarm.language import write as write_rulebase
 
     text = write_rulebase(rulebase)
-    findings = Findings(lossy=lossy)
+    findings = Findings(lossy=lossy, strict=strict)
     parsed = parse_rulebase(text)
     for diagnostic in parsed.diagnostics:
         if diagnostic.is_error:

@@ -80,13 +80,7 @@ class _Parser:
         self.expect("if")
         antecedent = self.condition(0)
         self.expect("then")
-        conclusions = [self.conclusion()]
-        while self.key() in self.dialect.separators:
-            word = self.take()
-            if len(conclusions) == MAX_CONCLUSIONS:
-                message = f"a rule may have {MAX_CONCLUSIONS} conclusions at most"
-                raise FaultError(message, word, "too-many")
-            conclusions.append(self.conclusion())
+        conclusions = self.conclusions(0)
         weight = self.weight() if self.key() == "with" else 1.0
         if self.at < len(self.words):
             word = self.words[self.at]
@@ -153,6 +147,23 @@ class _Parser:
         hedges, term = self._hedges_and_term(draft, variable)
         return Is(variable.text, term, hedges, variable.span)
 
+    def conclusions(self, depth: int) -> list[Consequent]:
+        """Read conclusions; people put them in parentheses, as no program writes them."""
+        found: list[Consequent] = []
+        while True:
+            if self.key() == "(" and self.dialect.any_case and depth < MAX_NESTING:
+                self.at += 1
+                found += self.conclusions(depth + 1)
+                self.expect(")")
+            else:
+                found.append(self.conclusion())
+            if len(found) > MAX_CONCLUSIONS:
+                message = f"a rule may have {MAX_CONCLUSIONS} conclusions at most"
+                raise FaultError(message, self.words[self.at - 1], "too-many")
+            if self.key() not in self.dialect.separators:
+                return found
+            self.at += 1
+
     def conclusion(self) -> Consequent:
         """Read *output is [hedges] term*."""
         variable, draft = self._variable(outputs_only=True)
@@ -218,7 +229,7 @@ class _Parser:
         return draft.terms[0].name
 
     def _term(self, draft: Draft, word: Word) -> str:
-        if draft.term(word.text) is not None:
+        if draft.term(word.text) is not None or word.text in draft.refused:
             return word.text
         same = [t.name for t in draft.terms if t.name.lower() == word.text.lower()]
         if self.dialect.any_case and len(same) == 1:

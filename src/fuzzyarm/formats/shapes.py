@@ -11,7 +11,7 @@ from fuzzyarm.expression import formulas
 from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import replace as put_in
-from fuzzyarm.formats.dialects import Spelling, spellings
+from fuzzyarm.formats.dialects import Dialect, Spelling, spellings
 from fuzzyarm.formats.findings import Findings, Word, written
 from fuzzyarm.model.rulebase import Shape
 
@@ -22,30 +22,91 @@ _SQUARED = frozenset({"gaussian", "two-sided-gaussian"})
 
 
 def spelled_shape(
-    spelling: Spelling, values: list[float], inputs: int, at: Word, findings: Findings, ties: str
+    spelling: Spelling,
+    values: list[float],
+    inputs: int,
+    at: Word,
+    findings: Findings,
+    dialect: Dialect,
 ) -> Shape | None:
     """Return the shape of a word and the numbers behind it, in the order of the program.
 
-    One number too many is the height, but for fuzzylite's ``Constant``, which has none. See
-    :func:`make_shape` for the others.
+    To a program with heights, one number more is the height, but for fuzzylite's
+    ``Constant``, which has none. See :func:`make_shape` for the others.
     """
     kind, word, order = spelling
     if kind == "linear":
         return linear_shape(values, inputs, at, findings)
+    has_height = False
     if kind == "points":
-        has_height = len(values) % 2 == 1
+        has_height = dialect.heights and len(values) % 2 == 1
+    elif dialect.heights and word != "Constant":
+        has_height = len(values) == len(order) + 1
     else:
-        has_height = len(values) == len(order) + 1 and word != "Constant"
+        values = _without_padding(values, len(order), at, findings)
     height = values[-1] if has_height else 1.0
     parameters = values[:-1] if has_height else list(values)
     if len(parameters) == len(order):
         for index, value in zip(order, values, strict=False):
             parameters[index] = value
-    return make_shape(kind, parameters, at, findings, height=height, ties=ties)
+    unordered = _unordered(kind, parameters) if dialect.heights else None
+    if unordered is not None:
+        kind, parameters = "points", unordered
+    return make_shape(kind, parameters, at, findings, height=height, ties=dialect.ties)
+
+
+def _without_padding(values: list[float], count: int, at: Word, findings: Findings) -> list[float]:
+    """Drop the zeros with which old files fill up the numbers of a shape to a common length."""
+    if len(values) <= count or any(values[count:]):
+        return values
+    message = f"{at.text} takes {count} of these {len(values)} numbers; the zeros are padding"
+    findings.warn("padded-numbers", message, at)
+    return values[:count]
+
+
+def _unordered(kind: str, p: list[float]) -> list[float] | None:
+    """Return what fuzzylite computes of corners that are not in order, as points.
+
+    None where they are in order, or where nothing but 0 comes out. Of an x that stands twice
+    the later value counts, as for its own points.
+    """
+    if not all(map(math.isfinite, p)) or all(a <= b for a, b in pairwise(p)):
+        return None
+    match kind, p:
+        case "s", [zero, _]:
+            return [zero, 0.0, _after(zero), 1.0]
+        case "z", [one, _]:
+            return [one, 1.0, _after(one), 0.0]
+        case "triangle", [left, peak, right] if left < right:
+            return _unordered_trapezoid(left, peak, peak, right)
+        case "trapezoid", [a, b, c, d] if a < d:
+            return _unordered_trapezoid(a, b, c, d)
+    return None
+
+
+def _unordered_trapezoid(a: float, b: float, c: float, d: float) -> list[float]:
+    """Evaluate, in this order: 0 outside a to d, 1 from b to c, rising before b, falling."""
+    points = [a, 0.0]
+    for start, end in pairwise(sorted({x for x in (a, b, c, d) if a <= x <= d})):
+        middle = 0.5 * (start + end)
+        for x in (start, end):
+            if b <= middle <= c:
+                degree = 1.0
+            elif middle < b:
+                degree = (x - a) / (b - a)
+            else:
+                degree = (d - x) / (d - c)
+            points += [x, degree]
+    return [*points, _after(d), 0.0]
+
+
+def _after(x: float) -> float:
+    return math.nextafter(x, math.inf)
 
 
 def linear_shape(values: list[float], inputs: int, at: Word, findings: Findings) -> Shape | None:
     """Return a linear consequent; a missing constant is 0."""
+    values = _without_padding(values, inputs + 1, at, findings)
     if len(values) == inputs:
         values = [*values, 0.0]
     if len(values) != inputs + 1:

@@ -15,7 +15,7 @@ from fuzzyarm.expression import formulas
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS
 from fuzzyarm.expression.records import Norm
-from fuzzyarm.formats.dialects import Dialect, word_of, words
+from fuzzyarm.formats.dialects import MACHINE_EPSILON, Dialect, word_of, words
 from fuzzyarm.formats.drafts import VALUES
 from fuzzyarm.formats.findings import Exported, Findings, unique_name, written
 from fuzzyarm.formats.meaning import POWERS, hedged_weight
@@ -67,11 +67,11 @@ class Writer:
     file = "the file"
     descriptions = False
 
-    def __init__(self, rulebase: RuleBase, dialect: Dialect, *, lossy: bool) -> None:
+    def __init__(self, rulebase: RuleBase, dialect: Dialect, *, lossy: bool, strict: bool) -> None:
         self.rulebase = rulebase
         self.dialect = dialect
         self.program = dialect.program
-        self.findings = Findings(lossy=lossy)
+        self.findings = Findings(lossy=lossy, strict=strict)
         self.names = Names()
 
     def lines(self) -> list[str]:
@@ -81,6 +81,8 @@ class Writer:
     def export(self) -> Exported:
         """Return the text, unless something is in the way, and what was found."""
         rulebase, dialect, findings = self.rulebase, self.dialect, self.findings
+        if not rulebase.outputs:
+            findings.error("no-engine", "the rule base has no output")
         note_left_out(rulebase, findings, descriptions=self.descriptions)
         note_chaining(rulebase, findings, self.program, own=dialect.chains)
         if not dialect.thresholds:
@@ -99,7 +101,7 @@ class Writer:
                 message = (
                     f"'{variable.name}' is clamped to its range, which {self.program} does not do"
                 )
-                self.findings.loss("outside-range", message)
+                self.findings.loss("outside-range", message, slight=True)
 
     def one_line(self, text: str, forbidden: str) -> str:
         """Return `text` on one line and without `forbidden` characters; report a change."""
@@ -166,11 +168,13 @@ class Writer:
 
     # --- Defuzzifiers ---
 
-    def need_values(self, output: Output) -> None:
-        """Report sets where a weighted defuzzifier needs values."""
+    def need_values(self, output: Output, *, refused: bool = False) -> None:
+        """Report sets where a weighted defuzzifier needs values; some programs refuse them."""
         if not {term.shape.kind for term in output.terms} <= VALUES:
-            message = f"'{output.name}' has sets where {self.program} needs values"
-            self.findings.loss("set-as-value", message)
+            method = output.defuzzifier.method
+            message = f"'{output.name}' has sets where {self.program} needs values ({method})"
+            report = self.findings.error if refused else self.findings.loss
+            report("set-as-value", message)
 
     def need_sets(self, output: Output, why: str = "which cannot be integrated") -> None:
         """Report values where an integral needs sets."""
@@ -189,8 +193,10 @@ def best(attempts: list[Exported]) -> Exported:
     """Return the first attempt with the fewest errors, then warnings, then remarks."""
 
     def cost(attempt: Exported) -> tuple[int, int, int]:
-        graves = [d.severity for d in attempt.diagnostics]
-        return graves.count(Severity.ERROR), graves.count(Severity.WARNING), len(graves)
+        found = attempt.diagnostics
+        # fuzzylite's threshold moves less than the coarser samples of another program.
+        warned = [d for d in found if d.severity is Severity.WARNING and d.name != "threshold"]
+        return len(attempt.errors), len(warned), len(found)
 
     return min(attempts, key=cost)
 
@@ -214,6 +220,20 @@ class Names:
         return self.terms.get((variable, name), name)
 
 
+def identifier(name: str, reserved: frozenset[str], *, ignore_case: bool) -> str:
+    """Return a name as an identifier that is not reserved."""
+    # A fraction or a raised digit is a word character, but no reader takes it for a letter.
+    plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
+    found = re.sub(r"\W+", "_", plain).strip("_") or "_"
+    if name.isidentifier() and re.fullmatch(r"\w+", name):
+        found = name
+    elif found[0].isnumeric():
+        found = f"_{found}"
+    if (found.lower() if ignore_case else found) in reserved:
+        found = f"{found}_"
+    return found
+
+
 def identifiers(
     rulebase: RuleBase,
     findings: Findings,
@@ -224,16 +244,7 @@ def identifiers(
     """Return names that are identifiers and not reserved; report every change."""
 
     def fitted(name: str, taken: set[str], what: str) -> str:
-        # A fraction or a raised digit is a word character, but no reader takes it for a letter.
-        plain = "".join(c if f"_{c}".isidentifier() else " " for c in name)
-        found = re.sub(r"\W+", "_", plain).strip("_") or "_"
-        if name.isidentifier() and re.fullmatch(r"\w+", name):
-            found = name
-        elif found[0].isnumeric():
-            found = f"_{found}"
-        if (found.lower() if ignore_case else found) in reserved:
-            found = f"{found}_"
-        found = unique_name(found, taken)
+        found = unique_name(identifier(name, reserved, ignore_case=ignore_case), taken)
         taken.add(found)
         if found != name:
             findings.warn("renamed", f"the {what} '{name}' is written as {found}")
@@ -300,10 +311,8 @@ def note_threshold(rulebase: RuleBase, findings: Findings, program: str, usual: 
             f"rules of the block '{block.name}' fire above {block.threshold}, to {program} "
             f"above {usual}"
         )
-        if max(block.threshold, usual) > 1e-6:
-            findings.loss("threshold", message)
-        else:
-            findings.info("threshold", message)
+        slight = max(block.threshold, usual) <= MACHINE_EPSILON
+        findings.loss("threshold", message, slight=slight)
 
 
 # --- Rules ---

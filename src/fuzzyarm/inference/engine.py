@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import os
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from fuzzyarm.inference.kernel import MISSING, evaluate, run, sweep
 from fuzzyarm.inference.layout import Block, Layout, NotCoveredError, lay_out, make_block
 from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, merged, prepare
-from fuzzyarm.kernels import address_of, is_kept, jit_wanted
+from fuzzyarm.kernels import address_of, in_threads, is_at_hand, jit_wanted
 from fuzzyarm.model.rulebase import RuleBase
 
 CHUNK = 8192
@@ -36,25 +36,32 @@ STEPS_WORTH_COMPILING = 800_000_000
 MANY = 100_000
 """Points from which on all processors are used."""
 
-Kernel = Callable[[NDArray[np.float64]], None]
 
-
-@functools.cache
-def kernel_of(function: Callable[[Any], None], *, compiled: bool) -> Kernel:
-    """Return a kernel of one block as a function for Python, made once in a process."""
+def on_block(
+    function: Callable[[Any], None], block: NDArray[np.float64], *, compiled: bool
+) -> Callable[[], None]:
+    """Return the shortest call of a kernel on a block, which the caller keeps."""
     if not compiled:
-        return np.errstate(divide="ignore", invalid="ignore", over="ignore")(function)
-    entry = _entry(function)
-    return lambda block: entry(block.ctypes.data, block.size)
+        quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
+        return partial(quiet(function), block)
+    from ctypes import c_int64, c_void_p
+
+    # The entry takes numbers, too, but would convert them at every call.
+    return partial(_entry(function), c_void_p(block.ctypes.data), c_int64(block.size))
 
 
-@functools.cache
-def _entry(function: Callable[[Any], None]) -> Callable[[int, int], None]:
-    """Return machine code as a function of where a block is and how long; it frees the GIL."""
-    from ctypes import CFUNCTYPE, c_int64, c_void_p
+@cache
+def _entry(function: Callable[[Any], None]) -> Callable[[Any, Any], None]:
+    """Return machine code as a function of where a block is and how long."""
+    from ctypes import CFUNCTYPE, PYFUNCTYPE, c_int64, c_void_p
 
-    address = address_of(function, 1, compiled=True)
-    return CFUNCTYPE(None, c_void_p, c_int64)(address)
+    # One point takes less time than to free the GIL and to wait for it again.
+    kind = PYFUNCTYPE if function is evaluate else CFUNCTYPE
+    return kind(None, c_void_p, c_int64)(address_of(function, 1, compiled=True))
+
+
+_Point = Callable[[Iterable[float]], "tuple[float, ...] | None"]
+"""From the inputs at a point to the outputs; None where one of them has no value."""
 
 
 class Compiled:
@@ -80,7 +87,7 @@ class Compiled:
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._outputs = tuple(output.name for output in rulebase.outputs)
         self._engine: _Engine | None = None
-        self._one: Callable[..., tuple[float, ...] | None] = lambda *_: None
+        self._one: _Point = lambda _: None
         self._only = self._outputs[0] if len(self._outputs) == 1 else None
         try:
             layout = lay_out(plan(rulebase), compiled=self.kernel == "numba")
@@ -108,7 +115,7 @@ class Compiled:
             The outputs in their order.
         """
         if len(values) == len(self._names):
-            found = self._one(*values)
+            found = self._one(values)
             if found is not None:
                 return found
         return tuple(prepare(self.rulebase).evaluate(self._by_name(values)).values())
@@ -140,7 +147,7 @@ class Compiled:
                 if type(value) is not float:
                     break
             else:
-                found = self._one(*named.values())
+                found = self._one(named.values())
                 if found is not None:
                     if self._only is not None:
                         return {self._only: found[0]}
@@ -164,7 +171,7 @@ class Compiled:
         if self._engine is None or given.keys() != set(self._names):
             return None
         try:
-            found = self._one(*(float(given[name]) for name in self._names))
+            found = self._one([float(given[name]) for name in self._names])
         except (TypeError, ValueError, OverflowError):
             return None
         return None if found is None else dict(zip(self._outputs, found, strict=True))
@@ -195,41 +202,34 @@ class _Engine:
         self._compiled = compiled
         wanted = min(POINTS_PER_PROGRAM * layout.programs, LONGEST_CHUNK)
         self._chunk = max(CHUNK, wanted)
-        self._sweep = kernel_of(sweep, compiled=compiled)
-        self._free: list[Block] = []
+        self._free: list[tuple[Block, Callable[[], None]]] = []
         self.one = self._point_function(make_block(layout, 1))
+        if compiled:  # now, so that the first point is fast; `sweep` waits for the first array
+            _entry(evaluate)
 
-    def _point_function(self, first: Block) -> Callable[..., tuple[float, ...] | None]:
-        """Return a function of floats that returns the outputs, None where one has no value.
-
-        Evaluations at the same time, in several threads, take a block each.
-        """
-        start, size = first.numbers.ctypes.data, first.numbers.size
+    def _point_function(self, first: Block) -> _Point:
+        """Make the function; evaluations in several threads at once take a block each."""
+        start = first.numbers.ctypes.data
         pack = struct.Struct(f"={len(first.columns)}d").pack_into
         unpack = struct.Struct(f"={len(first.results)}d").unpack_from
         x_at, y_at = first.columns.ctypes.data - start, first.results.ctypes.data - start
-        template = first.numbers
-        if self._compiled:
-            entry = _entry(evaluate)
-        else:
-            plain = kernel_of(evaluate, compiled=False)
-        free: list[tuple[NDArray[np.float64], memoryview, int]] = []
+        free: list[tuple[Callable[..., None], Callable[[], None], Callable[[], Any]]] = []
         take, give = free.pop, free.append
-        compiled, isnan, several = self._compiled, math.isnan, len(first.results) > 1
+        isnan, several = math.isnan, len(first.results) > 1
 
-        def one(*values: float) -> tuple[float, ...] | None:
+        def one(values: Iterable[float]) -> tuple[float, ...] | None:
             try:
-                room = take()
+                calls = take()
             except IndexError:
-                block = template.copy()
-                room = block, memoryview(block).cast("B"), block.ctypes.data  # type: ignore[arg-type]
-            pack(room[1], x_at, *values)
-            if compiled:
-                entry(room[2], size)
-            else:
-                plain(room[0])
-            found: tuple[float, ...] = unpack(room[1], y_at)
-            give(room)
+                block = first.numbers.copy()
+                room = memoryview(block).cast("B")  # type: ignore[arg-type]
+                run_block = on_block(evaluate, block, compiled=self._compiled)
+                calls = partial(pack, room, x_at), run_block, partial(unpack, room, y_at)
+            write, run_block, read = calls
+            write(*values)
+            run_block()
+            found: tuple[float, ...] = read()
+            give(calls)
             if isnan(found[0]) or (several and any(map(isnan, found))):
                 return None
             return found
@@ -250,17 +250,14 @@ class _Engine:
         working = working_shape(arrays, shape)
         size = math.prod(shape)
         results = np.empty((len(self.rulebase.outputs), *working))
-        parts = list(blocks(working, self._chunk)) if size else []
-        workers = min(os.cpu_count() or 1, len(parts)) if size >= MANY and self._compiled else 1
-        if workers > 1:
-            from concurrent.futures import ThreadPoolExecutor
+        workers = (os.cpu_count() or 1) if size >= MANY and self._compiled else 1
+        turns = max(1, math.ceil(size / (workers * self._chunk)))
+        parts = blocks(working, math.ceil(size / (workers * turns))) if size else ()
 
-            with ThreadPoolExecutor(workers) as pool:
-                missing = sum(
-                    pool.map(lambda part: self._fill(arrays, working, results, part), parts)
-                )
-        else:
-            missing = sum(self._fill(arrays, working, results, part) for part in parts)
+        def fill(some: Iterator[tuple[slice, ...]]) -> int:
+            return sum(self._fill(arrays, working, results, part) for part in some)
+
+        missing = sum(in_threads(fill, parts, workers))
         if missing:
             self._complete(arrays, working, results, held)
         names = [output.name for output in self.rulebase.outputs]
@@ -275,18 +272,19 @@ class _Engine:
     ) -> int:
         """Evaluate one chunk of points; return how many outputs have no ordinary value."""
         try:
-            block = self._free.pop()
+            block, run_block = self._free.pop()
         except IndexError:
             block = make_block(self._layout, self._chunk)
+            run_block = on_block(sweep, block.numbers, compiled=self._compiled)
         shape = tuple(each.stop - each.start for each in part)
         count = math.prod(shape)
         block.points[0] = count
         for column, array in zip(block.columns, arrays.values(), strict=True):
             column[:count].reshape(shape)[...] = part_of(array, working, part)
-        self._sweep(block.numbers)
+        run_block()
         results[:, *part] = block.results[:, :count].reshape(-1, *shape)
         missing = int(block.numbers.view(np.int64)[MISSING])
-        self._free.append(block)
+        self._free.append((block, run_block))
         return missing
 
     def _complete(
@@ -310,14 +308,9 @@ def _compiled(rulebase: RuleBase) -> Compiled:
     return Compiled(rulebase)
 
 
-def _at_hand() -> bool:
-    """Whether the kernel is compiled already, in this process or on disk."""
-    return _entry.cache_info().currsize > 0 or _on_disk()
-
-
-@functools.cache
-def _on_disk() -> bool:
-    return is_kept(sweep, 1) and is_kept(run, 1)
+def _at_hand(function: Callable[[Any], None]) -> bool:
+    """Whether nothing has to be compiled for a kernel of blocks."""
+    return is_at_hand(function, 1) and is_at_hand(run, 1)
 
 
 def infer_many(
@@ -336,14 +329,14 @@ def infer_many(
         except ValueError:  # they do not fit each other: the engine for arrays says so
             points = 0
         steps = points * (len(rulebase.rules) + 10)
-        if _at_hand() or steps > STEPS_WORTH_COMPILING:
+        if _at_hand(sweep) or steps > STEPS_WORTH_COMPILING:
             return _compiled(rulebase)(dict(given), held=held)
     return dict(infer_arrays(rulebase, given, held))
 
 
 def infer_one(rulebase: RuleBase, given: Mapping[str, Any]) -> dict[str, float] | None:
     """Evaluate a point by the kernel; None where it does not cover it, or says what is wrong."""
-    if not jit_wanted() or not _at_hand():
+    if not jit_wanted() or not _at_hand(evaluate):
         return None
     return _compiled(rulebase).ordinary(given)
 

@@ -120,7 +120,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def text_to_show(path: str | os.PathLike[str]) -> str:
-    """Return the text of a file for showing findings in it, whatever its bytes.
+    """Return the text of a file for showing findings in it; empty where it is not a text.
 
     Raises
     ------
@@ -128,7 +128,8 @@ def text_to_show(path: str | os.PathLike[str]) -> str:
         If the file cannot be read.
     """
     with open(path, encoding="utf-8-sig", errors="replace", newline="") as file:
-        return file.read()
+        text = file.read()
+    return "" if "\0" in text else text
 
 
 def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:

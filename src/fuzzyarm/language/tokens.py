@@ -360,6 +360,11 @@ class Cursor:
         if not self.at_figure:
             self.fail(what)
         start = self.span
+        before = self.tokens[self.position - 1]
+        where = before.line, before.end
+        if self.position and before.kind == "number" and where == (start.line, start.column):
+            message = f"a space is missing before '{self.tokens[self.position].text}'"
+            raise Fault(Diagnostic("bad-number", message, start))
         sign = -1.0 if self.next_is("-") else 1.0
         if self.next_is("-") or self.next_is("+"):
             self.take()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
@@ -263,13 +264,30 @@ def _shape(shape: Shape, rulebase: RuleBase) -> ShapeNode:
     return ShapeNode(kind, tuple(map(Figure, shape.parameters)), height=height)
 
 
+_OF_VARIABLES = ("aggregation", "defuzzifier", "no-rule", "outside")
+
+
 def _inference(rulebase: RuleBase) -> Iterator[InferenceNode]:
     first = rulebase.blocks[0] if rulebase.blocks else RuleBlock()
     yield InferenceNode(None, _norms(first, first))
-    for variable in rulebase.inputs:
-        yield InferenceNode(Word(variable.name), (_choice("outside", variable.outside),))
-    for output in rulebase.outputs:
-        yield InferenceNode(Word(output.name), _output_settings(output))
+    settings = {output.name: _output_settings(output) for output in rulebase.outputs}
+    settings |= {
+        variable.name: (_choice("outside", variable.outside),) for variable in rulebase.inputs
+    }
+    # What most variables share is said once, for the others each by itself.
+    nodes = {str(each): each for own in settings.values() for each in own}
+    counts = Counter(str(each) for own in settings.values() for each in own)
+    shared: list[SettingNode] = []
+    for key in _OF_VARIABLES:
+        texts = [text for text, node in nodes.items() if node.key.text == key]
+        shared += [nodes[max(texts, key=counts.__getitem__)]] if texts else []
+    if shared:
+        yield InferenceNode(None, tuple(shared))
+    said = set(map(str, shared))
+    for variable in (*rulebase.inputs, *rulebase.outputs):
+        own = tuple(each for each in settings[variable.name] if str(each) not in said)
+        if own:
+            yield InferenceNode(Word(variable.name), own)
 
 
 def _norms(block: RuleBlock, first: RuleBlock) -> tuple[SettingNode, ...]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
+from fuzzyarm.kernels import in_threads
 from fuzzyarm.loop.loop import final, rms, signed_maximum
 from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
 from fuzzyarm.plant.setting import PLAIN, ArmError, Conventions
@@ -133,16 +133,16 @@ def simulate_batch(
 def _mapped(job: Callable[[int], _Result], count: int, workers: int) -> list[_Result]:
     """Do a job for each number; threads take stretches of them, so that few wait for the GIL."""
     size = max(1, min(LONGEST_STRETCH, count // (4 * workers)))
-    stretches = [range(begin, min(begin + size, count)) for begin in range(0, count, size)]
+    stretches = (range(begin, min(begin + size, count)) for begin in range(0, count, size))
 
-    def stretch_of(runs: range) -> list[_Result]:
+    def run_some(some: Iterator[range]) -> dict[int, list[_Result]]:
         with np.errstate(all="ignore"):
-            return [job(run) for run in runs]
+            return {runs.start: [job(run) for run in runs] for runs in some}
 
-    if workers == 1:
-        return [each for runs in stretches for each in stretch_of(runs)]
-    with ThreadPoolExecutor(workers) as pool:
-        return [each for done in pool.map(stretch_of, stretches) for each in done]
+    done: dict[int, list[_Result]] = {}
+    for part in in_threads(run_some, stretches, workers):
+        done |= part
+    return [result for begin in sorted(done) for result in done[begin]]
 
 
 def _count(

@@ -130,6 +130,7 @@ def run_loop(
         Filled with the number of samples, and, where the run diverged, the set point
         and the iteration in which it did (-1 otherwise).
     """
+    # Read once: as scalars of a tuple they stay in registers over the whole run.
     s = setting_numbers
     setting = Setting(s[0], s[1] != 0.0, int(s[2]), s[3], s[4], s[5], s[6], s[7], int(s[8]))
     single = setting.single
@@ -146,16 +147,19 @@ def run_loop(
             (motion[j + 4], motion[j + 5]),
         )
         plant = plant_of[point] * PLANT_SIZE
+        # The set point is held for its iterations. Where a segment ends with one iteration
+        # only (the study's clock does that) LAST is not reached, and there is no sample.
         for iteration in range(iterations[point]):
             last = iteration == LAST
             pose = pose_of(now.position)
             moment = Moment(reference, now, pose, Clock(setting.step, last, single))
+            # Errors, then control, then the arm: a law never sees the state that it causes.
             wanted = control(moment, laws, numbers, memory, signals)
             torque = (
                 clipped(stored(wanted[0], single), setting.limit_1),
                 clipped(stored(wanted[1], single), setting.limit_2),
             )
-            if last:
+            if last:  # before the arm moves: the error that this torque answers
                 errors[2 * samples] = reference.position[0] - now.position[0]
                 errors[2 * samples + 1] = reference.position[1] - now.position[1]
                 torques[2 * samples] = torque[0]
@@ -164,6 +168,7 @@ def run_loop(
             now = advance(now, torque, pose, plants, plant, setting)
             if setting.disturbance > 0.0:
                 now, random = disturbed(now, random, setting.disturbance, single)
+            # Asked after every step: a lost arm reaches infinity within a few set points.
             if not within(now, reference, setting):
                 progress[1] = point
                 progress[2] = iteration
@@ -181,7 +186,8 @@ LOOP_ARRAYS = "fiiffiffffffi"
 
 @kernel
 def clipped(torque: float, limit: float) -> float:
-    """Bound a torque; not a number passes."""
+    """Bound a torque, N m; not a number passes."""
+    # It fails both comparisons; so does the state that it leads to, and `within` ends the run.
     if torque > limit:
         return limit
     if torque < -limit:
@@ -192,6 +198,7 @@ def clipped(torque: float, limit: float) -> float:
 @kernel
 def within(state: State, reference: Reference, setting: Setting) -> bool:
     """Tell whether the arm is near enough and slow enough; not a number is neither."""
+    # Written as what has to be true, for a comparison with not a number is false.
     return (
         abs(reference.position[0] - state.position[0]) <= setting.error_bound
         and abs(reference.position[1] - state.position[1]) <= setting.error_bound
@@ -203,12 +210,15 @@ def within(state: State, reference: Reference, setting: Setting) -> bool:
 @kernel
 def drawn(random: int) -> int:
     """Advance a 31-bit linear congruential generator; no product overflows 64 bits."""
+    # Factor and summand of the example in the C standard: all 2³¹ numbers in turn.
     return (random * 1103515245 + 12345) % 2147483648
 
 
 @kernel
 def disturbed(state: State, random: int, size: float, single: bool) -> tuple[State, int]:
     """Multiply each state by 1 + `size` times a random number in [-1, 1)."""
+    # Always four draws in the order q₁, q₂, q̇₁, q̇₂: a seed says all, on any machine and with any
+    # number of threads. 2³⁰ is the middle of the generator's range.
     first = drawn(random)
     second = drawn(first)
     third = drawn(second)

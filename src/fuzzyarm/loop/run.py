@@ -278,10 +278,10 @@ class Options:
     def __post_init__(self) -> None:
         for limit in self.torque_limits:
             if not limit > 0:
-                raise ArmError(f"a torque limit of {limit} N m is out of sense", value=limit)
+                raise ArmError(f"a torque limit of {limit} N m is out of range", value=limit)
         if not 0 <= self.runge_kutta <= 1000:
             raise ArmError(
-                f"{self.runge_kutta} Runge-Kutta steps in a control period are out of sense",
+                f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range",
                 value=self.runge_kutta,
                 hint="0 to 1000",
             )

@@ -83,7 +83,7 @@ class ArmParameters:
             value = getattr(self, field.name)
             if not math.isfinite(value) or (value < 0 and field.name != "g"):
                 raise ArmError(
-                    f"arm parameter {field.name} = {value} is out of sense",
+                    f"arm parameter {field.name} = {value} is out of range",
                     name=field.name,
                     value=value,
                 )
@@ -177,6 +177,10 @@ def model_torque(
     pair of float
         Joint torques, N m.
     """
+    # (3.2.20) with P1 … P7 and both motor inertias from numbers[at] on; half of P2 is m₂ l₁ x₂,
+    # by which one joint feels the other. Coriolis terms are products of two velocities, and laws
+    # differ in which: computed torque takes the actual one twice, FFID actual and desired, CDID
+    # actual and reference.
     half = 0.5 * numbers[at + 1]
     coupling = numbers[at + 2] + half * pose.cos_2
     a_1, a_2 = motion.acceleration
@@ -204,6 +208,8 @@ def joint_acceleration(
     velocity: Pair, torque: Pair, pose: Pose, numbers: list[float], at: int, single: bool
 ) -> Pair:
     """Evaluate the forward dynamics of an arm whose constants start at `at`; rad/s²."""
+    # (3.2.20) solved for θ̈. The torques that are there without acceleration first; each sum is
+    # rounded as a whole, where the study's programs kept it in a variable.
     half = 0.5 * numbers[at + 1]
     rest_1 = stored(
         (numbers[at + 3] - numbers[at + 1] * pose.sin_2 * velocity[1]) * velocity[0]
@@ -223,6 +229,7 @@ def joint_acceleration(
     m_22 = stored(numbers[at + 2] + numbers[at + 8], single)
     first = torque[0] - rest_1
     second = torque[1] - rest_2
+    # Cramer's rule; the mass matrix is positive definite, so this is above zero in any pose.
     determinant = m_11 * m_22 - m_12 * m_12
     return (
         stored((first * m_22 - second * m_12) / determinant, single),
@@ -384,6 +391,9 @@ def semi_implicit(
         After the step.
     """
     acceleration = joint_acceleration(state.velocity, torque, pose, numbers, at, single)
+    # The order is the study's: velocity first, then the position with the new one. Together that
+    # moves a joint by v dt + 3/2 a dt², where a constant acceleration would give 1/2. In single
+    # precision a position stands still when the sum is below its last bit.
     v_1 = stored(acceleration[0] * step + state.velocity[0], single)
     v_2 = stored(acceleration[1] * step + state.velocity[1], single)
     q_1 = stored(state.position[0] + v_1 * step + 0.5 * acceleration[0] * step * step, single)
@@ -402,6 +412,8 @@ def runge_kutta(
     single: bool,
 ) -> State:
     """Advance by `parts` classical fourth-order steps; arguments as above."""
+    # Slopes at the start, twice in the middle and at the end of each step, with the torque held
+    # and nothing rounded between: this is what the integrator above is checked against.
     h = step / parts
     now = state
     for _ in range(parts):
@@ -434,6 +446,7 @@ def _moved(state: State, speed: Pair, acceleration: Pair, h: float) -> State:
 
 @kernel
 def _weighted(a: Pair, b: Pair, c: Pair, d: Pair) -> Pair:
+    # Simpson's rule over the step, as the classical method has it.
     return (
         (a[0] + 2.0 * b[0] + 2.0 * c[0] + d[0]) / 6.0,
         (a[1] + 2.0 * b[1] + 2.0 * c[1] + d[1]) / 6.0,
@@ -473,4 +486,7 @@ def motor_torque(voltage: float, velocity: float, ratio: float) -> float:
     float
         At the joint, N m.
     """
-    return (voltage - 0.066 * (velocity * ratio)) * 0.066 / 2.32 * ratio
+    # The motor turns `ratio` times as fast as the joint; what is left of the voltage drives the
+    # current (the armature's inductance is neglected), and the gears multiply its torque.
+    back_emf = TORQUE_CONSTANT * (velocity * ratio)
+    return (voltage - back_emf) * TORQUE_CONSTANT / RESISTANCE * ratio

@@ -74,7 +74,7 @@ STUDY_DIRECT = Conventions("study", "float64", math.pi, False, False, "magnitude
 
 
 class ArmError(FuzzyarmError, ValueError):
-    """An angle, a time, a schedule or a parameter is out of sense.
+    """An angle, a time, a schedule or a parameter is out of range.
 
     Parameters
     ----------
@@ -159,6 +159,8 @@ class Moment(NamedTuple):
 @kernel
 def stored(value: float, single: bool) -> float:
     """Return `value` as a variable of the run's precision would hold it."""
+    # What stands inside one expression stays double, as in the study's programs; kernels call
+    # this where a variable of those held a value.
     if single:
         return float(np.float32(value))
     return value
@@ -180,6 +182,8 @@ def stored_double(value: float, single: bool) -> float:
 @kernel
 def pose_of(position: Pair) -> Pose:
     """Evaluate the four trigonometric values of a position."""
+    # Once a control step, for plant, model and regressor alike: all else in them is arithmetic.
+    # Gravity takes cosines, for angles are from the horizontal.
     return Pose(
         math.cos(position[0]),
         math.sin(position[1]),

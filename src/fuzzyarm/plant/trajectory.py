@@ -50,14 +50,14 @@ class Segment:
         for angle in (*self.start, *self.end):
             if not math.isfinite(angle) or abs(angle) > LARGEST_ANGLE:
                 raise ArmError(
-                    f"angle {angle} is out of sense",
+                    f"angle {angle} is out of range",
                     name="angle",
                     value=angle,
                     hint=f"a number of degrees between {-LARGEST_ANGLE:g} and {LARGEST_ANGLE:g}",
                 )
         if not math.isfinite(self.duration) or not SET_POINT_PERIOD < self.duration <= LONGEST:
             raise ArmError(
-                f"a segment of {self.duration} s is out of sense",
+                f"a segment of {self.duration} s is out of range",
                 name="duration",
                 value=self.duration,
                 hint=f"more than {SET_POINT_PERIOD:g} s and at most {LONGEST:g} s",
@@ -116,24 +116,22 @@ def _moves(points: Sequence[Pair], duration: float) -> list[Segment]:
     return [Segment(start, end, duration) for start, end in pairwise(points)]
 
 
-def reach(
-    angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float | None = None
-) -> Trajectory:
+def reach(angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0) -> Trajectory:
     """Move there and stay; a load is picked up on arrival."""
     there = Segment((0.0, 0.0), angles, segment)
-    rest = Segment(angles, angles, segment if hold is None else hold, hold=True)
+    rest = Segment(angles, angles, hold, hold=True)
     return Trajectory("reach", (there, rest), (False, True))
 
 
 def reach_return(
-    angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float | None = None
+    angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0
 ) -> Trajectory:
     """Move there, pick up the load, come back, stay with it."""
     home = (0.0, 0.0)
     segments = (
         Segment(home, angles, segment),
         Segment(angles, home, segment),
-        Segment(home, home, segment if hold is None else hold, hold=True),
+        Segment(home, home, hold, hold=True),
     )
     return Trajectory("reach-return", segments, (False, True, True))
 
@@ -167,7 +165,7 @@ def through(
     Raises
     ------
     ArmError
-        If there are no points, or an angle or a time is out of sense.
+        If there are no points, or an angle or a time is out of range.
     """
     if not points:
         raise ArmError("a trajectory needs at least one way point", name="points", value=points)

@@ -13,7 +13,7 @@ import math
 import os
 import sys
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, NamedTuple
@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.kernels import build, jit_wanted, kernel
+from fuzzyarm.kernels import build, in_threads, jit_wanted, kernel
 from fuzzyarm.table.axis import Axis, TableError
 
 __all__ = [
@@ -535,19 +535,16 @@ def look_up_arrays(
     if threads == 1:
         _fill(axes, evaluate, inputs, values)
         return values
-    from concurrent.futures import ThreadPoolExecutor
-
     full = [np.broadcast_to(array, shape) for array in inputs]
     axis = int(np.argmax(shape))
     edges = [shape[axis] * k // threads for k in range(threads + 1)]
     parts = [(slice(None),) * axis + (slice(*ends),) for ends in itertools.pairwise(edges)]
-    with ThreadPoolExecutor(threads) as pool:
-        jobs = [
-            pool.submit(_fill, axes, evaluate, [x[part] for x in full], values[part])
-            for part in parts
-        ]
-    for job in jobs:
-        job.result()
+
+    def fill(some: Iterator[tuple[slice, ...]]) -> None:
+        for part in some:
+            _fill(axes, evaluate, [x[part] for x in full], values[part])
+
+    in_threads(fill, parts, threads)
     return values
 
 

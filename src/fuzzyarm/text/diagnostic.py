@@ -133,7 +133,7 @@ MAX_LINE = 20_000
 
 MAX_INPUTS = 32
 MAX_OUTPUTS = 32
-MAX_TERMS = 1_000
+MAX_TERMS = 5_000
 """Most terms of one variable."""
 
 MAX_RULES = 100_000

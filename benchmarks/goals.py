@@ -1,0 +1,193 @@
+"""What a person waits for, and how work scales: each with its goal, in one run.
+
+    python benchmarks/goals.py
+
+The first runs start with an empty folder for machine code and are told in processor seconds
+of the whole command (user and system), the least of some runs, so that a busy machine does
+less harm. Scaling compares the time on the clock with all processors and with one: it needs
+a machine that is quiet for a moment, so it takes the best of many rounds.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import workload
+
+from fuzzyarm import compiled, infer
+from fuzzyarm.controller import CATALOGUE, controller
+from fuzzyarm.inference import engine
+from fuzzyarm.loop import simulate_batch
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.plant import reach_return
+
+ROOT = Path(__file__).resolve().parent.parent
+ROUNDS = 5
+RUNS = 64
+"""In a batch of closed loops."""
+
+
+class Goal(NamedTuple):
+    """One line: what was measured, and its goal."""
+
+    what: str
+    value: float
+    unit: str
+    goal: float
+    least: bool = False
+
+    def text(self) -> str:
+        """Return the line in Markdown."""
+        met = self.value >= self.goal if self.least else self.value <= self.goal
+        sign = "≥" if self.least else "≤"
+        verdict = "yes" if met else "**no**"
+        return f"| {self.what} | {self.value:.3g} {self.unit} | {sign} {self.goal:g} | {verdict} |"
+
+
+def processor_seconds(words: list[str], folder: str) -> float:
+    """Return what a command takes, with its machine code in a folder."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": folder, "FUZZYARM_JIT": "1"}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(words, check=True, capture_output=True, env=environment)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def starts() -> Iterator[Goal]:
+    """Measure first runs without machine code, and second ones with it."""
+    command = str(Path(sys.executable).with_name("fuzzyarm"))
+    first = (
+        "from fuzzyarm import compiled, shipped; from fuzzyarm.language import load_rulebase;"
+        "compiled(load_rulebase(shipped('pd7.frb')))(e=1.3, ce=-2.2)"
+    )
+    for what, words, goal in (
+        ("`simulate pd`", [command, "simulate", "pd"], 3.0),
+        ("`simulate fuzzy-direct`", [command, "simulate", "fuzzy-direct"], 5.0),
+        ("compiled inference", [sys.executable, "-c", first], 3.0),
+    ):
+        cold, warm = [], []
+        for _ in range(ROUNDS):
+            with tempfile.TemporaryDirectory() as folder:
+                cold.append(processor_seconds(words, folder))
+                warm.append(processor_seconds(words, folder))
+        yield Goal(f"{what}, first on a machine", min(cold), "s", goal)
+        yield Goal(f"{what}, second process", min(warm), "s", 0.5)
+    check = [command, "check", str(ROOT / "rulebases/pd7.frb")]
+    bare = [sys.executable, "-c", "import argparse"]
+    pairs = [(processor_seconds(check, ""), processor_seconds(bare, "")) for _ in range(15)]
+    ratio = min(ours for ours, _ in pairs) / min(theirs for _, theirs in pairs)
+    yield Goal('`check pd7.frb` / `python -c "import argparse"`', ratio, "times", 3.5)
+
+
+def best(action: Callable[[], object], rounds: int, clock: Callable[[], float]) -> float:
+    """Return the least time of some rounds, s."""
+    found = math.inf
+    for _ in range(rounds):
+        start = clock()
+        action()
+        found = min(found, clock() - start)
+    return found
+
+
+def points_of(rulebase: RuleBase, count: int) -> dict[str, np.ndarray]:
+    """Return random points, by name."""
+    random = np.random.default_rng(1)
+    return {each.name: random.uniform(each.low, each.high, count) for each in rulebase.inputs}
+
+
+def calls() -> Iterator[Goal]:
+    """Measure single points, and plain `infer` beside `compiled`."""
+    fast = compiled(workload.even())
+    values = np.random.default_rng(2).uniform(workload.LOW, workload.HIGH, (500, 2)).tolist()
+
+    def by_name() -> None:
+        for e, ce in values:
+            fast(e=e, ce=ce)
+
+    each = best(by_name, 50, time.process_time) / len(values)
+    yield Goal("one point of 49 rules, by name", 1e6 * each, "µs", 1.3)
+    smooth = workload.smooth()
+
+    def through_infer() -> None:
+        for e, ce in values[:50]:
+            infer(smooth, e=e, ce=ce)
+
+    through_infer()
+    each = best(through_infer, 20, time.process_time) / 50
+    yield Goal("one point of smooth terms, 101 samples, by `infer`", 1e6 * each, "µs", 100.0)
+    for terms, inputs, count in ((7, 2, 200_000), (7, 4, 50_000), (3, 8, 5_000)):
+        rulebase = workload.many_inputs(terms, inputs)
+        fast, points = compiled(rulebase), points_of(rulebase, count)
+        fast(points)
+        one = best(lambda f=fast, p=points: f(p), 7, time.process_time)  # type: ignore[misc]
+        plain = best(lambda r=rulebase, p=points: infer(r, p), 7, time.process_time)  # type: ignore[misc]
+        what = f"{terms**inputs:,} rules on {inputs} inputs, arrays: `infer` / `compiled`"
+        yield Goal(f"{what} ({1e9 * one / count:.0f} ns a point)", plain / one, "times", 1.2)
+
+
+def scaling() -> Iterator[Goal]:
+    """Measure what all processors are worth, over arrays and in batches of closed loops."""
+    processors = os.cpu_count() or 1
+    goal = {1: 0.9, 2: 1.7}.get(processors, 0.6 * processors)
+    fast, many = compiled(workload.even()), engine.MANY
+    for count in (100_000, 1_000_000):
+        points = points_of(fast.rulebase, count)
+        times = {many: math.inf, 1 << 62: math.inf}
+        for _ in range(20_000_000 // count):  # in turns
+            for threshold, found in times.items():
+                engine.MANY = threshold
+                times[threshold] = min(found, best(lambda p=points: fast(p), 1, time.perf_counter))  # type: ignore[misc]
+        engine.MANY = many
+        ratio = times[1 << 62] / times[many]
+        yield Goal(
+            f"{count:,} points, {processors} processors / one", ratio, "times", goal, least=True
+        )
+    slowest, name = math.inf, ""
+    for entry in CATALOGUE.values():
+        ratio = batch_ratio(entry.name, processors)
+        if ratio < slowest:
+            slowest, name = ratio, entry.name
+    goal = {1: 0.9, 2: 1.8}.get(processors, 0.6 * processors)
+    what = f"{RUNS} runs of a controller, {processors} processors / one: the worst of all ({name})"
+    yield Goal(what, slowest, "times", goal, least=True)
+
+
+def batch_ratio(name: str, processors: int) -> float:
+    """Return how much faster a batch of closed loops is with all processors."""
+    made, path = controller(name), reach_return()
+    times = {1: math.inf, processors: math.inf}
+    for _ in range(ROUNDS):
+        for workers, found in times.items():
+
+            def batch(workers: int = workers) -> object:
+                return simulate_batch(
+                    made, path, seeds=np.arange(RUNS), payload=True, workers=workers
+                )
+
+            times[workers] = min(found, best(batch, 1, time.perf_counter))
+    return times[1] / times[processors]
+
+
+def main() -> int:
+    """Measure and print."""
+    print("| what | measured | goal | met |\n|---|---|---|---|")
+    for part in (starts, calls, scaling):
+        print(f"… {part.__name__}", file=sys.stderr)
+        for goal in part():
+            print(goal.text(), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
