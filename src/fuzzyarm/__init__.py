@@ -17,6 +17,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from fuzzyarm.api import FileWarning, check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
@@ -33,9 +35,6 @@ if TYPE_CHECKING:
         write_table,
     )
     from fuzzyarm.text.diagnostic import RuleBaseError
-
-
-__version__ = "0.1.0"
 
 __all__ = [
     "FileWarning",

@@ -13,14 +13,14 @@ from fuzzyarm.language import Parsed, load_rulebase, parse, read_text
 from fuzzyarm.language.check import check
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 
-RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis")
-TABLE_SUFFIXES = (".lut", ".csv", ".npz", ".json")
+RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
 
 
 class FileWarning(UserWarning):
@@ -47,7 +47,7 @@ class UnknownKindError(FuzzyarmError, ValueError):
     """
 
     def __init__(self, path: str) -> None:
-        known = ", ".join((*RULEBASE_SUFFIXES, *TABLE_SUFFIXES))
+        known = ", ".join((*RULEBASE_SUFFIXES, *SUFFIXES))
         super().__init__(f"{path}: cannot tell what kind of file this is", hint=f"known: {known}")
         self.path = path
 
@@ -58,8 +58,8 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     Parameters
     ----------
     path : path-like
-        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``) or a table (``.lut``, ``.csv``,
-        ``.npz``, ``.json``).
+        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``, ``.fml``) or a table (``.lut``,
+        ``.csv``, ``.npz``, ``.json``).
 
     Warns
     -----
@@ -80,7 +80,7 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     suffix = os.path.splitext(name)[1].lower()
     if suffix == ".frb":
         return load_rulebase(path)
-    if suffix in TABLE_SUFFIXES:
+    if suffix in SUFFIXES:
         from fuzzyarm.table import read_table
 
         return read_table(name)

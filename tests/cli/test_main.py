@@ -57,6 +57,20 @@ def test_check_of_a_good_file(capsys):
     assert run("check", GOOD, capsys=capsys) == (0, f"{GOOD}: no findings\n", "")
 
 
+def test_check_says_what_the_kernel_does_not_cover(tmp_path, capsys):
+    status, out, _ = run("check", "--verbose", GOOD, capsys=capsys)
+    assert (status, out) == (0, f"{GOOD}: no findings\n{GOOD}: covered by the kernel\n")
+    other = tmp_path / "other.frb"
+    other.write_text(
+        "rulebase other\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles LO HI\n"
+        "inference defuzzifier bisector\nrule if a is LO then u is HI\n"
+        "rule if a is HI then u is LO\n"
+    )
+    status, out, _ = run("check", "-v", str(other), capsys=capsys)
+    assert status == 0
+    assert out.endswith(f"{other}: not covered by the kernel: the bisector of 'u'\n")
+
+
 def test_a_check_loads_only_what_it_uses():
     unused = ("numpy", "difflib", "heapq", "json", "shutil", "fuzzyarm.expression.formulas")
     code = (

@@ -68,13 +68,13 @@ def test_damage_to_other_peoples_files() -> None:
 
 
 @settings(max_examples=150, deadline=None)
-@given(st.text(max_size=200), st.sampled_from(FOREIGN))
+@given(st.text(max_size=200), st.sampled_from((*FOREIGN, ".fml")))
 def test_any_text(text: str, suffix: str) -> None:
     check(text, suffix)
 
 
 @settings(max_examples=100, deadline=None)
-@given(st.binary(max_size=200), st.sampled_from(FOREIGN))
+@given(st.binary(max_size=200), st.sampled_from((*FOREIGN, ".fml")))
 def test_any_bytes(data: bytes, suffix: str) -> None:
     check(data.decode("latin-1"), suffix)
 
@@ -90,8 +90,11 @@ def test_any_bytes(data: bytes, suffix: str) -> None:
         (".fis", "[Rules]\n" + "1 " * 90_000),
         (".fll", "InputVariable: x\n" + "".join(f" term: t{i} Ramp 0 1\n" for i in range(8_000))),
         (".fll", "RuleBlock:\n rule: if " + "( " * 90_000),
+        (".fml", "<a>" * 100_000),
+        (".fml", "<fuzzySystem>" + "a<!---->" * 200_000 + "</fuzzySystem>"),
+        (".fml", "<fuzzySystem><knowledgeBase>" + "<fuzzyVariable name='x'/>" * 20_000),
     ],
-    ids=range(8),
+    ids=range(11),
 )
 def test_absurd_files_are_refused(suffix: str, text: str) -> None:
     assert not check(text, suffix)

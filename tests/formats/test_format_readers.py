@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
+from fuzzyarm.formats.findings import MAX_CHARACTERS
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
-from fuzzyarm.text.diagnostic import MAX_CHARACTERS
 
 DATA = Path(__file__).parent / "data"
 
@@ -184,6 +184,15 @@ def test_every_mistake_of_a_file_in_one_run_with_what_was_meant() -> None:
     assert errors[0].replacement == "Ramp"
     assert errors[1].replacement == "Maximum"
     assert errors[-1].replacement == "low"
+
+
+def test_a_stub_is_an_error_and_a_file_without_rules_a_warning() -> None:
+    engine, _, _ = FLL.partition("OutputVariable")
+    assert [d.name for d in parse_fll(engine).errors] == ["no-engine"]
+    without = parse_fll(FLL.partition("RuleBlock")[0])
+    assert good(without).rules == ()
+    assert names(without) == {"no-rules"}
+    assert "no-rules" in names(parse_fcl(FCL.partition("RULEBLOCK")[0] + "END_FUNCTION_BLOCK"))
 
 
 def test_fll_norms_that_a_rule_needs_must_be_there() -> None:

@@ -10,8 +10,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fuzzyarm.inference import InferenceError, NoRuleFiredError, compiled, infer
+from fuzzyarm.inference import (
+    InferenceError,
+    NoRuleFiredError,
+    compiled,
+    engine,
+    infer,
+    prepare,
+)
 from fuzzyarm.kernels import watch_compiling
+from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -97,6 +105,79 @@ def test_mamdani_rule_bases_are_covered(data: st.DataObject) -> None:
         )
     )
     assert assert_equal_engines(rulebase, data.draw(input_points(rulebase, 8))) == "numba"
+
+
+@pytest.mark.slow
+@settings(slow_draws, max_examples=80)
+@given(st.data())
+def test_integrals_and_samples_have_the_bits_of_plain_python(data: st.DataObject) -> None:
+    """So `infer` may go from one to the other while a program runs."""
+    way = data.draw(st.sampled_from([Defuzzifier(), Defuzzifier("centroid", 31, "trapezoid")]))
+    rulebase = data.draw(
+        plain_mamdani(
+            aggregations=[name for name in DISJUNCTIONS if name != "hamacher"],
+            implications=[name for name in CONJUNCTIONS if name != "drastic"],
+            kinds=STRAIGHT + SMOOTH,
+            defuzzifier=way,
+        )
+    )
+    fast, one = compiled(rulebase), prepare(rulebase)
+    assert fast.kernel == "numba"
+    points = data.draw(input_points(rulebase, 3))
+    for row in zip(*points.values(), strict=True):
+        found, wanted = fast.at(*row)[0], one.evaluate(dict(zip(points, row, strict=True)))["u"]
+        members = one.plan.outputs["u"].members
+        curved = any(not piece.straight for member in members for piece in member.pieces)
+        same_way = curved or way.resolution is not None  # straight sets have an envelope there
+        assert found == (wanted if same_way else pytest.approx(wanted, abs=1e-10))
+
+
+def test_infer_goes_over_to_the_kernel_where_integrals_are_many(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = """rulebase round
+input a 0 .. 1
+output u 0 .. 6
+terms a: triangles LO HI
+term u A: gaussian 0 2
+term u B: gaussian 6 1
+inference aggregation sum
+rule if a is LO then u is A
+rule if a is HI then u is B
+"""
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    compiled(rulebase)(a=0.5)
+    first = infer(rulebase, a=0.3)
+    asked = []
+    monkeypatch.setattr(engine, "infer_one", lambda *given: asked.append(given))
+    for _ in range(50):
+        assert infer(rulebase, a=0.3) == first
+    assert asked
+
+
+def test_antecedents_of_any_form_are_covered() -> None:
+    text = """rulebase nested
+input a 0 .. 1
+input b 0 .. 1
+input c 0 .. 1
+output u 0 .. 6
+terms a, b, c, u: triangles LO HI
+inference no-rule 0, and product, or probor
+rule if (a is LO or b is not HI) and c is very LO then u is HI
+rule if somewhat (a is HI and (b is LO or c is HI)) then u is LO
+rule if not (a is LO or b is LO) or c is LO and a is HI then u is HI
+"""
+    parsed = parse(text)
+    assert parsed.rulebase is not None, [str(each) for each in parsed.diagnostics]
+    fast, one = compiled(parsed.rulebase), prepare(parsed.rulebase)
+    assert fast.kernel == "numba"
+    axis = np.linspace(0.0, 1.0, 6)
+    found = fast(a=axis[:, None, None], b=axis[:, None], c=axis)["u"]
+    for index in np.ndindex(found.shape):
+        point = dict(zip("abc", axis[list(index)].tolist(), strict=True))
+        assert found[index] == pytest.approx(one.evaluate(point)["u"], abs=1e-13)
+        assert fast(point)["u"] == found[index]
 
 
 def norms_base(conjunction: str, disjunction: str, aggregation: str) -> RuleBase:

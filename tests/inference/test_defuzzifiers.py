@@ -6,12 +6,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference import InferenceError, infer
 from fuzzyarm.model.rulebase import RuleBase, Shape
 from tests.inference.small import base, rule, terms
+from tests.strategies import SMOOTH, STRAIGHT, shapes
 
 BOXES = terms(left=Shape("rectangle", (1.0, 3.0)), right=Shape("rectangle", (6.0, 8.0)))
 HILLS = terms(left=Shape("triangle", (0.0, 2.0, 4.0)), right=Shape("triangle", (5.0, 6.0, 7.0)))
@@ -95,11 +97,110 @@ def test_maxima_of_scaled_hills_are_their_peaks() -> None:
     assert both(mean, a=0.5, b=0.6) == pytest.approx(6.0)
 
 
+POINTED = {
+    "triangle": (0.0, 4.0, 6.0), "points": (1.0, 0.0, 4.0, 1.0, 7.0, 0.0), "gaussian": (4.0, 1.0),
+    "bell": (4.0, 1.0, 3.5), "cosine": (4.0, 3.0), "spike": (4.0, 3.0), "semi-ellipse": (2.0, 6.0),
+    "sigmoid-product": (2.0, 3.0, 6.0, -3.0),
+}  # fmt: skip
+FLAT = {
+    "trapezoid": (1.0, 3.0, 5.0, 6.0), "rectangle": (3.0, 5.0), "pi": (1.0, 3.0, 5.0, 6.0),
+    "z": (5.0, 8.0), "s": (2.0, 5.0), "ramp": (2.0, 5.0), "arc": (2.0, 5.0), "concave": (2.0, 5.0),
+    "two-sided-gaussian": (3.0, 1.0, 5.0, 2.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["centroid", "bisector"])
+@pytest.mark.parametrize("aggregation", ["max", "sum", "probor"])
+@pytest.mark.parametrize("kind", [*POINTED, *FLAT])
+def test_what_has_no_area_is_no_rule(kind: str, aggregation: str, method: str) -> None:
+    """Below strength 1 drastic leaves a set its plateau at 1: a peak has no area, however round."""
+    shape = Shape(kind, (POINTED | FLAT)[kind])
+    rulebase = base(
+        [rule("a high", "u A")], terms(A=shape), method, names=["a"],
+        implication="drastic", aggregation=aggregation, no_rule=-1.0, outside="extend",
+    )  # fmt: skip
+    assert 0.0 < both(rulebase, a=1.0) < 10.0
+    ends = {"z": (0.0, 5.0), "trapezoid": (3.0, 5.0), "rectangle": (3.0, 5.0), "pi": (3.0, 5.0)}
+    ends |= {"two-sided-gaussian": (3.0, 5.0)}
+    middle = sum(ends.get(kind, (5.0, 10.0))) / 2 if kind in FLAT else -1.0
+    assert both(rulebase, a=0.5) == pytest.approx(middle)
+
+
 def test_maxima_of_a_sum() -> None:
     # Two overlapping boxes add up where they overlap: 2 … 3.
     overlapping = terms(left=Shape("rectangle", (1.0, 3.0)), right=Shape("rectangle", (2.0, 8.0)))
     mean = base(RULES, overlapping, "mean-of-maximum", aggregation="sum")
     assert both(mean, a=0.5, b=0.25) == pytest.approx(2.5)
+
+
+def test_maxima_of_a_bounded_sum_start_where_the_sum_reaches_one() -> None:
+    lines = terms(A=Shape("ramp", (0.0, 7.3)), B=Shape("ramp", (1.0, 8.9)))
+    smallest = base(
+        [rule("a high", "u A"), rule("b high", "u B")], lines, "smallest-of-maximum",
+        implication="product", aggregation="bounded",
+    )  # fmt: skip
+    # 0.9 y / 7.3 + 0.9 (y − 1) / 7.9 = 1
+    reached = (1.0 + 0.9 / 7.9) / (0.9 / 7.3 + 0.9 / 7.9)
+    assert both(smallest, a=0.9, b=0.9) == pytest.approx(reached, abs=1e-14)
+
+
+@pytest.mark.parametrize("aggregation", ["max", "probor"])
+def test_a_nilpotent_cut_begins_where_the_degrees_pass_one(aggregation: str) -> None:
+    hill = terms(A=Shape("triangle", (0.0, 5.0, 10.0)))
+    settings_ = {"names": ["a"], "implication": "nilpotent", "aggregation": aggregation}
+    # min(0.3, y / 5) where 0.3 + y / 5 > 1
+    smallest = base([rule("a high", "u A")], hill, "smallest-of-maximum", **settings_)
+    assert both(smallest, a=0.3) == pytest.approx(3.5, abs=1e-12)
+    largest = base([rule("a high", "u A")], hill, "largest-of-maximum", **settings_)
+    assert both(largest, a=0.8) == pytest.approx(6.0, abs=1e-12)
+
+
+@pytest.mark.slow
+@settings(deadline=None, max_examples=300)
+@given(st.data())
+def test_nothing_is_above_the_maxima(data: st.DataObject) -> None:
+    """Any norms: no position of a dense grid is higher, or as high and further out."""
+    names = ["a", "b", "c"][: data.draw(st.integers(1, 3))]
+    curved = data.draw(st.booleans())
+    kind = st.sampled_from(STRAIGHT + SMOOTH if curved else STRAIGHT)
+    sets = [data.draw(kind.flatmap(lambda k: shapes(k, 0.0, 10.0))) for _ in names]
+    strengths = data.draw(
+        st.lists(st.sampled_from([0.1, 0.3, 0.5, 0.9, 1.0]), min_size=3, max_size=3)
+    )
+    chosen = {
+        "implication": data.draw(st.sampled_from(list(TNORMS))),
+        "aggregation": data.draw(st.sampled_from([name for name in SNORMS if name != "max"])),
+    }
+
+    def height(y: np.ndarray) -> np.ndarray:
+        total = np.zeros(y.shape)
+        for strength, shape in zip(strengths, sets, strict=False):
+            degree = SHAPES[shape.kind].array(y, *shape.parameters) * shape.height
+            degree = np.broadcast_to(degree, y.shape)
+            part = TNORMS[chosen["implication"]].array(np.full(y.shape, strength), degree)
+            total = SNORMS[chosen["aggregation"]].array(total, part)
+        return np.asarray(total)
+
+    rules = [rule(f"{name} high", f"u {name}") for name in names]
+    made = terms(**dict(zip(names, sets, strict=True)))
+    point = dict(zip(names, strengths, strict=False))
+    smallest, largest, mean = (
+        both(base(rules, made, method, names=names, no_rule=-1.0, **chosen), **point)
+        for method in ("smallest-of-maximum", "largest-of-maximum", "mean-of-maximum")
+    )
+    grid = np.linspace(0.0, 10.0, 2003)
+    top = height(grid).max()
+    if smallest == -1.0:
+        assert top == 0.0
+        return
+    assert smallest <= mean <= largest
+    for found in (smallest, largest):
+        beside = np.array([found, found - 1e-8, found + 1e-8]).clip(0.0, 10.0)
+        assert height(beside).max() >= top * (1.0 - 1e-9)
+    if not curved and height(np.array([smallest]))[0] <= top * (1.0 + 1e-12):
+        reached = grid[height(grid) >= top * (1.0 - 1e-14)]
+        assert smallest <= reached[0] + 1e-9
+        assert largest >= reached[-1] - 1e-9
 
 
 def test_sampled_maxima() -> None:

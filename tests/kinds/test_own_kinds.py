@@ -8,7 +8,9 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ import fuzzyarm
 from fuzzyarm.cli import main
 from fuzzyarm.cli.main import COMMANDS
 from fuzzyarm.export import ExportError, routines_of
+from fuzzyarm.expression import records
 from fuzzyarm.formats import PRODUCERS, parse, same_model, write
 from fuzzyarm.formats.skfuzzy import to_skfuzzy
 from fuzzyarm.language import format_text
@@ -376,4 +379,29 @@ def test_a_broken_package_is_named(target, body, package, tmp_path):
     done = in_new_process(package, "check", own)
     assert done.returncode == 1
     assert "Traceback" not in done.stderr
-    assert "broken-kinds" in done.stderr
+    assert "hint: the kinds 'broken-kinds'" in done.stderr
+
+
+def test_a_broken_package_neither_raises_nor_hides_the_others(monkeypatch):
+    ran = []
+    module = ModuleType("kinds_of_others")
+    module.breaks = lambda: sys.exit("not today")
+    module.works = lambda: ran.append("works")
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    points = [EntryPoint(name, f"{module.__name__}:{name}", records.ENTRY_POINT)
+              for name in ("breaks", "nothing", "works")]  # fmt: skip
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: points)
+    monkeypatch.setattr(records, "_loaded", [])
+    monkeypatch.setattr(records, "failures", records.failures)
+    try:
+        found = fuzzyarm.parse(
+            "rulebase r\ninput x 0 .. 1\noutput y 0 .. 1\nterm x A: trianglee 0 1 2\n"
+            "term y A: qqqqqq 1\ninference and qqq\nrule if x is uuu A then y is A\n"
+        )
+        assert ran == ["works"]
+        hints = {d.name: d.hint for d in found.diagnostics}
+        for name in ("unknown-shape", "unknown-choice", "unknown-hedge"):
+            assert all(f"the kinds '{each}'" in hints[name] for each in ("breaks", "nothing"))
+        assert "did you mean 'triangle'" in str(found.diagnostics)
+    finally:
+        records.failures.clear()

@@ -11,6 +11,7 @@ from fuzzyarm.text.diagnostic import (
     MAX_CHARACTERS,
     MAX_DIAGNOSTICS,
     MAX_LINE,
+    MAX_TERMS,
     RuleBaseError,
     render_all,
 )
@@ -263,10 +264,10 @@ def test_absurd_input_is_refused_with_a_reason():
         )
         == 1
     )
-    terms = " ".join(f"T{k}" for k in range(1500))
+    terms = "".join(f"term e T{k}: triangle 0 0.5 1\n" for k in range(MAX_TERMS + 1))
     assert "too-many-terms" in names_of(
         f"rulebase t\ninput e 0 .. 1\noutput u 0 .. 1\n"
-        f"terms e: triangles {terms}\nterms u: triangles A B\n"
+        f"{terms}terms u: triangles A B\n"
         "rule if e is T0 then u is A"
     )
     flood = parse(HEAD + "@\n" * (2 * MAX_DIAGNOSTICS))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
+from markdown_it import MarkdownIt
 
 from fuzzyarm.api import check_text
 from fuzzyarm.language import parse
@@ -25,6 +26,7 @@ from fuzzyarm.language.queries import (
 )
 from fuzzyarm.language.queries.fixes import Edit
 from fuzzyarm.language.statements import GridNode
+from fuzzyarm.text.names import quote
 
 HEAD = """\
 rulebase cart "a cart"
@@ -290,6 +292,50 @@ def test_a_cell_shows_its_rule_in_words() -> None:
     assert shown.startswith("**if x is LEFT and v is MIDDLE then f is PUSH**")
     dot = _shown(HEAD + GRID.replace("PUSH    REST", "|.    REST"))
     assert dot == "no rule for x is LEFT and v is MIDDLE"
+
+
+HOSTILE = [
+    "![x](http://evil/x.png)", "<script>alert(1)</script>", "<img src=x onerror=y>", "**b**", "`c`",
+    "[l](command:evil)", "```\n<b>", "https://evil.example/x", "$$x$$", "&lt;b&gt;", "\\", "_i_",
+    "<http://evil>", "a | b", "# h", "\x1b[31m", "``", "a`b``c",
+]  # fmt: skip
+
+
+MARKUP = {
+    "html_inline",
+    "html_block",
+    "image",
+    "link_open",
+    "table_open",
+    "heading_open",
+    "em_open",
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_hover_shows_names_and_descriptions_as_they_are(name: str) -> None:
+    markdown = MarkdownIt("gfm-like", {"linkify": False, "html": True})
+    x, text = quote(name, "'"), quote(name, '"')
+    source = (
+        f"rulebase {x} {text}\ninput {x} 0 .. 1 {text}\noutput y 0 .. 1 {text}\n"
+        f"term {x} {x}: triangle 0 0.5 0.7\nterm y {x}: formula {text}\n"
+        f'term y F: formula "{x} + 1"\nterms y: triangles A B\nblock {x}\n'
+        f"rules y\n  {x} {x}\n  y A\nrule if {x} is {x} then y is B\n"
+    )
+    reading = read(source)
+    shown = 0
+    for line, words in enumerate(source.splitlines(), start=1):
+        for column in range(1, len(words) + 2):
+            found = hover(reading, line, column)
+            if found is None:
+                continue
+            shown += 1
+            parts = markdown.parse(found.markdown)
+            leaves = [leaf for part in parts for leaf in (part, *(part.children or ()))]
+            kinds = {leaf.type for leaf in leaves}
+            assert not kinds & MARKUP, found.markdown
+            assert found.markdown.replace("\n", "").isprintable()
+    assert shown > 20
 
 
 def test_a_variable_shows_range_and_coverage() -> None:

@@ -164,7 +164,7 @@ def test_compile_reports_as_data(capsys, tmp_path, frb):
     [
         (["-o", "t.xls"], "'t.xls' does not tell a format"),
         (["-o", "t.lut", "--output", "x"], "no output 'x' (it has y)"),
-        (["-o", "t.lut", "--levels", "0"], "1 to 100,000 levels, not 0"),
+        (["-o", "t.lut", "--levels", "1"], "2 to 100,000 levels, not 1"),
         (["-o", "t.lut", "--levels", "c = 4"], "no input 'c'"),
         (["-o", "t.lut", "--levels", "a = 4, 5"], "does not say for which input"),
         (["-o", "t.lut", "--levels", "0 .. 4 step 3"], "the step 3 does not divide"),

@@ -1,6 +1,8 @@
 """Files are replaced whole or not at all."""
 
+import errno
 import os
+import stat
 
 import pytest
 
@@ -71,3 +73,41 @@ def test_a_link_goes_on_leading_to_the_file(tmp_path):
     write_atomically(link, "new")
     assert link.is_symlink()
     assert path.read_text() == "new"
+
+
+def test_a_pipe_is_written_through(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reading = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    write_atomically(path, "new\n")
+    assert os.read(reading, 100) == b"new\n"
+    os.close(reading)
+    assert stat.S_ISFIFO(path.stat().st_mode)
+
+
+def test_every_name_of_a_file_has_the_new_text(tmp_path):
+    path, other = tmp_path / "x.lut", tmp_path / "y.lut"
+    path.write_text("a longer old text")
+    other.hardlink_to(path)
+    write_atomically(path, "new")
+    assert other.read_text() == path.read_text() == "new"
+    assert other.samefile(path)
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_a_full_disk_names_the_file_that_was_asked_for(links, tmp_path, monkeypatch):
+    path = tmp_path / "x.lut"
+    path.write_text("old")
+    if links > 1:
+        (tmp_path / "y.lut").hardlink_to(path)
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def open_full(*_, **__):
+        raise full
+
+    monkeypatch.setattr(os, "fdopen", open_full)
+    monkeypatch.setattr("builtins.open", open_full)
+    with pytest.raises(OSError, match="No space left") as caught:
+        write_atomically(path, "new")
+    assert caught.value.filename == str(path)
+    assert path.stat().st_nlink == links

@@ -16,8 +16,11 @@ from fuzzyarm.cli.command import (
     print_findings,
     print_json,
     print_os_error,
+    say,
+    write_text,
 )
 from fuzzyarm.language import format_text, read_text
+from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 _CHECK = """Find mistakes and doubts in rule bases and tables.
@@ -44,6 +47,8 @@ def _check(arguments: argparse.Namespace) -> int:
         found += review.diagnostics
         if not arguments.json:
             _print_review(path, review, quiet=arguments.quiet)
+            if arguments.verbose and review.rulebase is not None and not review.failed:
+                print(f"{path}: {_engine_of(review.rulebase)}")
     if arguments.json:
         print_json([finding_data(diagnostic) for diagnostic in found], 2)
     return int(failed)
@@ -55,7 +60,16 @@ def _print_review(path: str, review: Review, *, quiet: bool) -> None:
     if review.diagnostics:
         print_findings(review.diagnostics, review.text, stream)
     if not quiet:
-        print(f"{path}: {review.summary}", file=stream)
+        say(f"{path}: {review.summary}", to_errors=review.failed)
+
+
+def _engine_of(rulebase: RuleBase) -> str:
+    """Say which engine `compiled` takes, and why."""
+    from fuzzyarm.inference.layout import what_is_not_covered
+    from fuzzyarm.inference.plan import plan
+
+    reason = what_is_not_covered(plan(rulebase))
+    return f"not covered by the kernel: {reason}" if reason else "covered by the kernel"
 
 
 _FMT = """Rewrite rule bases in canonical form: grids aligned, comments kept.
@@ -96,20 +110,20 @@ def _format_one(path: str, text: str, arguments: argparse.Namespace) -> int:
         import difflib
 
         before, after = text.splitlines(keepends=True), formatted.splitlines(keepends=True)
-        sys.stdout.writelines(difflib.unified_diff(before, after, path, path))
+        write_text("".join(difflib.unified_diff(before, after, path, path)))
         return 0
     if path == "-":
-        sys.stdout.write(formatted)
+        write_text(formatted)
         return 0
     if formatted == text:
         return 0
     if arguments.check:
-        print(f"{path}: not in canonical form")
+        say(f"{path}: not in canonical form")
         return 1
     from fuzzyarm.text.files import write_atomically
 
     write_atomically(path, formatted)
-    print(f"{path}: formatted")
+    say(f"{path}: formatted")
     return 0
 
 
@@ -121,6 +135,7 @@ COMMANDS = (
         argument("files FILE", ".frb, .lut, .fll, .fcl or .fis", nargs="+"),
         flag("--strict", "let warnings fail too"),
         flag("--quiet -q", "print findings only"),
+        flag("--verbose -v", "also say what of a rule base the kernel does not cover"),
         json_of("the findings"),
     ),
     command(

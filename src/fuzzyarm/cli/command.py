@@ -8,13 +8,13 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.diagnostic import Diagnostic, render_all
-from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
+from fuzzyarm.text.names import near_hint, printable
 
 if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
@@ -279,16 +279,48 @@ def demand_extra(module: str, extra: str, what: str) -> None:
 # --- What is printed ---
 
 
+def say(*lines: str, to_errors: bool = False) -> None:
+    """Print lines that may have anybody's names in them."""
+    text = "\n".join(map(printable, lines))
+    if not to_errors:
+        print(text)
+        return
+    with suppress(OSError):  # nobody can be told
+        print(text, file=sys.stderr)
+
+
+def write_text(text: str) -> None:
+    """Write the text of a file to the standard output: UTF-8, but clean on a terminal."""
+    if sys.stdout.isatty():
+        say(*split_lines(text))
+        return
+    sys.stdout.flush()
+    sys.stdout.buffer.write(text.encode())
+
+
 def print_json(data: Any, indent: int | None = None, *, ascii_only: bool = True) -> None:
     """Print JSON data to the standard output."""
     import json
 
-    print(json.dumps(data, indent=indent, ensure_ascii=ascii_only))
+    ascii_only |= "utf" not in (sys.stdout.encoding or "utf-8").lower()
+    lines = json.dumps(data, indent=indent, ensure_ascii=ascii_only).split("\n")
+    # JSON itself escapes control characters, but not those that turn the direction of writing.
+    print("\n".join(x if x.isprintable() else _UNPRINTABLE.sub(_escaped, x) for x in lines))
+
+
+_UNPRINTABLE = re.compile(r"[^\x20-\x7e]")
+
+
+def _escaped(character: re.Match[str]) -> str:
+    import json
+
+    found = character.group()
+    return found if found.isprintable() else json.dumps(found)[1:-1]
 
 
 def print_error(message: object) -> None:
     """Print one line about what is wrong."""
-    print(f"fuzzyarm: {message}", file=sys.stderr)
+    say(f"fuzzyarm: {message}", to_errors=True)
 
 
 def print_os_error(error: OSError, path: str | None = None) -> None:
@@ -300,7 +332,8 @@ def print_os_error(error: OSError, path: str | None = None) -> None:
 def print_findings(found: Sequence[Diagnostic], text: str, stream: TextIO) -> None:
     """Print diagnostics with their source lines, in colours on a terminal."""
     colour = stream.isatty() and "NO_COLOR" not in os.environ
-    print(render_all(found, text, colour=colour), file=stream)
+    with suppress(OSError) if stream is sys.stderr else nullcontext():
+        print(render_all(found, text, colour=colour), file=stream)
 
 
 def finding_data(found: Diagnostic) -> dict[str, Any]:

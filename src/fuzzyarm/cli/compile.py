@@ -38,6 +38,7 @@ from fuzzyarm.cli.command import (
     print_json,
     read_number,
     require_suffix,
+    say,
 )
 from fuzzyarm.language.tokens import Cursor, Fault, tokenize
 from fuzzyarm.text.diagnostic import Diagnostic
@@ -59,7 +60,7 @@ _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
 def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.api import load
     from fuzzyarm.model.rulebase import RuleBase
-    from fuzzyarm.table.files import SUFFIXES
+    from fuzzyarm.table import SUFFIXES
 
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
     exports = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS)) in _EXPORTS
@@ -88,7 +89,7 @@ def _run(arguments: argparse.Namespace) -> int:
         if arguments.json:
             print_json(_report_data(report, arguments.out), 2)
         else:
-            print("\n".join(_report_lines(report, arguments.out)))
+            say(*_report_lines(report, arguments.out))
     return 0
 
 
@@ -126,7 +127,7 @@ def _rewrite(table: LookupTable, arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json({**_table_data(table, arguments.out), "mode": table.default_mode}, 2)
     else:
-        print(_table_words(table, arguments.out))
+        say(_table_words(table, arguments.out))
 
 
 def _write(table: LookupTable, arguments: argparse.Namespace) -> None:
@@ -162,7 +163,7 @@ def _export(
         print_json({**_export_data(exported), "tables": tables}, 2)
         return
     lines = [line for report in reports for line in _report_lines(report, arguments.out)]
-    print("\n".join([*lines, *_export_lines(exported)]))
+    say(*lines, *_export_lines(exported))
 
 
 # --- The `--levels`, in the words of the language ---

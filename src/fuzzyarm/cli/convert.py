@@ -22,7 +22,6 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from fuzzyarm.api import TABLE_SUFFIXES
 from fuzzyarm.cli.command import (
     argument,
     command,
@@ -33,12 +32,14 @@ from fuzzyarm.cli.command import (
     print_error,
     print_findings,
     print_json,
+    say,
 )
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
 from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.language.reading import format_text, read_text, text_to_show
 from fuzzyarm.language.tokens import tokenize
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Severity
 from fuzzyarm.text.files import write_atomically
 
@@ -53,7 +54,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if _same_file(arguments.source, arguments.target):
         print_error(f"{arguments.target}: the file to read and the file to write are the same")
         return 1
-    if Path(arguments.source).suffix.lower() in TABLE_SUFFIXES:
+    if Path(arguments.source).suffix.lower() in SUFFIXES:
         return _convert_table(arguments, target)
     imported = read(
         arguments.source,
@@ -81,7 +82,7 @@ def _same_file(source: str, target: str) -> bool:
 
 def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:
     """Write a rule base; a text of the language keeps its comments, or they are counted."""
-    is_own = suffix_of(arguments.source) == ".frb"
+    is_own = Path(arguments.source).suffix.lower() == ".frb"
     source = read_text(arguments.source) if is_own else ""
     if is_own and target == ".frb":
         return Exported(format_text(source, arguments.source))
@@ -134,7 +135,7 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
         return int(not written)
     _report(arguments, imported, diagnostics, written=written)
     if written and not arguments.quiet:
-        print(
+        say(
             f"what {rules} rules cannot express of {table.output}: {found.worst:.3g} at worst, "
             f"{found.rms:.3g} rms over {table.values.size} cells"
         )
@@ -160,15 +161,15 @@ def _report(
         if diagnostic.span != NOWHERE:
             print_findings([diagnostic], text, stream)
             continue
-        hint = f"\n       = hint: {diagnostic.hint}" if diagnostic.hint else ""
+        hint = [f"       = hint: {diagnostic.hint}"] if diagnostic.hint else []
         label = f"{diagnostic.severity}[{diagnostic.name}]"
-        print(f"{diagnostic.path}: {label}: {diagnostic.message}{hint}", file=stream)
+        say(f"{diagnostic.path}: {label}: {diagnostic.message}", *hint, to_errors=not written)
     if not written:
         print_error(f"{arguments.target}: not written")
     elif not arguments.quiet:
         # Of a table the residual tells what was lost.
         summary = "" if imported.producer == "table" and not found else f", {_summary(found)}"
-        print(f"{arguments.target}: written{summary}")
+        say(f"{arguments.target}: written{summary}")
 
 
 def _summary(found: list[Diagnostic]) -> str:

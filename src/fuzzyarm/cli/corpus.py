@@ -18,7 +18,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from fuzzyarm.cli.command import argument, command, flag, json_of, print_error, print_json
+from fuzzyarm.cli.command import argument, command, flag, json_of, print_error, print_json, say
 from fuzzyarm.formats import FOREIGN, PRODUCERS, Imported, read
 from fuzzyarm.inference import InferenceError, prepare
 from fuzzyarm.model.rulebase import RuleBase
@@ -38,6 +38,7 @@ TOLERANCE = 1e-6
 FLOOR = 1e-9
 """Absolute difference below which two values are equal, for outputs around zero."""
 
+_FILES = (*FOREIGN, ".fml")
 _PROGRAMS = ("octave", "fuzzylite", "matlab", "jfuzzylogic")
 _IGNORED = re.compile(r"outputs_resolution_\d+\Z")
 
@@ -168,7 +169,7 @@ class Row:
 def _run(arguments: argparse.Namespace) -> int:
     rows = survey(arguments.folder, arguments.reference)
     if not rows:
-        print_error(f"{arguments.folder}: no {', '.join(FOREIGN)} files in there")
+        print_error(f"{arguments.folder}: no {', '.join(_FILES)} files in there")
         return 1
     if arguments.json:
         print_json({"summary": summary(rows), "files": [asdict(row) for row in rows]}, 2)
@@ -191,7 +192,7 @@ def survey(folder: Path, reference: Path | None = None) -> list[Row]:
         raise NotADirectoryError(20, "not a folder", str(folder))
     candidates = (folder / "reference", folder.parent / "reference")
     where = reference or next((c for c in candidates if c.is_dir()), None)
-    files = sorted(p for p in folder.rglob("*") if p.suffix.lower() in FOREIGN and p.is_file())
+    files = sorted(p for p in folder.rglob("*") if p.suffix.lower() in _FILES and p.is_file())
     return [_row(path, folder, where) for path in files]
 
 
@@ -256,13 +257,13 @@ def summary(rows: list[Row]) -> dict[str, dict[str, int]]:
 def _print(rows: list[Row], *, verbose: bool) -> None:
     for row in rows:
         if not row.imported:
-            print(f"{row.file}: not imported: {row.first}")
+            say(f"{row.file}: not imported: {row.first}")
         elif row.differences:
             said = ", ".join(f"{program}: {why}" for program, why in row.differences.items())
-            print(f"{row.file}: differs from {said}")
+            say(f"{row.file}: differs from {said}")
         elif verbose:
             state = "equal" if row.equal else "imported"
-            print(f"{row.file}: {state} ({row.producer})")
+            say(f"{row.file}: {state} ({row.producer})")
     columns = ("files", "imported", "diagnosed", "compared", "matched")
     print(f"{'':>6}" + "".join(f"{column:>11}" for column in columns))
     for kind, counts in summary(rows).items():

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO, cast
 
 from fuzzyarm.cli.command import (
     WordError,
@@ -221,11 +221,13 @@ def _address(text: str) -> tuple[str, int]:
 def _serve(arguments: argparse.Namespace) -> int:
     demand_extra("pygls", "lsp", "the language server")
     from fuzzyarm.lsp.features import make_server
+    from fuzzyarm.lsp.server import MessageStream
 
     server = make_server()
     if arguments.tcp is None:
         # The server closes its output when it ends; ours stays open for the farewell.
-        server.start_io(stdout=os.fdopen(os.dup(sys.stdout.fileno()), "wb"))
+        stdin = cast("BinaryIO", MessageStream(sys.stdin.buffer))
+        server.start_io(stdin, os.fdopen(os.dup(sys.stdout.fileno()), "wb"))
         return 0
     host, port = arguments.tcp
     print_error(f"waiting for an editor on {host}:{port}")

@@ -25,6 +25,7 @@ from fuzzyarm.cli.command import (
     print_json,
     read_assignments,
     read_point,
+    say,
 )
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
@@ -90,7 +91,7 @@ def _look_up(table: LookupTable, arguments: argparse.Namespace) -> None:
 
         _save(table_figure(table, at=values), arguments)
     if arguments.explain and not arguments.json:
-        print("\n".join(_steps(table, values, arguments.mode)))
+        say(*_steps(table, values, arguments.mode))
     _print(result, arguments)
 
 
@@ -98,7 +99,7 @@ def _print(outputs: dict[str, Any], arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json(outputs, ascii_only=False)
         return
-    print("\n".join(f"{name_text(name)} = {number_text(x)}" for name, x in outputs.items()))
+    say(*(f"{name_text(name)} = {number_text(x)}" for name, x in outputs.items()))
 
 
 def _save(figure: Figure, arguments: argparse.Namespace) -> None:

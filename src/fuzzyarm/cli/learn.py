@@ -105,7 +105,7 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.joint and not arguments.out:
         raise WordError("--joint says which table to write, so it needs -o FILE")
     if arguments.out:
-        from fuzzyarm.table.files import SUFFIXES
+        from fuzzyarm.table import SUFFIXES
 
         require_suffix(arguments.out, SUFFIXES)
         out = Path(arguments.out)
@@ -272,7 +272,7 @@ class _Training:
 
 
 def _provenance(arguments: argparse.Namespace) -> dict[str, str]:
-    from fuzzyarm import __version__
+    from fuzzyarm.version import __version__
 
     pairs = {
         "made": "learned by self-organizing control",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import atexit
+import contextlib
+import errno
 import gc
 import importlib
 import os
@@ -80,12 +82,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except FuzzyarmError as error:
         print_error(error)
         return EXIT_INPUT
-    except BrokenPipeError:
-        # The reader (head, less) has gone: not a fault, but nothing more may be written.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # the reader (head, less) has gone: not a fault
+        _discard_output()
         return 0
     except OSError as error:
-        print_os_error(error)
+        unnamed = error.filename is None and error.errno in _DISK_ERRORS
+        print_os_error(error, "standard output" if unnamed else None)
+        _discard_output()
         return EXIT_INPUT
     except KeyboardInterrupt:
         print_error("interrupted")
@@ -93,15 +96,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return status
 
 
+_DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
+
 def _prepare_output() -> None:
-    """Let the output take anything: what its encoding has not is replaced."""
-    if sys.stdout is None:  # closed by whoever started the process
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
-    if sys.stderr is None:
-        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
-    reconfigure = getattr(sys.stdout, "reconfigure", None)
-    if reconfigure is not None and sys.stdout.errors == "strict":
-        reconfigure(errors="replace")
+    """Let the outputs take anything: what their encoding has not is replaced."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by whoever started the process
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        stream = getattr(sys, name)
+        if hasattr(stream, "reconfigure") and stream.errors == "strict":
+            stream.reconfigure(errors="replace")
+    # Figures are drawn without a backend, and an unknown one keeps matplotlib from loading.
+    os.environ.pop("MPLBACKEND", None)
+
+
+def _discard_output() -> None:
+    """Let nothing more be written, not even at the end of the process."""
+    with contextlib.suppress(OSError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _warning_text(
@@ -165,7 +178,7 @@ def _print_mistakes(error: RuleBaseError) -> None:
 
 def _overview(words: list[str], name: str | None) -> int:
     if words and words[0] in {"--version", "-V"}:
-        from fuzzyarm import __version__
+        from fuzzyarm.version import __version__
 
         print(f"fuzzyarm {__version__}")
         return 0

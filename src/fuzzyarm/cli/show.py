@@ -18,6 +18,7 @@ from fuzzyarm.cli.command import (
     print_json,
     read_assignments,
     read_point,
+    say,
 )
 from fuzzyarm.model.rulebase import RuleBase
 
@@ -116,7 +117,7 @@ def _plot(arguments: argparse.Namespace) -> int:
 
     require_figure_suffix(arguments.out)
     save_figure(_figure(load(arguments.file), arguments), arguments.out)
-    print(f"{arguments.out}: drawn from {arguments.file}")
+    say(f"{arguments.out}: drawn from {arguments.file}")
     return 0
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzzyarm.api import check_text
-from fuzzyarm.cli.command import argument, command, counted, flag
+from fuzzyarm.cli.command import argument, command, counted, flag, say
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text
 from fuzzyarm.language.queries import apply_edits, fixes
@@ -241,7 +241,7 @@ def _new(arguments: argparse.Namespace) -> int:
     if path.exists() and not arguments.force:
         raise NewFileError(f"{path} is there already", hint="--force replaces it")
     write_atomically(path, text)
-    print(f"{path}: written; see it with  fuzzyarm studio {path}")
+    say(f"{path}: written; see it with  fuzzyarm studio {path}")
     return 0
 
 

@@ -227,7 +227,8 @@ def _signals(rulebase: RuleBase) -> list[int]:
         if variable.name not in SIGNALS:
             raise SourceError(
                 f"'{rulebase.name}' asks for '{variable.name}', which a controller does not have",
-                hint=f"its inputs may be called {', '.join(SIGNALS)}",
+                hint=f"rules for the arm have the inputs {', '.join(SIGNALS)}, or some of them:"
+                " 'fuzzyarm new' writes such a file",
             )
     return [SIGNALS[variable.name] for variable in rulebase.inputs]
 

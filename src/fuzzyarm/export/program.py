@@ -46,7 +46,7 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.printing import Assign
-from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import (
     TAKAGI_SUGENO,
@@ -58,7 +58,6 @@ from fuzzyarm.model.rulebase import (
     Is,
     Output,
     RuleBase,
-    propositions,
 )
 from fuzzyarm.model.rulebase import Expression as Antecedent
 
@@ -170,7 +169,7 @@ class _Builder:
             self.values[variable.name] = self.fresh(
                 _into_range(variable, symbol(name), guard_nan=True), variable.name
             )
-        outputs, rules = self._needed()
+        outputs, rules = needed(self.plan, [self.target])
         for name in outputs:
             self.heights[name] = {}
             self.fired[name] = []
@@ -198,26 +197,6 @@ class _Builder:
         if isinstance(body, Apply):
             self.calls[value] = Call(wanted, body, argument)
         return value
-
-    def _needed(self) -> tuple[set[str], set[int]]:
-        """Return the outputs and rules that the target depends on."""
-        outputs, rules = {self.target}, set[int]()
-        while True:
-            more = {
-                rule
-                for name in outputs
-                for _, rule in self.plan.outputs[name].contributions
-                if self.plan.rules[rule].rule.weight != 0.0
-            }
-            read = {
-                part.variable
-                for rule in more
-                for part in propositions(self.plan.rules[rule].rule.antecedent)
-                if part.variable in self.plan.outputs
-            }
-            if more == rules and read <= outputs:
-                return outputs, rules
-            outputs, rules = outputs | read, more
 
     def _check_output(self, output: OutputPlan) -> None:
         name, way = output.output.name, output.output.defuzzifier

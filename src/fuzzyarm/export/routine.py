@@ -14,10 +14,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm import __version__
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import C_TYPES, Kind
 from fuzzyarm.text.numbers import number_text
+from fuzzyarm.version import __version__
 
 # --- What one exported C file is put together from: names, shared constants, small helpers ---
 

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm import __version__
 from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import C_TYPES, Kind, Precision, precision_named, rounded
@@ -25,9 +24,11 @@ from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output
+from fuzzyarm.version import __version__
 
 _DENSE_POINTS = 60_000
 _DENSE_SAMPLES = 120_000_000
+_MOST_POINTS = 6_000_000
 _VECTORS = 48
 
 _AT_ONCE = 16_384
@@ -178,9 +179,14 @@ class DirectRoutine:
     @cached_property
     def accuracy(self) -> Accuracy:
         """The difference to the inference in double precision over a dense grid."""
-        mesh = np.ix_(*self._grid())
-        result = self.evaluate(*mesh, *self._held(mesh[0])).astype(np.float64)
-        truth = self.model(*mesh)
+        axes = self._grid()
+        if math.prod(axis.size for axis in axes) <= _MOST_POINTS:
+            points = list(np.ix_(*axes))
+        else:  # not even the corners of so many inputs can all be tried: points drawn from them
+            draw = np.random.default_rng(len(axes))
+            points = [draw.choice(axis, _DENSE_POINTS) for axis in axes]
+        result = self.evaluate(*points, *self._held(points[0])).astype(np.float64)
+        truth = self.model(*points)
         difference = np.abs(result - truth)
         difference = difference[~np.isnan(difference)]
         worst = float(difference.max()) if difference.size else 0.0

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fuzzyarm import __version__
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ST_TYPES, ExportError, st_number
 from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
 from fuzzyarm.export.table import Side, TableCode, TableRoutine
 from fuzzyarm.expression.printing import STRUCTURED_TEXT
+from fuzzyarm.version import __version__
 
 
 def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:

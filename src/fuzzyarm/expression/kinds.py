@@ -12,38 +12,10 @@ function that does) under the entry point ``fuzzyarm.kinds``; it is imported whe
 a kind that is not built in.
 """
 
-from fuzzyarm.expression import norms, shapes
-from fuzzyarm.expression.records import (
-    HEDGES,
-    SHAPES,
-    SNORMS,
-    TNORMS,
-    Hedge,
-    KindError,
-    Norm,
-    Registry,
-    Shape,
-    hedge,
-    shape,
-    snorm,
-    tnorm,
-)
+from fuzzyarm.expression import norms, records, shapes
+from fuzzyarm.expression.records import *  # noqa: F403 - those names, once the kinds stand there
 
-__all__ = [
-    "HEDGES",
-    "SHAPES",
-    "SNORMS",
-    "TNORMS",
-    "Hedge",
-    "KindError",
-    "Norm",
-    "Registry",
-    "Shape",
-    "hedge",
-    "shape",
-    "snorm",
-    "tnorm",
-]
+__all__ = records.__all__
 
 shapes.register()
 norms.register()

@@ -100,7 +100,7 @@ def _register_tnorms() -> None:
         positive=True,
         lines=lambda w: ((0.0, 1.0), (w, 0.0)),
         names={"fll": "Minimum", "fis": "min", "fcl": "MIN", "jfl": "MIN"}
-        | {"matlab": "min", "octave": "min", "skfuzzy": "fmin"},
+        | {"matlab": "min", "octave": "min", "skfuzzy": "fmin", "fml": "MIN"},
     )
     kind(
         "product",
@@ -110,7 +110,7 @@ def _register_tnorms() -> None:
         positive=True,
         lines=lambda w: ((0.0, w),),
         names={"fll": "AlgebraicProduct", "fis": "prod", "fcl": "PROD", "jfl": "PROD"}
-        | {"matlab": "prod", "octave": "prod", "skfuzzy": "multiply"},
+        | {"matlab": "prod", "octave": "prod", "skfuzzy": "multiply", "fml": "PROD"},
     )
     kind(
         "bounded",
@@ -119,15 +119,16 @@ def _register_tnorms() -> None:
         doc="max(0, a + b − 1), Łukasiewicz",
         lines=lambda w: ((w - 1.0, 1.0),),
         names={"fll": "BoundedDifference", "fis": "bounded_difference", "fcl": "BDIF"}
-        | {"jfl": "BDIF", "octave": "bounded_difference"},
+        | {"jfl": "BDIF", "octave": "bounded_difference", "fml": "BDIF"},
     )
     kind(
         "drastic",
         _t_drastic,
         dual="drastic",
         doc="the smaller where the other is 1, else 0",
+        leaves_ones=True,
         names={"fll": "DrasticProduct", "fis": "drastic_product", "fcl": "DPROD", "jfl": "DMIN"}
-        | {"octave": "drastic_product"},
+        | {"octave": "drastic_product", "fml": "DRP"},
     )
     kind(
         "hamacher",
@@ -136,7 +137,7 @@ def _register_tnorms() -> None:
         doc="ab / (a + b − ab)",
         positive=True,
         names={"fll": "HamacherProduct", "fis": "hamacher_product", "fcl": "HPROD"}
-        | {"jfl": "HAMACHER", "octave": "hamacher_product"},
+        | {"jfl": "HAMACHER", "octave": "hamacher_product", "fml": "HPROD"},
     )
     kind(
         "einstein",
@@ -145,13 +146,13 @@ def _register_tnorms() -> None:
         doc="ab / (2 − (a + b − ab))",
         positive=True,
         names={"fll": "EinsteinProduct", "fis": "einstein_product", "fcl": "EPROD"}
-        | {"octave": "einstein_product"},
+        | {"octave": "einstein_product", "fml": "EPROD"},
     )
     kind(
         "nilpotent", _t_nilpotent, dual="nilpotent",
         doc="the smaller where a + b > 1, else 0",
         names={"fll": "NilpotentMinimum", "fis": "nilpotent_minimum", "fcl": "NMIN"}
-        | {"jfl": "NIPMIN"},
+        | {"jfl": "NIPMIN", "fml": "NILMIN"},
     )  # fmt: skip
 
 
@@ -165,7 +166,7 @@ def _register_snorms() -> None:
         dual="min",
         doc="the larger",
         names={"fll": "Maximum", "fis": "max", "fcl": "MAX", "jfl": "MAX"}
-        | {"matlab": "max", "octave": "max", "skfuzzy": "fmax"},
+        | {"matlab": "max", "octave": "max", "skfuzzy": "fmax", "fml": "MAX"},
     )
     kind(
         "probor",
@@ -173,7 +174,7 @@ def _register_snorms() -> None:
         dual="product",
         doc="a + b − ab",
         names={"fll": "AlgebraicSum", "fis": "probor", "fcl": "ASUM", "jfl": "PROBOR, ASUM"}
-        | {"matlab": "probor", "octave": "probor"},
+        | {"matlab": "probor", "octave": "probor", "fml": "PROBOR"},
     )
     kind(
         "bounded",
@@ -181,7 +182,7 @@ def _register_snorms() -> None:
         dual="bounded",
         doc="min(1, a + b)",
         names={"fll": "BoundedSum", "fis": "bounded_sum", "fcl": "BSUM", "jfl": "BSUM"}
-        | {"octave": "bounded_sum"},
+        | {"octave": "bounded_sum", "fml": "BSUM"},
     )
     kind(
         "drastic",
@@ -189,7 +190,7 @@ def _register_snorms() -> None:
         dual="drastic",
         doc="the larger where the other is 0, else 1",
         names={"fll": "DrasticSum", "fis": "drastic_sum", "fcl": "DSUM", "jfl": "DMAX"}
-        | {"octave": "drastic_sum"},
+        | {"octave": "drastic_sum", "fml": "DRS"},
     )
     kind(
         "hamacher",
@@ -197,7 +198,7 @@ def _register_snorms() -> None:
         dual="hamacher",
         doc="(a + b − 2ab) / (1 − ab)",
         names={"fll": "HamacherSum", "fis": "hamacher_sum", "fcl": "HSUM"}
-        | {"octave": "hamacher_sum"},
+        | {"octave": "hamacher_sum", "fml": "HSUM"},
     )
     kind(
         "einstein",
@@ -205,7 +206,7 @@ def _register_snorms() -> None:
         dual="einstein",
         doc="(a + b) / (1 + ab)",
         names={"fll": "EinsteinSum", "fis": "einstein_sum", "fcl": "ESUM", "jfl": "EINSTEIN"}
-        | {"octave": "einstein_sum"},
+        | {"octave": "einstein_sum", "fml": "ESUM"},
     )
     kind(
         "nilpotent",
@@ -213,7 +214,7 @@ def _register_snorms() -> None:
         dual="nilpotent",
         doc="the larger where a + b < 1, else 1",
         names={"fll": "NilpotentMaximum", "fis": "nilpotent_maximum", "fcl": "NMAX"}
-        | {"jfl": "NIPMAX"},
+        | {"jfl": "NIPMAX", "fml": "NILMAX"},
     )
     kind(
         "sum",
@@ -225,7 +226,8 @@ def _register_snorms() -> None:
     )
     kind(
         "normalized", _normalized, doc="(a + b) / max(1, a + b), for aggregation", aggregates=True,
-        names={"fll": "NormalizedSum", "fis": "normalized_sum", "fcl": "NSUM", "jfl": "NSUM"},
+        names={"fll": "NormalizedSum", "fis": "normalized_sum", "fcl": "NSUM", "jfl": "NSUM"}
+        | {"fml": "custom_NSUM"},
     )  # fmt: skip
 
 
@@ -238,43 +240,44 @@ def _register_hedges() -> None:
         lambda d: 1.0 - d,
         doc="1 − d",
         straight=True,
-        names={"fll": "not", "fcl": "not", "jfl": "not", "skfuzzy": "not"},
+        names={"fll": "not", "fcl": "not", "jfl": "not", "skfuzzy": "not", "fml": "not"},
     )
     kind(
         "very",
         lambda d: d * d,
         doc="d²",
-        names={"fll": "very", "fcl": "very", "fis": "0.2", "octave": "0.2"},
+        names={"fll": "very", "fcl": "very", "fis": "0.2", "octave": "0.2", "fml": "very"},
     )
     kind(
         "somewhat",
         op.sqrt,
         doc="√d",
         aliases=("more-or-less",),
-        names={"fll": "somewhat", "fcl": "somewhat", "fis": "0.05", "octave": "0.05"},
+        names={"fll": "somewhat", "fcl": "somewhat", "fis": "0.05", "octave": "0.05"}
+        | {"fml": "somewhat"},
     )
-    kind("extremely", lambda d: d * d * d, doc="d³", names={"octave": "0.3"})
+    kind("extremely", lambda d: d * d * d, doc="d³", names={"octave": "0.3", "fml": "extremely"})
     kind(
         "intensify",
         _intensify,
         bends=(0.5,),
         doc="2d² up to one half, then 1 − 2(1 − d)²",
         # Another hedge than the `extremely` above: fuzzylite calls this one so.
-        names={"fll": "extremely", "fcl": "extremely", "fis": "0.3"},
+        names={"fll": "extremely", "fcl": "extremely", "fis": "0.3", "fml": "intensify"},
     )
     kind(
         "seldom",
         _seldom,
         bends=(0.5,),
         doc="√(d/2) up to one half, then 1 − √((1 − d)/2)",
-        names={"fll": "seldom", "fcl": "seldom", "fis": "0.01"},
+        names={"fll": "seldom", "fcl": "seldom", "fis": "0.01", "fml": "seldom"},
     )
     kind(
         "any",
         lambda d: 1.0,
         doc="1, whatever the degree",
         straight=True,
-        names={"fll": "any", "fcl": "any", "fis": "0.99"},
+        names={"fll": "any", "fcl": "any", "fis": "0.99", "fml": "any"},
     )
     kind(
         "power", op.power, parameters=("exponent",),

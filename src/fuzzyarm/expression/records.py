@@ -8,7 +8,6 @@ calls as a user's own (:mod:`~fuzzyarm.expression.kinds`).
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -71,7 +70,7 @@ class Kind:
         One line for help, completion and the reference.
     names : mapping of str to str
         What other programs call it: ``fll``, ``fcl``, ``fis`` (fuzzylite in each of these
-        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``. Several
+        formats), ``jfl`` (jFuzzyLogic's FCL), ``matlab``, ``octave``, ``skfuzzy``, ``fml``. Several
         words stand with commas between, the one that is written first. A shape may name the
         order of its numbers behind the word, where it is another one: ``"gaussmf deviation
         mean"``; a hedge of a FIS is the fraction of a term's index. A program that is not
@@ -169,7 +168,9 @@ class Shape(Kind):
         """The degree of a float: x, then the parameters."""
         if self.function is None and self.corners is not None:
             corners = self.corners
-            return lambda x, *parameters: degree_on_polyline(corners(*parameters), x)
+            return lambda x, *parameters: degree_on_polyline(
+                [number for corner in corners(*parameters) for number in corner], x
+            )
         return super().scalar
 
     def array(self, *arguments: Any) -> Any:
@@ -179,26 +180,52 @@ class Shape(Kind):
         return super().array(*arguments)
 
 
-def degree_on_polyline(corners: Sequence[Corner], x: float) -> float:
-    """Return the height of a line through corners; the greatest on a vertical edge."""
-    i = bisect_left(corners, x, key=lambda corner: corner[0])
-    if i < len(corners) and corners[i][0] == x:
-        return max(y for a, y in corners[i : i + 3] if a == x)
-    if i in {0, len(corners)}:
-        return corners[0 if i == 0 else -1][1]
-    (x0, y0), (x1, y1) = corners[i - 1], corners[i]
-    return y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+def degree_on_polyline(corners: Sequence[float], x: float) -> float:
+    """Return the height of a line through corners (x, y, x, y …); the greatest on a vertical edge.
+
+    A line is followed from its lower end: it is above 0 next to a foot, and never above its top.
+    Plain enough for a compiler, which the kernel has for `points`.
+    """
+    count = len(corners) // 2
+    after, end = 0, count  # the first corner that is not in front of x, by bisection
+    while after < end:
+        middle = (after + end) // 2
+        if corners[2 * middle] < x:
+            after = middle + 1
+        else:
+            end = middle
+    if after == count:
+        return corners[2 * count - 1]
+    height = corners[2 * after + 1]
+    if corners[2 * after] == x:
+        while after + 1 < count and corners[2 * after + 2] == x:
+            after += 1
+            height = max(height, corners[2 * after + 1])
+        return height
+    if after == 0:
+        return height
+    x_0, y_0, x_1 = corners[2 * after - 2], corners[2 * after - 1], corners[2 * after]
+    if y_0 <= height:
+        return min(height, y_0 + (height - y_0) * (x - x_0) / (x_1 - x_0))
+    return min(y_0, height + (y_0 - height) * (x_1 - x) / (x_1 - x_0))
 
 
 def degrees_on_polyline(corners: Sequence[Corner], x: Any) -> Any:
-    """Return the heights of a line through corners over an array."""
+    """Return what :func:`degree_on_polyline` does for every element of an array."""
     import numpy as np
 
-    xs, ys = np.array(corners).T
-    degrees = np.interp(x, xs, ys)
-    for edge in np.unique(xs[1:][xs[1:] == xs[:-1]]):
-        degrees = np.where(x == edge, ys[xs == edge].max(), degrees)
-    return np.asarray(degrees, dtype=float)
+    xs, ys = np.array(corners, dtype=float).T
+    edges, first = np.unique(xs, return_index=True)
+    tops = np.maximum.reduceat(ys, first)
+    nearest = np.searchsorted(edges, x).clip(0, edges.size - 1)
+    after = np.searchsorted(xs, x).clip(1, xs.size - 1)
+    x_0, y_0, x_1, y_1 = xs[after - 1], ys[after - 1], xs[after], ys[after]
+    way = np.where(y_0 <= y_1, x - x_0, x_1 - x)
+    with np.errstate(divide="ignore", invalid="ignore"):  # on a vertical edge, replaced below
+        heights = np.minimum(y_0, y_1) + np.abs(y_1 - y_0) * way / (x_1 - x_0)
+    heights = np.minimum(heights, np.maximum(y_0, y_1))
+    heights = np.where(x < xs[0], ys[0], np.where(x > xs[-1], ys[-1], heights))
+    return np.where(edges[nearest] == x, tops[nearest], heights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,12 +244,15 @@ class Norm(Kind):
         Whether it is for aggregation only, as a sum that may exceed 1 is.
     positive : bool
         Of a T-norm: whether it is known to be positive wherever both operands are.
+    leaves_ones : bool
+        Of a T-norm: whether, of a set cut below 1, it leaves only where the set is 1.
     """
 
     dual: str = ""
     lines: Callable[[Any], tuple[tuple[Any, Any], ...]] | None = None
     aggregates: bool = False
     positive: bool = False
+    leaves_ones: bool = False
 
     arguments: ClassVar[tuple[str, ...]] = ("a", "b")
 
@@ -332,8 +362,15 @@ _loaded: list[str] = []
 """The group of entry points, once it is loaded."""
 
 
+failures: list[str] = []
+"""What kept kinds of other packages from being loaded, a sentence each."""
+
+
 def load_entry_points() -> None:
-    """Import the modules that other packages offer as kinds; once in a process."""
+    """Import the modules that other packages offer as kinds; once in a process.
+
+    One that fails does not keep the others away: it is noted in `failures`.
+    """
     if _loaded:
         return
     _loaded.append(ENTRY_POINT)
@@ -344,9 +381,9 @@ def load_entry_points() -> None:
             found = point.load()
             if callable(found):
                 found()
-        except Exception as error:  # whatever the code of other people raises
-            message = f"the kinds '{point.name}' ({point.value}) cannot be loaded: {error}"
-            raise KindError(message, point.name) from error
+        except (Exception, SystemExit) as error:  # whatever the code of other people raises
+            said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+            failures.append(f"the kinds '{point.name}' ({point.value}) cannot be loaded: {said}")
 
 
 # ── registration ─────────────────────────────────────────────────────────────────────

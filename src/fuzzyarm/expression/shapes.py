@@ -144,7 +144,7 @@ def concave(x: X, inflection: X, end: X) -> X:
     """Hyperbola that reaches 1 at `end`; rises if `inflection` <= `end`, else falls."""
     rise = op.where(x >= end, 1.0, (end - inflection) / (2.0 * end - inflection - x))
     fall = op.where(x <= end, 1.0, (inflection - end) / (inflection - 2.0 * end + x))
-    return op.where(inflection <= end, rise, fall)
+    return op.minimum(1.0, op.where(inflection <= end, rise, fall))  # rounding may lead above
 
 
 def cosine(x: X, centre: X, width: X) -> X:
@@ -258,7 +258,7 @@ def register() -> None:
         ordered=True,
         corners=lambda left, peak, right: [(left, 0.0), (peak, 1.0), (right, 0.0)],
         centre=lambda left, peak, right: peak,
-        names=_names("Triangle", "trimf", "TRIAN", matlab=True),
+        names=_names("Triangle", "trimf", "TRIAN", matlab=True) | {"fml": "triangularShape"},
     )
     kind(
         "trapezoid",
@@ -269,7 +269,7 @@ def register() -> None:
         unbounded=_FOUR,
         corners=_trapezoid_corners,
         centre=lambda *p: 0.5 * (p[1] + p[2]),
-        names=_names("Trapezoid", "trapmf", "TRAPE", matlab=True),
+        names=_names("Trapezoid", "trapmf", "TRAPE", matlab=True) | {"fml": "trapezoidShape"},
     )
     kind(
         "rectangle",
@@ -280,7 +280,7 @@ def register() -> None:
         unbounded=("start", "end"),
         centre=_middle,
         corners=lambda start, end: [(start, 0.0), (start, 1.0), (end, 1.0), (end, 0.0)],
-        names=_names("Rectangle", "rectmf"),
+        names=_names("Rectangle", "rectmf") | {"fml": "rectangularShape"},
     )
     kind(
         "ramp",
@@ -290,7 +290,8 @@ def register() -> None:
         corners=lambda zero, one: sorted([(zero, 0.0), (one, 1.0)]),
         inverse=lambda degree, zero, one: zero + degree * (one - zero),
         names=_names("Ramp", "rampmf")
-        | dict.fromkeys(("matlab", "octave"), "linsmf, linzmf one zero"),
+        | dict.fromkeys(("matlab", "octave"), "linsmf, linzmf one zero")
+        | {"fml": "rightLinearShape, leftLinearShape one zero"},
     )
     kind(
         "binary",
@@ -319,7 +320,7 @@ def register() -> None:
         corners=lambda value: [(value, 0.0), (value, 1.0), (value, 0.0)],
         centre=lambda value: value,
         names={"fll": "Constant", "fcl": "Constant", "fis": "constant, singletonmf"}
-        | {"matlab": "constant", "octave": "constant"},
+        | {"matlab": "constant", "octave": "constant", "fml": "singletonShape"},
     )
     kind(
         "gaussian",
@@ -330,7 +331,8 @@ def register() -> None:
         bends=_flanks,
         turns=lambda mean, deviation: (mean,),
         centre=lambda mean, deviation: mean,
-        names=_names("Gaussian", "gaussmf deviation mean", "GAUSS", matlab=True),
+        names=_names("Gaussian", "gaussmf deviation mean", "GAUSS", matlab=True)
+        | {"fml": "gaussianShape"},
     )
     kind(
         "two-sided-gaussian",
@@ -401,7 +403,7 @@ def register() -> None:
         doc="smooth fall from 1 to 0 by two parabolas",
         ordered=True,
         inverse=lambda degree, one, zero: _parabolas_inverse(degree, zero, one),
-        names=_names("ZShape", "zmf", matlab=True),
+        names=_names("ZShape", "zmf", matlab=True) | {"fml": "zShape"},
     )
     kind(
         "s",
@@ -410,7 +412,7 @@ def register() -> None:
         doc="smooth rise from 0 to 1 by two parabolas",
         ordered=True,
         inverse=_parabolas_inverse,
-        names=_names("SShape", "smf", matlab=True),
+        names=_names("SShape", "smf", matlab=True) | {"fml": "sShape"},
     )
     kind(
         "pi",

@@ -1,4 +1,4 @@
-"""Rule bases of other programs, in and out: FLL, FCL, FIS and scikit-fuzzy.
+"""Rule bases of other programs, in and out: FLL, FCL, FIS and scikit-fuzzy; FML in.
 
 Reading never raises: an :class:`Imported` has the rule base where there is no error, and
 every finding with its position. Writing gives an :class:`Exported` in the same way.
@@ -12,9 +12,11 @@ from fuzzyarm.formats.findings import Exported, Imported
 from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
+from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.registry import (
     FOREIGN,
     PRODUCERS,
+    READABLE,
     SUFFIXES,
     FormatError,
     parse,
@@ -27,6 +29,7 @@ from fuzzyarm.formats.registry import (
 __all__ = [
     "FOREIGN",
     "PRODUCERS",
+    "READABLE",
     "SUFFIXES",
     "Exported",
     "FormatError",
@@ -35,6 +38,7 @@ __all__ = [
     "parse_fcl",
     "parse_fis",
     "parse_fll",
+    "parse_fml",
     "read",
     "same_model",
     "suffix_of",

@@ -173,6 +173,17 @@ FIS = {
     ),
 }  # fmt: skip
 
+FML = Dialect(
+    suffix=".fml", producer="ieee1855", program="the standard IEEE 1855", kinds="fml",
+    integral={
+        "COG": "centroid", "COA": "bisector", "LM": "smallest-of-maximum",
+        "RM": "largest-of-maximum", "MOM": "mean-of-maximum",
+    },
+    weighted={"WA": "weighted-average"}, samples=(0, "endpoints"),
+    assumed="read as IEEE 1855 defines it: exact integrals (JFML takes sums over about 2000 "
+    "points)",
+)  # fmt: skip
+
 
 # --- Names of kinds ---
 

@@ -10,7 +10,15 @@ from graphlib import CycleError, TopologicalSorter
 from fuzzyarm.expression.formulas import read_formula
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.formats.dialects import Dialect
-from fuzzyarm.formats.findings import Findings, Imported, Word, number, rounded, shortened
+from fuzzyarm.formats.findings import (
+    MAX_CHARACTERS,
+    Findings,
+    Imported,
+    Word,
+    number,
+    rounded,
+    shortened,
+)
 from fuzzyarm.model.rulebase import (
     TAKAGI_SUGENO,
     Consequent,
@@ -24,7 +32,7 @@ from fuzzyarm.model.rulebase import (
     Term,
     propositions,
 )
-from fuzzyarm.text.diagnostic import MAX_CHARACTERS, MAX_MAGNITUDE, MAX_TERMS, Span
+from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, MAX_TERMS, Span
 
 VALUES = frozenset({"singleton", "linear", "formula"})
 """Kinds of shape that are a number rather than a set."""
@@ -60,6 +68,8 @@ def imported(
         _refuse_unknown_names(rulebase, findings)
         _refuse_without_inverse(rulebase, findings)
         _refuse_circles(rulebase, dialect, findings)
+    if rulebase is not None and not findings.failed and not rulebase.rules:
+        findings.warn("no-rules", "there is no rule in this file that counts")
     if dialect.assumed:
         findings.info("assumed-producer", dialect.assumed)
     if findings.failed:

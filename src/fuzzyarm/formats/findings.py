@@ -20,6 +20,9 @@ from fuzzyarm.text.names import near_hint
 
 # --- What a reader or writer of a foreign format hands back, and how it collects findings ---
 
+MAX_CHARACTERS = 1_000_000
+"""Longest foreign text that is read: four times the largest that programs write."""
+
 MAX_FINDINGS = 300
 """Most findings that one reading lists; the rest is counted."""
 

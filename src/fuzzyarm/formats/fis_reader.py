@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.formats.dialects import FIS, Dialect, words
 from fuzzyarm.formats.drafts import (
     VALUES,
     Draft,
     all_invertible,
     imported,
-    lines_of,
     maximum_of_nothing,
     note_rounding,
     rulebase_of,
@@ -28,12 +26,23 @@ from fuzzyarm.formats.findings import (
     Imported,
     Word,
     number,
-    numbers,
     unique_name,
+)
+from fuzzyarm.formats.fis_text import (
+    ALL_NAMES,
+    BRACKETED,
+    Section,
+    by_magnitude,
+    detect,
+    hedges_of,
+    is_open,
+    membership_parts,
+    read_shape,
+    sections,
+    unquoted,
 )
 from fuzzyarm.formats.meaning import Block, blocks_in_model
 from fuzzyarm.formats.sentences import NOT, RuleText
-from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -49,162 +58,6 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.text.diagnostic import MAX_TERMS, NOWHERE, Span
 
-# --- FIS text: sections in brackets, `key=value` lines, rules of numbers ---
-
-_HEADER = re.compile(r"\[\s*([a-z_]+)\s*(\d*)\s*\]\s*\Z", re.IGNORECASE)
-_SECTIONS = ("System", "Input", "Output", "Rules")
-
-
-@dataclass(slots=True)
-class _Section:
-    """One section: the kind of its header, the 2 of ``[Input2]`` (else 0), and its lines."""
-
-    kind: str
-    number: int = 0
-    span: Span = NOWHERE
-    lines: list[Word] = field(default_factory=list)
-
-
-def _sections(text: str, findings: Findings) -> list[_Section]:
-    sections: list[_Section] = []
-    for line in lines_of(text, _without_comment):
-        match = _HEADER.match(line.text) if len(line.text) < 100 else None
-        if match:
-            digits = match.group(2)[:6]
-            sections.append(_Section(match.group(1).lower(), int(digits or 0), line.span))
-            name = line.part(*match.span(1))
-            if name.text.lower() == "fistree":
-                message = "a tree of systems is not supported; each of its systems can be read"
-                raise FaultError(message, line, "unsupported-type")
-            if name.text.capitalize() not in _SECTIONS:
-                findings.unknown("syntax", "the section", name, _SECTIONS)
-        elif sections:
-            sections[-1].lines.append(line)
-        else:
-            message = f"'{line.text[:40]}' stands before any section"
-            findings.error("syntax", message, line)
-    return sections
-
-
-def _without_comment(raw: str) -> str:
-    """Cut a comment: ``%`` or ``#`` first on a line, or after a space outside quotes; ``//``."""
-    if raw.lstrip()[:1] in ("%", "#"):
-        return ""
-    if "%" not in raw and "#" not in raw and "//" not in raw:
-        return raw
-    quoted = False
-    for index, letter in enumerate(raw):
-        if letter == "'":
-            quoted = not quoted
-        elif not quoted and (letter in "%#" or raw.startswith("//", index)):
-            return raw[:index]
-    return raw
-
-
-def _unquoted(word: Word) -> Word:
-    text = word.text
-    if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
-        return Word(text[1:-1], word.span)
-    return word
-
-
-_QUOTED = re.compile(r"'[^']*'")
-_BRACKETED = re.compile(r"[^\s,;\[\]]+")
-"""A word in brackets, between space, commas and semicolons."""
-
-
-_MEMBERSHIP = re.compile(
-    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>[^:']*?))\s*:\s*'?(?P<kind>[\w.]*)'?\s*,\s*"
-    r"(?P<rest>.*?)\s*\Z",
-    re.DOTALL,
-)
-
-
-def _membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
-    """Split ``'name':'kind',[numbers]``; None where it does not look like that."""
-    match = _MEMBERSHIP.match(value.text)
-    if match is None:
-        return None
-    quoted = match.group("quoted") is not None
-    name, kind, rest = (match.span(key) for key in ("quoted" if quoted else "bare", "kind", "rest"))
-    return value.part(*name), value.part(*kind), value.part(*rest)
-
-
-# --- Which program a text was written for ---
-
-_FUZZYLITE_KEYS = re.compile(
-    r"^\s*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
-)
-_ONLY_OCTAVE = re.compile(
-    r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
-    re.IGNORECASE,
-)
-_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
-
-
-def _detect(text: str) -> str:
-    """Return the program that a text was most likely written for."""
-    comments = "\n".join(
-        line for line in text.split("\n")[:60] if line.lstrip()[:1] in ("#", "%", "/")
-    ).lower()
-    if "fuzzylite" in comments or _FUZZYLITE_KEYS.search(text):
-        return "fuzzylite"
-    if "for matlab" in comments:
-        return "matlab"
-    if "octave" in comments or "fuzzy-logic-toolkit" in comments:
-        return "octave"
-    rules = text.lower().partition("[rules]")[2]
-    if _ONLY_OCTAVE.search(text) or _FRACTION.search(rules):
-        return "octave"
-    return "matlab"
-
-
-# --- Membership functions ---
-
-
-def _shape(
-    kind: Word, rest: Word, inputs: int, dialect: Dialect, findings: Findings
-) -> Shape | None:
-    """Return the shape of ``'kind',[numbers]``."""
-    name = kind.text.lower()
-    if name == "function":
-        text = rest.text.strip().removeprefix("[").removesuffix("]")
-        return formula_shape(Word(text, rest.span), FIS["fuzzylite"].formula, findings)
-    # fuzzylite writes the class of a term where it has no word in a FIS.
-    known = all_spellings(SHAPES, *_ALL, "fll")
-    spelling = known.get(name) or known.get(kind.text)
-    if spelling is None:
-        _unknown(kind, known, findings)
-        return None
-    values = numbers(rest.parts(_BRACKETED), findings)
-    if values is None:
-        return None
-    if name == "constant" and len(values) > 1 and not any(values[:-1]):
-        values = values[-1:]  # old files write it as a linear term, with factors of 0
-    elif spelling.kind in ("s", "z") and not dialect.heights:
-        values[:2] = _crossed(values[:2])
-    return spelled_shape(spelling, values, inputs, kind, findings, dialect)
-
-
-def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> None:
-    if not kind.text:
-        findings.error("syntax", "the kind of the membership function is missing", kind)
-        return
-    if kind.text.lower().endswith("mf"):
-        message = f"'{kind.text[:40]}' is a function of its author's own, which is not in the file"
-        findings.error("unknown-shape", message, kind)
-        return
-    findings.unknown("unknown-shape", "the membership function", kind, known)
-
-
-def _crossed(values: list[float]) -> list[float]:
-    """MATLAB makes a step half-way of an s or z whose numbers are the wrong way round."""
-    if len(values) == 2 and values[0] > values[1]:
-        middle = 0.5 * (values[0] + values[1])
-        return [middle, middle]
-    return values
-
-
 # --- Rules: a term index for each variable, weight, and 1 for and or 2 for or ---
 
 _RULE = re.compile(
@@ -213,51 +66,18 @@ _RULE = re.compile(
 )
 _WORD = re.compile(r"\S+")
 
-_VERY_VERY = (0.4, (Hedge("very"), Hedge("very")))
-
-
-def fractions(dialect: Dialect) -> dict[float, tuple[Hedge, ...]]:
-    """Return the hedges that fractions of an index stand for, but for powers."""
-    key = "fis" if dialect.producer == "fuzzylite" else "octave"
-    named = words(HEDGES, key).items()
-    return {float(word): (Hedge(name),) for word, name in named} | dict([_VERY_VERY])
-
-
-def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
-    """Return the hedges that the fraction of an index stands for, or None.
-
-    To Octave's toolkit a fraction f is the power 10 f; fuzzylite knows six of them, and
-    MATLAB none (what it does with one is not documented, so it is read as Octave does).
-    """
-    if fraction == 0.0:
-        return ()
-    table = fractions(dialect)
-    if fraction in table:
-        return table[fraction]
-    powers = dialect.producer != "fuzzylite"
-    return (Hedge("power", round(10.0 * fraction, 6)),) if powers else None
-
-
 # --- Read FIS ---
 
 _KEYS = (
     "name", "type", "version", "numinputs", "numoutputs", "numrules", "andmethod", "ormethod",
     "impmethod", "aggmethod", "defuzzmethod", "nummfs",
 )  # fmt: skip
-_ALL = ("fis", "octave", "matlab")
-"""Keys of names: the words of all programs are read in each."""
-
 _TYPE_2 = "a system of type 2 is not supported: its terms have an upper and a lower function"
 _TYPE_2_NUMBERS = re.compile(r"\[[^\]]*\]\s*,\s*\[")
 """``[upper],[scale],[lag]`` where a term of type 1 has one list."""
 
 _ENDING = re.compile(r"\)\s*:\s*\d\s*\Z")
 """Weight and connective of a rule."""
-
-_OTHER_END = {
-    "smallest-of-maximum": "largest-of-maximum",
-    "largest-of-maximum": "smallest-of-maximum",
-}
 
 _VARIABLE_KEYS = ("Name", "Range", "NumMFs")
 _TYPES = (
@@ -280,7 +100,7 @@ def parse_fis(
     """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
-        found = FIS[producer or _detect(plain)]
+        found = FIS[producer or detect(plain)]
         try:
             return _Reader(plain, found, findings).read(), found
         except FaultError as fault:
@@ -304,15 +124,15 @@ class _Reader:
         self.unequal: list[Word] = []  # rules with too many or too few numbers
 
     def read(self) -> RuleBase | None:
-        sections = _sections(self.text, self.findings)
-        systems = [section for section in sections if section.kind == "system"]
+        found = sections(self.text, self.findings)
+        systems = [section for section in found if section.kind == "system"]
         for section in systems:
             self._section(section, 0)
         if not self._has_known_type():
             return None
-        inputs = sum(section.kind == "input" for section in sections)
+        inputs = sum(section.kind == "input" for section in found)
         # [Input2] may stand before [Input1]; the rules go by number.
-        for section in sorted(sections, key=lambda section: section.number):
+        for section in sorted(found, key=lambda section: section.number):
             if section.kind != "system":
                 self._section(section, inputs)
         self._check_whole(has_system=bool(systems))
@@ -325,7 +145,7 @@ class _Reader:
             note_rounding(self.text, self.findings)
         return rulebase_of(self.text_of("name"), (*self.inputs, *self.outputs), (block,))
 
-    def _section(self, section: _Section, inputs: int) -> None:
+    def _section(self, section: Section, inputs: int) -> None:
         key = (section.kind, section.number)
         if key in self.seen:
             message = (
@@ -341,23 +161,23 @@ class _Reader:
         elif section.kind in ("input", "output"):
             self._variable(section, inputs)
 
-    def _settings(self, section: _Section) -> Iterator[tuple[Word, Word]]:
+    def _settings(self, section: Section) -> Iterator[tuple[Word, Word]]:
         for line in section.lines:
             parts = line.around("=")
             if parts is None:
                 message = f"'{line.text[:40]}' is not 'key=value'"
                 self.findings.error("syntax", message, line)
-            elif _is_open(parts[1].text):
+            elif is_open(parts[1].text):
                 self.findings.error("syntax", "a quote or bracket is not closed", parts[1])
             else:
                 yield parts
 
     # --- [System], and what it means for the outputs ---
 
-    def _system(self, section: _Section) -> None:
+    def _system(self, section: Section) -> None:
         for key, value in self._settings(section):
             if key.text.lower() in _KEYS:
-                self.settings[key.text.lower()] = _unquoted(value)
+                self.settings[key.text.lower()] = unquoted(value)
             else:
                 self.findings.ignored_key(key, _KEYS)
 
@@ -377,10 +197,10 @@ class _Reader:
         return word.text.strip() if word is not None else ""
 
     def tnorm(self, key: str) -> str:
-        return self._norm(key, words(TNORMS, *_ALL), "min")
+        return self._norm(key, words(TNORMS, *ALL_NAMES), "min")
 
     def snorm(self, key: str) -> str:
-        return self._norm(key, words(SNORMS, *_ALL), "max")
+        return self._norm(key, words(SNORMS, *ALL_NAMES), "max")
 
     def _norm(self, key: str, table: Mapping[str, str], default: str) -> str:
         name = self.text_of(key)
@@ -476,7 +296,7 @@ class _Reader:
 
     # --- Variables and terms ---
 
-    def _variable(self, section: _Section, inputs: int) -> None:
+    def _variable(self, section: Section, inputs: int) -> None:
         count = len(self.inputs) + len(self.outputs)
         if not self.findings.room(count, MAX_VARIABLES, "variables", section.span):
             return
@@ -501,7 +321,7 @@ class _Reader:
         self.terms[draft.name] = taken
         (self.outputs if is_output else self.inputs).append(draft)
 
-    def _name(self, draft: Draft, section: _Section) -> None:
+    def _name(self, draft: Draft, section: Section) -> None:
         name = draft.name or f"{section.kind}{section.number or ''}"
         used = {d.name for d in (*self.inputs, *self.outputs)}
         unique = unique_name(name, used)
@@ -518,10 +338,10 @@ class _Reader:
         membership = _MEMBERSHIP_KEY.match(key.text)
         match key.text.lower():
             case "name":
-                draft.word = Word(_unquoted(value).text, value.span)
+                draft.word = Word(unquoted(value).text, value.span)
             case "range":
                 draft.set_range(
-                    value.parts(_BRACKETED), value, self.findings, "two numbers in brackets"
+                    value.parts(BRACKETED), value, self.findings, "two numbers in brackets"
                 )
             case "enabled":
                 draft.enabled = number(value.text) == 1.0
@@ -553,7 +373,7 @@ class _Reader:
         names: set[str],
         inputs: int,
     ) -> None:
-        parts = _membership_parts(value)
+        parts = membership_parts(value)
         if parts is None:
             message = "a membership function is 'name':'kind',[numbers]"
             self.findings.error("syntax", message, value)
@@ -576,7 +396,7 @@ class _Reader:
                 f"by number, so this one is called '{unique}'"
             )
             self.findings.warn("duplicate-term-name", message, name)
-        shape = _shape(kind, rest, inputs, self.dialect, self.findings)
+        shape = read_shape(kind, rest, inputs, self.dialect, self.findings)
         if shape is not None:
             draft.add(Term(unique, shape, name.span))
 
@@ -691,22 +511,20 @@ class _Reader:
             ("numrules", len(self.rules), "rules"),
         )
         if not has_system:
-            message = "there is no section [System] in this file"
-            self.findings.error("no-engine", message)
+            self.findings.error("no-engine", "there is no section [System] in this file")
             return
         for key, counted, what in counts:
             word = self.settings.get(key)
             if word is not None and not self._check_count(word, counted, what):
                 return
         system = self.seen["system", 0]
+        ends = [bool(_ENDING.search(self.rules[index].text)) for index in (0, -1) if self.rules]
         if not self.inputs or not self.outputs:
             what = "input" if not self.inputs else "output"
             self.findings.error("no-engine", f"there is no {what} in this file", system)
         elif ("rules", 0) not in self.seen:
             self.findings.error("no-rules", "there is no section [Rules] in this file", system)
-        elif not self.rules:
-            self.findings.warn("no-rules", "the file has no rules", self.seen["rules", 0])
-        elif _ENDING.search(self.rules[0].text) and not _ENDING.search(self.rules[-1].text):
+        elif ends == [True, False]:
             message = "the last rule lacks the ending of the others: the file is cut off"
             self.findings.error("syntax", message, self.rules.pop())
 
@@ -721,21 +539,6 @@ class _Reader:
             return False
         self.findings.warn("wrong-count", f"{message}, which are all read", word)
         return True
-
-
-def by_magnitude(method: str, low: float, high: float) -> str | None:
-    """Return MATLAB's som or lom, which compare magnitudes, for a range on one side of 0."""
-    if low >= 0.0 or method not in _OTHER_END:
-        return method
-    return _OTHER_END[method] if high <= 0.0 else None
-
-
-def _is_open(value: str) -> bool:
-    """Whether a quote at the start of a value, or a bracket outside quotes, is not closed."""
-    if value[:1] in ("'", '"') and value[1:].count(value[0]) == 0:
-        return True
-    bare = _QUOTED.sub("", value)
-    return bare.count("[") > bare.count("]")
 
 
 def _is_nan(value: float | str) -> bool:

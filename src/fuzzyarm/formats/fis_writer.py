@@ -8,7 +8,7 @@ from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.formats.dialects import FIS, Dialect
 from fuzzyarm.formats.drafts import VALUES, all_invertible, maximum_of_nothing
 from fuzzyarm.formats.findings import Exported, all_written, written
-from fuzzyarm.formats.fis_reader import by_magnitude, fractions, hedges_of
+from fuzzyarm.formats.fis_text import by_magnitude, fractions, hedges_of
 from fuzzyarm.formats.meaning import POWERS, root
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import fuzzylite_formula, fuzzylite_shape, word_and_numbers

@@ -208,8 +208,9 @@ class _Reader:
                 self._open(line)
             else:
                 self._setting(line)
-        if not self.variables and not self.findings.failed:
-            self.findings.error("no-engine", "there is no variable in this file")
+        has_output = any(draft.is_output for draft in self.variables.values())
+        if not has_output and not self.findings.failed:
+            self.findings.error("no-engine", "there is no output in this file")
         self._finish_variables()
         blocks = self._finish_blocks()
         note_rounding(self.text, self.findings)

@@ -12,19 +12,23 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.dialects import FCL, FIS, FLL
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
-from fuzzyarm.formats.findings import Exported, Findings, Imported
+from fuzzyarm.formats.findings import MAX_CHARACTERS, Exported, Findings, Imported
 from fuzzyarm.formats.fis_reader import parse_fis
 from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
+from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.text.diagnostic import MAX_CHARACTERS, Diagnostic, Span
+from fuzzyarm.text.diagnostic import Diagnostic, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
 """Suffixes of other programs' files."""
 
 SUFFIXES = (".frb", *FOREIGN)
 """Every suffix that :func:`parse` and :func:`write` know."""
+
+READABLE = (*SUFFIXES, ".fml", ".xml")
+"""Every suffix that :func:`parse` knows."""
 
 
 PRODUCERS = {".fll": (FLL.producer,), ".fcl": tuple(FCL), ".fis": tuple(FIS)}
@@ -35,8 +39,8 @@ class FormatError(FuzzyarmError, ValueError):
     """A suffix or a producer that is not known."""
 
 
-def suffix_of(path: str | os.PathLike[str]) -> str:
-    """Return the suffix of `path` in small letters.
+def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -> str:
+    """Return the suffix of `path`, one of `known`, in small letters.
 
     Raises
     ------
@@ -44,9 +48,9 @@ def suffix_of(path: str | os.PathLike[str]) -> str:
         If no format has it.
     """
     suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        known = ", ".join(SUFFIXES)
-        raise FormatError(f"{os.fspath(path)}: a rule base ends in {known}, not '{suffix}'")
+    if suffix not in known:
+        endings = ", ".join(known)
+        raise FormatError(f"{os.fspath(path)}: a rule base ends in {endings}, not '{suffix}'")
     return suffix
 
 
@@ -67,7 +71,7 @@ def parse(
     text : str
         Any text.
     suffix : str
-        One of :data:`SUFFIXES`.
+        One of :data:`READABLE`.
     path : str
         Name of the file, for the diagnostics.
     producer : str, optional
@@ -93,6 +97,8 @@ def parse(
             return parse_fcl(text, path, dialect=producer, block=block, lossy=lossy, strict=strict)
         case ".fis":
             return parse_fis(text, path, producer=producer, lossy=lossy, strict=strict)
+        case ".fml" | ".xml":
+            return parse_fml(text, path, lossy=lossy, strict=strict)
         case ".frb":
             return _own(text, path)
     raise FormatError(f"no format has the suffix '{suffix}'")
@@ -118,7 +124,8 @@ def read(
     Parameters
     ----------
     path : str or PathLike
-        A ``.frb``, ``.fll``, ``.fcl`` or ``.fis`` file, UTF-8 or else Latin-1.
+        A ``.frb``, ``.fll``, ``.fcl``, ``.fis`` or ``.fml`` (``.xml``) file, UTF-8 or else
+        Latin-1.
     producer, block, lossy, strict
         As for :func:`parse`.
 
@@ -129,7 +136,7 @@ def read(
     FormatError
         If the suffix or the producer is not known.
     """
-    suffix = suffix_of(path)
+    suffix = suffix_of(path, READABLE)
     name = os.fspath(path)
     with Path(path).open("rb") as file:
         data = file.read(4 * MAX_CHARACTERS + 1)

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.errors import InferenceError
-from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.sets import term_function
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus, term_function
 from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
 
 # --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
@@ -61,13 +61,21 @@ Fired = Sequence[tuple[int, float]]
 """(index of a member, firing strength above 0), in the order of the rules."""
 
 
-def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
-    """Return the aggregate as a function of the position in the output's range."""
+def aggregate(
+    plan: OutputPlan, fired: Fired, *, integrated: bool = False
+) -> Callable[[float], float]:
+    """Return the aggregate as a function of the position in the output's range.
+
+    `integrated`: for its area, to which a peak contributes nothing.
+    """
     norm = SNORMS[plan.output.aggregation].scalar
-    parts = [
-        (TNORMS[plan.members[member].implication].scalar, strength, plan.members[member].membership)
-        for member, strength in _folded_where_max(plan, fired)
-    ]
+    parts = []
+    for index, strength in folded_where_max(plan, fired):
+        member = plan.members[index]
+        implication, membership = TNORMS[member.implication], member.membership
+        if integrated and implication.leaves_ones:
+            membership = _without_peak(member)
+        parts.append((implication.scalar, strength, membership))
 
     def value(y: float) -> float:
         total = 0.0
@@ -76,6 +84,20 @@ def aggregate(plan: OutputPlan, fired: Fired) -> Callable[[float], float]:
         return total
 
     return value
+
+
+def _without_peak(member: Member) -> Callable[[float], float]:
+    membership, flat = member.membership, plateaus(member.pieces)
+
+    def degree(y: float) -> float:
+        found = membership(y)
+        return found if any(a <= y <= b for a, b in flat) else min(found, BELOW_ONE)
+
+    return degree
+
+
+MOST_PLAIN_SAMPLES = 20_000
+"""Samples of a set that are found one by one; more are found by NumPy, to the last bit or two."""
 
 
 class SampledSet(NamedTuple):
@@ -94,15 +116,20 @@ def sampled_set(
     defuzzifier: Defuzzifier,
 ) -> SampledSet:
     """Return a set at the samples of a defuzzifier; the last few are remembered."""
-    function = term_function(shape, hedges)
-    heights = [function(y) for y in sample_places(low, high, defuzzifier)]
+    samples = sample_positions(low, high, defuzzifier)
+    if len(samples) > MOST_PLAIN_SAMPLES:
+        import numpy as np
+
+        heights: list[float] = degrees(shape, np.array(samples), hedges).tolist()
+    else:
+        heights = list(map(term_function(shape, hedges), samples))
     inside = [i for i, height in enumerate(heights) if height > 0.0]
     if not inside:
         return SampledSet(0, ())
     return SampledSet(inside[0], tuple(heights[inside[0] : inside[-1] + 1]))
 
 
-def sample_places(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:
+def sample_positions(low: float, high: float, defuzzifier: Defuzzifier) -> list[float]:
     """Return where a sampled defuzzifier looks."""
     assert defuzzifier.resolution is not None
     return positions(low, high, defuzzifier.resolution, defuzzifier.sampling)
@@ -111,10 +138,10 @@ def sample_places(low: float, high: float, defuzzifier: Defuzzifier) -> list[flo
 def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]:
     """Return the samples of an output and the aggregate there."""
     output = plan.output
-    samples = sample_places(output.low, output.high, output.defuzzifier)
+    samples = sample_positions(output.low, output.high, output.defuzzifier)
     norm = SNORMS[output.aggregation].scalar
     total = [0.0] * len(samples)
-    for member, strength in _folded_where_max(plan, fired):
+    for member, strength in folded_where_max(plan, fired):
         term, hedges, implication = plan.members[member][:3]
         first, heights = sampled_set(
             term.shape, hedges, output.low, output.high, output.defuzzifier
@@ -134,6 +161,6 @@ def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
     return folded
 
 
-def _folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
+def folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
     """Return one strength for each member under max: a T-norm rises with the strength."""
     return list(fold_at_point(plan, fired).items()) if plan.output.aggregation == "max" else fired

@@ -21,7 +21,7 @@ from fuzzyarm.inference.quadrature import (
     noise_of,
     panels,
 )
-from fuzzyarm.inference.sets import cut_lines, degrees, gaps
+from fuzzyarm.inference.sets import BELOW_ONE, cut_lines, degrees, gaps, plateaus
 
 # --- The aggregate of one output at many points of the inputs ---
 
@@ -118,7 +118,12 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) 
             continue
         part = slice(None) if rows.size == strength.size else rows
         degree = member_at(member, xs[part])
-        cut = TNORMS[member.implication].array(strength[part, None], degree)
+        implication = TNORMS[member.implication]
+        if implication.leaves_ones:
+            flat = [(xs[part] >= a) & (xs[part] <= b) for a, b in plateaus(member.pieces)]
+            on_peak = ~np.logical_or.reduce(flat) if flat else True
+            degree = np.where(on_peak, np.minimum(degree, BELOW_ONE), degree)
+        cut = implication.array(strength[part, None], degree)
         total[part] = norm(total[part], cut)
     return total
 
@@ -221,8 +226,10 @@ def leaves_over_arrays(plan: OutputPlan, entries: Entries, count: int) -> Leaves
         limit = TOLERANCE * (total[point] + area) + noise[point] * (x1 - x0)
         good = np.abs(area - area_a - area_b) <= limit
         good &= np.abs(moment - moment_a - moment_b) <= limit * half_range
-        if depth == DEEPEST or point.size > MOST_PANELS * count:
+        if depth == DEEPEST:
             good[:] = True
+        elif point.size > MOST_PANELS:  # a matter of each point, whatever the others need
+            good |= (np.bincount(point, minlength=count) > MOST_PANELS)[point]
         finished.append(
             (point[good], x0[good], x1[good], (area_a + area_b)[good], (moment_a + moment_b)[good])
         )

@@ -294,7 +294,7 @@ class _Chunk:
         for member, strength in self._strengths[part.variable]:
             if output.members[member].term.name == part.term:
                 total = norm(total, strength)
-        return hedged(part.hedges, total)
+        return hedged(part.hedges, np.minimum(1.0, total))  # a sum may exceed a degree
 
     def _conclude(self, output_plan: OutputPlan) -> Array:
         output = output_plan.output

@@ -69,7 +69,7 @@ def integrated_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None
     from fuzzyarm.inference.quadrature import edges_of, leaves_at_point, noise_of
 
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
-    parts = leaves_at_point(aggregate(plan, fired), edges_of(plan, fired), noise)
+    parts = leaves_at_point(aggregate(plan, fired, integrated=True), edges_of(plan, fired), noise)
     area = sum(part.area for part in parts)
     centre = 0.5 * (plan.output.low + plan.output.high)
     return centre + sum(part.moment for part in parts) / area if area > 0.0 else None

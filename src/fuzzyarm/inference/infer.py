@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.inference.point import Prepared, holds_arrays, merged, prepare
+from fuzzyarm.inference.plan import part_for
+from fuzzyarm.inference.point import Prepared, check_names, holds_arrays, merged, prepare
 from fuzzyarm.model.rulebase import Expectation, Outcome, Output, RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
@@ -25,6 +26,7 @@ def infer(
     /,
     *,
     held: Mapping[str, float] | None = None,
+    outputs: Iterable[str] | None = None,
     **named: Any,
 ) -> dict[str, float | NDArray[np.float64]]:
     """Evaluate a rule base.
@@ -37,14 +39,16 @@ def infer(
         Inputs by name; for names that are not identifiers.
     held : mapping of str to float, optional
         Last values of outputs that hold where no rule fires.
+    outputs : iterable of str, optional
+        Which outputs to evaluate; only the inputs that they depend on are needed then.
     **named : float or array_like
         Inputs by name. Arrays broadcast against each other.
 
     Returns
     -------
     dict of str to float or ndarray of float64
-        Every output by name: floats where all inputs are scalars, else arrays of the
-        broadcast shape. NaN only where the file states it (``no-rule nan``).
+        Every output, or those wanted, by name: floats where all inputs are scalars, else
+        arrays of the broadcast shape. NaN only where the file states it (``no-rule nan``).
 
     Raises
     ------
@@ -61,6 +65,8 @@ def infer(
     >>> infer(rulebase, e=axis[:, None], ce=axis[None, :])     # doctest: +SKIP
     """
     given = merged(inputs, named)
+    if outputs is not None:
+        return _some(rulebase, given, held, tuple(outputs))
     if holds_arrays(given):
         from fuzzyarm.inference.engine import infer_many
 
@@ -73,6 +79,26 @@ def infer(
         if found is not None:
             return dict(found)
     return dict(prepared.evaluate(given, held))
+
+
+def _some(
+    rulebase: RuleBase,
+    given: Mapping[str, Any],
+    held: Mapping[str, float] | None,
+    outputs: tuple[str, ...],
+) -> dict[str, float | NDArray[np.float64]]:
+    """Evaluate some outputs, with the inputs that they need among those given."""
+    part = part_for(rulebase, outputs)
+    check_names(given, [variable.name for variable in rulebase.inputs])
+    check_names(held or (), [variable.name for variable in rulebase.outputs], what="output")
+    needed = {variable.name for variable in part.inputs}
+    known = {variable.name for variable in part.outputs}
+    found = infer(
+        part,
+        {name: value for name, value in given.items() if name in needed},
+        held={name: value for name, value in (held or {}).items() if name in known},
+    )
+    return {name: found[name] for name in outputs}
 
 
 # --- Run the `expect` lines of a rule base ---

@@ -24,6 +24,8 @@ does to all of its points in a row, which the processor takes several at a time.
 A program is a stretch of whole numbers::
 
     for each input:   where its lines begin in f, and how many there are
+    number of expressions in parentheses, inner ones first
+                      for each: its row, norm, hedges by address (or 0), operands: how many, rows
     for each output:  number of sets that may fire (groups)
                       for each group: rules, where its consequent begins
                           for each rule: norm, where its weight and threshold are, operands
@@ -87,6 +89,9 @@ GROUP_HEAD = 2
 RULE_HEAD = 2
 """Whole numbers in front of the operands of a rule: norm, where its weight is."""
 
+TRUTH_HEAD = 4
+"""Whole numbers in front of the operands of an expression in parentheses."""
+
 MIN, PRODUCT, MAX, SUM = range(4)
 """Norms that the kernel does by itself; any other number is the address of one."""
 
@@ -121,7 +126,8 @@ def evaluate(block: Any) -> None:
             block[k[RESULTS] + o * k[WIDTH]] = math.nan
         k[MISSING] = k[OUTPUTS]
         return
-    k[k[ORDER] + k[WIDTH]] = 0
+    k[k[ORDER] + k[WIDTH]] = 0  # it came from, and goes back to, position 0
+    # Nothing to sort: the program reads the columns where `sweep` has it read the sorted copy.
     k[INPUT_ROWS] = k[COLUMNS]
     k[PROGRAM] = k[k[PROGRAMS_AT] + programs[0]]
     k[FIRST], k[COUNT], k[MISSING] = 0, 1, 0
@@ -154,6 +160,8 @@ def sweep(block: Any) -> None:
         locate(k, f, i, block[begin : begin + points], programs)
     sort(block, k, programs, origin, ends)
     k[MISSING] = ends[0] * k[OUTPUTS]
+    # The sorted points of program p are [ends[p], ends[p + 1]): one call for all of them, so
+    # that looking up its lines, rules and layers is paid once and rows stay in the cache.
     for point in range(ends[0]):  # these have no program
         for o in range(k[OUTPUTS]):
             block[k[RESULTS] + o * width + origin[point]] = math.nan
@@ -164,7 +172,7 @@ def sweep(block: Any) -> None:
             k[INPUT_ROWS] = k[ORDERED] + begin
             k[PROGRAM] = k[k[PROGRAMS_AT] + program]
             k[FIRST], k[COUNT] = begin, end - begin
-            call(k[RUN], block)
+            call(k[RUN], block)  # one body of code for `evaluate` and `sweep`, compiled once
             begin = end
 
 
@@ -207,6 +215,8 @@ def locate(k: Any, f: Any, i: int, x: Any, programs: Any) -> None:
     starts = k[head + STARTS_AT]
     edges = k[head + EDGES_AT]
     stride = k[head + STRIDE]
+    # Input by input, not point by point: its numbers stay in registers. A point that failed
+    # at one input stays failed; NaN fails, as no comparison holds for it.
     for point in range(programs.shape[0]):
         value = x[point]
         if clamped:
@@ -236,11 +246,12 @@ def run(block: Any) -> None:
     room = block[k[ROOM] : k[COLUMNS]]
     count = k[COUNT]
     width = k[WIDTH]
-    at = k[PROGRAM]
+    at = k[PROGRAM]  # walks through the program: every part returns where the next begins
     for i in range(k[INPUTS]):
         begin = k[INPUT_ROWS] + i * width
         fuzzify(k, f, room, i, k[at], k[at + 1], block[begin : begin + count])
         at += 2
+    at = join_expressions(k, f, room, at, count)
     begin = (k[WORK] + TOTAL) * width
     total = room[begin : begin + count]
     begin = (k[WORK] + MOMENT) * width
@@ -259,6 +270,7 @@ def run(block: Any) -> None:
         at = k[NEXT]
         begin = k[head + FLOATS_AT]
         bounds = f[begin : begin + OUTPUT_RANGE]
+        # Where nothing fired this is 0 / 0; `settle` looks at the total, not at the NaN.
         if k[head + IS_MEAN] != 0:
             for point in range(count):
                 moment[point] = bounds[3] + moment[point] / total[point]
@@ -274,15 +286,19 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
     width = k[WIDTH]
     count = x.shape[0]
     head = HEAD + INPUT_HEAD * i
+    # In a cell every straight term is one line. The rows are those of the cell: a row means
+    # another term elsewhere, and `record` in the layout has named it to the rules.
     row = k[head + SLOT]
     for _ in range(lines):
         begin = row * width
         degrees = room[begin : begin + count]
         height, x_0, slope = f[line], f[line + 1], f[line + 2]
         for point in range(count):
+            # Rounding may lead below 0 next to a foot; a line starts at its foot, else its top.
             degrees[point] = max(0.0, height + (x[point] - x_0) * slope)
         line += LINE
         row += 1
+    # Curved terms have rows of their own behind the most lines of any cell: they hold in all.
     row = k[head + SLOT] + k[head + MOST_LINES]
     curve = k[head + CURVES_AT]
     for _ in range(k[head + CURVES]):
@@ -295,6 +311,29 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
 
 
 @kernel
+def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
+    """Write down the truth of the expressions in parentheses; return what is behind."""
+    width = k[WIDTH]
+    expressions = k[at]
+    at += 1
+    for _ in range(expressions):
+        begin = k[at] * width
+        truth = room[begin : begin + count]
+        norm, hedges, operands = k[at + 1], k[at + 2], k[at + 3]
+        at += TRUTH_HEAD
+        begin = k[at] * width
+        degrees = room[begin : begin + count]
+        for operand in range(at + 1, at + operands):
+            begin = k[operand] * width
+            join(norm, degrees, room[begin : begin + count], truth)
+            degrees = truth
+        if hedges != 0:
+            call(hedges, degrees, f[0:0], truth)
+        at += operands
+    return at
+
+
+@kernel
 def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
     """Fold the strengths of the rules of each group, one row each; return what is behind."""
     width = k[WIDTH]
@@ -302,6 +341,8 @@ def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> i
     at += 1
     begin = (k[WORK] + STRENGTH) * width
     strength = room[begin : begin + count]
+    # A group is a set with the rules that assert it in this cell. The first strength goes into
+    # the row of its height at once; the norm is the output's, max nearly always.
     for group in range(k[HEIGHTS], k[HEIGHTS] + groups):
         begin = group * width
         folded = room[begin : begin + count]
@@ -330,6 +371,7 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
         begin = k[operand] * width
         join(norm, degrees, room[begin : begin + count], strength)
         degrees = strength
+    # At weight 1 and threshold 0 this changes nothing, and most rules are so.
     if weight != 1.0 or threshold > 0.0:
         for point in range(count):
             part = strength[point] * weight
@@ -339,6 +381,7 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
 @kernel
 def join(norm: int, a: Any, b: Any, into: Any) -> None:
     """Take the norm of two rows; `into` may be one of them."""
+    # The choice stands outside the loops: inside it would keep them from being vectorised.
     if norm == MIN:
         for point in range(into.shape[0]):
             into[point] = min(a[point], b[point])
@@ -367,7 +410,7 @@ def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: 
                 found = min(max(found, low), high)
             elif mode == ERROR and not low <= found <= high:
                 found = math.nan
-            if not abs(found) < math.inf:
+            if not abs(found) < math.inf:  # NaN too: the caller says which error that is
                 found = math.nan
         else:
             found = silent
@@ -402,6 +445,7 @@ def closed_centroid(block: Any) -> None:
     moment = room[begin : begin + count]
     groups = k[k[GROUPS]]
     first = k[HEIGHTS] * width
+    # The rows of unions stand behind those of the groups; several overlaps may share one.
     at = k[NEXT]
     unions = k[at]
     at += 1
@@ -417,6 +461,8 @@ def closed_centroid(block: Any) -> None:
             for point in range(count):
                 most[point] = max(most[point], height[point])
         at += 1 + others
+    # A term is F(hₖ), or −F(min(hₖ, Hₖ)) with its sign in the layer: rows of which the smaller
+    # counts, for a set itself twice the same.
     terms = k[at]
     at += 1
     for _ in range(terms):
@@ -471,6 +517,7 @@ def weighted(block: Any) -> None:
             inputs = block[begin : begin + count]
             for point in range(count):
                 value[point] += f[values + 1 + i] * inputs[point]
+        # Not times 0: a linear value may be infinite where its rule does not fire.
         for point in range(count):
             if weight[point] > 0.0:
                 total[point] += weight[point]
@@ -500,6 +547,7 @@ def sampled_centroid(block: Any) -> None:
     weights = f[numbers + samples : numbers + 2 * samples]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
+    # Point by point: all samples of one point fit into the nearest cache, those of many do not.
     for point in range(total.shape[0]):
         for i in range(samples):
             aggregate[i] = 0.0
@@ -556,6 +604,7 @@ def enveloped_centroid(block: Any) -> None:
             pieces = f[begin : begin + PIECE * k[consequent]]
             if height > 0.0:
                 events = cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
+        # Events are where a line begins or ends: between two of them the same lines hold.
         count = 0
         for line in range(0, events, PIECE):
             count = insert(heap, events, count, heap[line])
@@ -639,6 +688,7 @@ def highest(
                 best = y
                 steep = slope
     until = right
+    # It holds until the first line that is steeper has caught up.
     for line in range(0, events, PIECE):
         if heap[line] <= left and heap[line + 2] >= right:
             slope = (heap[line + 3] - heap[line + 1]) / (heap[line + 2] - heap[line])

@@ -9,33 +9,53 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate, product
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
-from fuzzyarm.expression.nodes import Node, replace, symbol
+from fuzzyarm.expression.nodes import Node, constant, replace, symbol
+from fuzzyarm.expression.records import degree_on_polyline
+from fuzzyarm.inference import integrated
 from fuzzyarm.inference import kernel as at
-from fuzzyarm.inference.aggregate import positions, weights
+from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule
 from fuzzyarm.inference.point import is_straight
-from fuzzyarm.inference.sets import POSITION, formula_of
+from fuzzyarm.inference.quadrature import (
+    CLIPPING,
+    DEEPEST,
+    MOST_PANELS,
+    NODES,
+    ROUNDING,
+    TOLERANCE,
+    WEIGHTS,
+    noise_of,
+    panels,
+)
+from fuzzyarm.inference.sets import POSITION, cut_lines, formula_of
 from fuzzyarm.kernels import address_of, kernel
-from fuzzyarm.model.rulebase import And, Hedge, Is, Or, Output, Shape
+from fuzzyarm.model.rulebase import (
+    TAKAGI_SUGENO,
+    And,
+    Expression,
+    Hedge,
+    Hedged,
+    Is,
+    Or,
+    Output,
+    Shape,
+)
 from fuzzyarm.model.shapes import polyline
 
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000
 """Programs, and rules in all programs together; beyond, inputs are left out of the index."""
-
-MOST_PLAIN_SAMPLES = 20_000
-"""Samples of a set that are found one by one; more are found by NumPy, to the last bit or two."""
 
 Proposition = tuple[str, str, tuple[Hedge, ...]]
 """Variable, term and hedges."""
@@ -174,40 +194,45 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         own = [number(value) for value in shape.parameters]
         root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
-    for hedge in reversed(hedges):
-        modifier = HEDGES[hedge.name]
-        own = [] if hedge.exponent is None else [number(hedge.exponent)]
-        root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
+    root = _under(hedges, root, number)
     function = _row_function(root, ("x",), tuple(names), shape.kind)
     return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
 
 
+def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node]) -> Node:
+    """Return an expression under hedges; `number` makes symbols of their exponents."""
+    for hedge in reversed(hedges):
+        modifier = HEDGES[hedge.name]
+        own = [] if hedge.exponent is None else [number(hedge.exponent)]
+        root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
+    return root
+
+
+def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
+    """Return the address of a row function of hedges, with their exponents as constants."""
+    root = _under(hedges, symbol("x"), constant)
+    return address_of(_row_function(root, ("x",), (), "hedged"), 3, compiled=compiled)
+
+
+kernel(degree_on_polyline)
+
+
 @kernel
 def _polyline_row(x: Any, corners: Any, into: Any) -> None:
-    """Heights of a line through corners (x, y, x, y …); the greatest on a vertical edge."""
-    count = corners.shape[0] // 2
     for point in range(into.shape[0]):
-        after = 0  # the first corner behind x
-        while after < count and corners[2 * after] <= x[point]:
-            after += 1
-        if after > 0 and corners[2 * after - 2] == x[point]:
-            height = corners[2 * after - 1]
-            same = after - 1
-            while same > 0 and corners[2 * same - 2] == x[point]:
-                same -= 1
-                height = max(height, corners[2 * same + 1])
-            into[point] = height
-        elif after == 0:
-            into[point] = corners[1]
-        elif after == count:
-            into[point] = corners[2 * count - 1]
-        else:
-            x_0, y_0 = corners[2 * after - 2], corners[2 * after - 1]
-            x_1, y_1 = corners[2 * after], corners[2 * after + 1]
-            into[point] = y_0 + (y_1 - y_0) * (x[point] - x_0) / (x_1 - x_0)
+        into[point] = degree_on_polyline(corners, x[point])
 
 
 # ── the writer ───────────────────────────────────────────────────────────────────────
+
+
+class _Truth(NamedTuple):
+    """An expression in parentheses, under a number below 0: propositions have the others."""
+
+    number: int
+    norm: int
+    operands: tuple[int, ...]
+    hedges: int
 
 
 class _Rule(NamedTuple):
@@ -242,6 +267,15 @@ def lay_out(plan: Plan, *, compiled: bool) -> Layout:
     return _Writer(plan, compiled=compiled).layout()
 
 
+def what_is_not_covered(plan: Plan) -> str:
+    """Return what the kernel cannot evaluate of a rule base; empty where it covers it."""
+    try:
+        lay_out(plan, compiled=False)
+    except NotCoveredError as error:
+        return str(error)
+    return ""
+
+
 class _Writer:
     def __init__(self, plan: Plan, *, compiled: bool) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
@@ -249,6 +283,7 @@ class _Writer:
         self.plan = plan
         self.compiled = compiled
         self.numbers: dict[Proposition, int] = {}
+        self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
         self.rules = [self._rule(i, planned) for i, planned in enumerate(plan.rules)]
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
@@ -260,23 +295,33 @@ class _Writer:
 
     def _rule(self, index: int, planned: PlannedRule) -> _Rule:
         antecedent = planned.rule.antecedent
-        parts: tuple[Is, ...]
-        conjunction, norm = True, at.MIN
-        if isinstance(antecedent, Is):
-            parts = (antecedent,)
-        elif isinstance(antecedent, And | Or):
-            parts = tuple(part for part in antecedent.operands if isinstance(part, Is))
-            if len(parts) < len(antecedent.operands):
-                raise NotCoveredError("a rule has parentheses")
-            conjunction = isinstance(antecedent, And)
-            sort, norms = ("T", TNORMS) if conjunction else ("S", SNORMS)
-            record = norms[planned.conjunction if conjunction else planned.disjunction]
-            norm = norm_address(record, sort, compiled=self.compiled)
-        else:
-            raise NotCoveredError("a rule has a hedge on parentheses")
-        keys = [(part.variable, part.term, part.hedges) for part in parts]
-        found = tuple(self.numbers.setdefault(key, len(self.numbers)) for key in keys)
-        return _Rule(index, norm, conjunction, found, planned.rule.weight, planned.threshold)
+        norm, operands = self._joined(antecedent, planned)
+        conjunction = not isinstance(antecedent, Or)
+        return _Rule(index, norm, conjunction, operands, planned.rule.weight, planned.threshold)
+
+    def _joined(self, expression: Expression, planned: PlannedRule) -> tuple[int, tuple[int, ...]]:
+        """Return the norm of an expression, and the numbers of its operands."""
+        if not isinstance(expression, And | Or):
+            return at.MIN, (self._number(expression, planned),)
+        conjunction = isinstance(expression, And)
+        sort, norms = ("T", TNORMS) if conjunction else ("S", SNORMS)
+        record = norms[planned.conjunction if conjunction else planned.disjunction]
+        operands = tuple(self._number(each, planned) for each in expression.operands)
+        return norm_address(record, sort, compiled=self.compiled), operands
+
+    def _number(self, expression: Expression, planned: PlannedRule) -> int:
+        if isinstance(expression, Is):
+            proposition = (expression.variable, expression.term, expression.hedges)
+            return self.numbers.setdefault(proposition, len(self.numbers))
+        key = (expression, planned.conjunction, planned.disjunction)
+        if key not in self.truths:
+            hedges = 0
+            if isinstance(expression, Hedged):
+                hedges = hedge_row(expression.hedges, compiled=self.compiled)
+                expression = expression.operand
+            norm, operands = self._joined(expression, planned)
+            self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, hedges)
+        return self.truths[key].number
 
     # ── inputs ───────────────────────────────────────────────────────────────────────
 
@@ -317,7 +362,9 @@ class _Writer:
             self.curves.append(curves)
 
     def _entries(self) -> int:
-        return sum(math.prod(len(each) for each in self._alive(rule)) for rule in self.rules)
+        programs = math.prod(len(cells.lines) for cells in self.cells)
+        rules = sum(math.prod(len(each) for each in self._alive(rule)) for rule in self.rules)
+        return rules + programs * len(self.truths)
 
     def _alive(self, rule: _Rule) -> list[list[int]]:
         """Return for each input the cells in which a rule can fire."""
@@ -347,6 +394,8 @@ class _Writer:
             strides.append(stride)
             row += max(map(len, cells.lines)) + len(self.curves[i])
             stride *= len(cells.lines)
+        self.truth_rows = {each.number: row + i for i, each in enumerate(self.truths.values())}
+        row += len(self.truths)
         self.operands = max([len(rule.parts) for rule in self.rules], default=1)
         self.one, self.zero = at.ONES, at.ONES + 1
         heads = len(self.whole)
@@ -369,6 +418,7 @@ class _Writer:
             ]
             for c, lines in zip(cells_here, self.lines, strict=True):
                 self.whole += lines[c]
+            self._write_truths(cells_here)
             for writer in writers:
                 writer.write(active, cells_here)
         work = row + max([writer.heights for writer in writers], default=0)
@@ -419,12 +469,22 @@ class _Writer:
                 active[number].append(rule)
         return active
 
-    def record(self, rule: _Rule, cells: Sequence[int]) -> list[int]:
-        """Return [norm, weight, operands …] of a rule in a cell."""
-        rows: dict[int, int] = {}
+    def _rows_of(self, parts: Sequence[int], cells: Sequence[int]) -> list[int]:
+        """Return the rows of degrees in a cell: that of zeros for a term that is 0 there."""
+        rows = dict(self.truth_rows)
         for c, listed in zip(cells, self.rows, strict=True):
             rows.update(listed[c])
-        operands = [rows.get(part, self.zero) for part in rule.parts]
+        return [rows.get(part, self.zero) for part in parts]
+
+    def _write_truths(self, cells: Sequence[int]) -> None:
+        self.whole.append(len(self.truths))
+        for number, norm, operands, hedges in self.truths.values():
+            self.whole += [self.truth_rows[number], norm, hedges, len(operands)]
+            self.whole += self._rows_of(operands, cells)
+
+    def record(self, rule: _Rule, cells: Sequence[int]) -> list[int]:
+        """Return [norm, weight, operands …] of a rule in a cell."""
+        operands = self._rows_of(rule.parts, cells)
         neutral = self.one if rule.conjunction else self.zero
         operands += [neutral] * (self.operands - len(operands))
         return [rule.norm, self.rule_floats[rule.number], *operands]
@@ -453,6 +513,9 @@ class _OutputWriter:
             detail = self._write_samples()
         elif self.defuzzifier is at.enveloped_centroid:
             self._write_pieces()
+        elif self.defuzzifier is integrated.integrated_centroid:
+            base.floats[floats + 3] = 0.5 * (output.low + output.high)
+            detail = self._write_integral()
         else:
             detail = self._write_values()
         is_mean = output.defuzzifier.method != "weighted-sum"
@@ -485,18 +548,17 @@ class _OutputWriter:
         output, floats = self.plan.output, self.base.floats
         count = output.defuzzifier.resolution
         assert count is not None
-        where = positions(output.low, output.high, count, output.defuzzifier.sampling)
-        floats += where
+        floats += sample_positions(output.low, output.high, output.defuzzifier)
         floats += weights(count, output.defuzzifier.sampling)
         self.samples = count
         for i, member in enumerate(self.plan.members):
-            degrees = sampled_degrees(member, where)
-            inside = [j for j, degree in enumerate(degrees) if degree > 0.0]
-            begin, end = (inside[0], inside[-1] + 1) if inside else (0, 0)
+            found = sampled_set(
+                member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
+            )
+            begin, end = found.first, found.first + len(found.heights)
             self.consequents[i] = len(self.base.whole)
             cut = norm_address(TNORMS[member.implication], "T", compiled=self.base.compiled)
-            self.base.whole += [begin, end, len(floats), cut]
-            floats += degrees[begin:end]
+            self.base.whole += [begin, end, self._floats(found.heights), cut]
         return count
 
     def _write_pieces(self) -> None:
@@ -509,6 +571,48 @@ class _OutputWriter:
             pieces += len(member.pieces)
         # Cutting may split a piece in two; each end is an event. There are two rows of samples.
         self.samples = (2 * at.PIECE * pieces + 4 * pieces) // 2 + 1
+
+    def _write_integral(self) -> int:
+        """Write what the quadrature reads; see :mod:`fuzzyarm.inference.integrated`."""
+        plan, whole = self.plan, self.base.whole
+        for i, member in enumerate(plan.members):
+            curve = curve_of(member.term.shape, member.hedges, compiled=self.base.compiled)
+            cut = norm_address(TNORMS[member.implication], "T", compiled=self.base.compiled)
+            sloping = [each for each in member.pieces if each.straight and each.y0 != each.y1]
+            clips = CLIPPING.get(member.implication, ())
+            lines = lines_of(member.implication)
+            self.consequents[i] = len(whole)
+            whole += [curve.address, self._floats(curve.numbers), len(curve.numbers), cut, i]
+            whole += [len(sloping), self._floats(end for piece in sloping for end in piece[:4])]
+            whole += [len(clips), self._floats(number for clip in clips for number in clip)]
+            whole += [len(lines), self._floats(number for line in lines for number in line)]
+        crossing = [
+            (self.consequents[each.first], self.consequents[each.second], self._floats(each[2:]))
+            for each in plan.stretches
+            if lines_of(plan.members[each.first].implication)
+            and lines_of(plan.members[each.second].implication)
+        ]
+        begin = len(whole)
+        whole += [number for stretch in crossing for number in stretch]
+        subtracts = noise_of(plan, 0.0) > 0.0
+        constants = [TOLERANCE, DEEPEST, MOST_PANELS, ROUNDING, subtracts, *NODES, *WEIGHTS]
+        edges = panels(plan)
+        detail = len(whole)
+        whole += [self._floats(constants), len(plan.members), len(edges), self._floats(edges)]
+        whole += [len(crossing), begin]
+        # At most two clips and four crossings of lines; under other norms than max every rule.
+        each_rule = 1 if plan.output.aggregation == "max" else len(plan.contributions)
+        most = len(edges) + 4 * len(crossing)
+        most += 2 * each_rule * sum(len(member.pieces) for member in plan.members)
+        deepest = integrated.PANEL * (most + DEEPEST + 2)
+        self.samples = (4 * integrated.ROW + len(plan.members) + most + deepest) // 2 + 1
+        return detail
+
+    def _floats(self, numbers: Iterable[float]) -> int:
+        """Append numbers; return where they begin."""
+        begin = len(self.base.floats)
+        self.base.floats += map(float, numbers)
+        return begin
 
     def _write_values(self) -> int:
         linear = any(member.value is None for member in self.plan.members)
@@ -574,21 +678,23 @@ class _OutputWriter:
         self.heights = max(self.heights, len(members) + len(unions))
 
 
-def sampled_degrees(member: Member, where: Sequence[float]) -> Sequence[float]:
-    """Return the degrees of a set at the samples, with the bits that one point gives."""
-    if len(where) <= MOST_PLAIN_SAMPLES:
-        return [member.membership(y) for y in where]
-    from fuzzyarm.inference.aggregate_arrays import member_at
-
-    return cast(Sequence[float], member_at(member, np.array(where)).tolist())
-
-
 def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
     if plan.discrete:
         return at.weighted
     if plan.output.defuzzifier.resolution is not None:
         return at.sampled_centroid
-    return at.enveloped_centroid if has_envelope(plan) else at.closed_centroid
+    if plan.closed is not None or not plan.members:
+        return at.closed_centroid
+    return at.enveloped_centroid if has_envelope(plan) else integrated.integrated_centroid
+
+
+def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
+    """Return the lines of a cut set as (α₀, α₁, β₀, β₁): (α₀ + α₁ w) + (β₀ + β₁ w) μ."""
+    at_0, at_1 = cut_lines(implication, 0.0), cut_lines(implication, 1.0)
+    return [
+        (alpha_0, alpha_1 - alpha_0, beta_0, beta_1 - beta_0)
+        for (alpha_0, beta_0), (alpha_1, beta_1) in zip(at_0 or (), at_1 or (), strict=True)
+    ]
 
 
 def has_envelope(plan: OutputPlan) -> bool:
@@ -604,13 +710,15 @@ def has_envelope(plan: OutputPlan) -> bool:
 def _check_output(plan: OutputPlan) -> None:
     output: Output = plan.output
     method = output.defuzzifier.method
-    if plan.discrete and method in {"centroid", "weighted-average", "weighted-sum"}:
+    if plan.discrete and method in {"centroid", *TAKAGI_SUGENO}:
         formulas = [member.term.name for member in plan.members if member.formula is not None]
         if formulas:
             raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
         return
     if method != "centroid" or plan.discrete:
         raise NotCoveredError(f"the {method} of '{output.name}'")
-    exact = output.defuzzifier.resolution is None and plan.members
-    if exact and plan.closed is None and not has_envelope(plan):
-        raise NotCoveredError(f"the exact centroid of '{output.name}' has no closed form")
+    if _defuzzifier(plan) is integrated.integrated_centroid:
+        for member in plan.members:
+            if TNORMS[member.implication].leaves_ones or TNORMS[member.implication].own:
+                what = f"implication {member.implication}"
+                raise NotCoveredError(f"the exact centroid of '{output.name}' under {what}")

@@ -5,21 +5,22 @@ The last part is for outputs whose terms are numbers rather than sets.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from itertools import accumulate, pairwise
+from functools import reduce
+from itertools import accumulate, combinations, pairwise
 from typing import TYPE_CHECKING
 
-from fuzzyarm.expression.kinds import TNORMS
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import (
     Fired,
     aggregate,
     fold_at_point,
-    positions,
     sampled_aggregate_at_point,
 )
-from fuzzyarm.inference.plan import OutputPlan
-from fuzzyarm.inference.quadrature import edges_of, leaves_at_point, noise_of, rule
-from fuzzyarm.inference.sets import cut, peak
+from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.quadrature import CLIPPING, edges_of, leaves_at_point, noise_of, rule
+from fuzzyarm.inference.sets import bisect, cut, golden, peak
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,21 +33,34 @@ if TYPE_CHECKING:
 
 # --- Mean, smallest and largest of the positions where an aggregate is greatest ---
 #
-# Exact: under `aggregation max` the positions are level cuts of the strongest sets; under
-# the others the greatest value is looked for at all corners, clipping edges and
-# `CANDIDATES` even positions, which is exact for straight sets cut by min and within the
-# spacing of the positions otherwise. Sampled: over the samples; the mean is that of all of them.
+# Exact: under `aggregation max` the positions are level cuts of the strongest sets. Under the
+# others the range is cut where a set bends, where an implication clips one and where the
+# aggregate reaches 1. In between every straight set is cut to a line (by the implications in
+# LINEAR), and the aggregate is greatest at an end of the cell, or constant: sums of lines are
+# lines; and with a convex g, −log(1 − a), a / (1 − a) or artanh a, the norms probor, hamacher
+# and einstein are the inverse of a sum of g. Curved sets and other norms are searched instead:
+# heights are then right to 1e-15, positions on a round top to some 1e-8 of the range.
+# Sampled: over the samples; the mean is that of all of them.
 
 SAME = 1e-12
 """Heights that differ by a smaller share than this are equally great."""
 
-CANDIDATES = 2001
-"""Even positions that are tried where the aggregation is not max."""
+STEPS_OF_CURVES = 16
+"""Even steps of a cell with a curve, between which the aggregate has one maximum at most."""
 
-CLIPPING = frozenset({"min", "nilpotent"})
-"""Implications that leave a plateau at the firing strength."""
+NEAR = 1e-7
+"""Positions closer than this share of the range are one, and no plateau."""
+
+LINEAR = frozenset({"min", "product", "bounded", "nilpotent", "drastic"})
+"""Implications that leave lines of a straight set, between where they clip it."""
+
+CEILINGS = frozenset({"bounded", "normalized", "nilpotent"})
+"""Aggregations that bend where sums of strengths reach 1."""
 
 Intervals = list[tuple[float, float]]
+
+Heights = list[tuple[float, float, float]]
+"""Stretches (height, start, end) over which an aggregate is constant, most of them points."""
 
 
 def maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
@@ -64,8 +78,9 @@ def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
         member = plan.members[index]
         top = peak(member.pieces)
         height = TNORMS[member.implication].scalar(strength, top)
-        clips = member.implication in CLIPPING and strength < top
-        reached.append((height, index, strength if clips else top))
+        levels = [low + rise * strength for low, rise in CLIPPING.get(member.implication, ())]
+        clips = member.implication != "bounded" and height == strength < top
+        reached.append((height, index, max(levels) if clips and levels else top))
     greatest = max((height for height, _, _ in reached), default=0.0)
     if not greatest > 0.0:
         return []
@@ -78,28 +93,117 @@ def _strongest(plan: OutputPlan, fired: Fired) -> Intervals:
 
 
 def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
-    output = plan.output
-    value = aggregate(plan, fired)
-    xs = {*positions(output.low, output.high, CANDIDATES, "endpoints")}
+    output, value = plan.output, aggregate(plan, fired)
+    edges = {output.low, output.high}
+    searched = SNORMS[output.aggregation].own
     for index, strength in fired:
         member = plan.members[index]
-        xs |= {x for piece in member.pieces for x in (piece.x0, piece.x1)}
-        for level in (strength, 1.0 - strength):
-            for interval in cut(member.pieces, member.membership, level):
-                xs |= {*interval}
-    ordered = sorted(xs)
-    heights = [value(x) for x in ordered]
-    greatest = max(heights)
+        edges |= {piece.x0 for piece in member.pieces}
+        searched |= member.implication not in LINEAR
+        searched |= any(not piece.straight for piece in member.pieces)
+        for offset, factor in CLIPPING.get(member.implication, ()):
+            for interval in cut(member.pieces, member.membership, offset + factor * strength):
+                edges |= {*interval}
+    cells = list(pairwise(sorted(edges)))
+    heights: Heights = [(value(x), x, x) for x in edges]
+    for x0, x1 in cells:
+        if searched:
+            heights += _greatest_on_curves(value, x0, x1)
+        else:
+            heights += _greatest_on_lines(plan, fired, x0, x1)
+    greatest = max(height for height, _, _ in heights)
     if not greatest > 0.0:
         return []
-    enough = greatest * (1.0 - SAME)
-    spots = [x for x, height in zip(ordered, heights, strict=True) if height >= enough]
-    flat = [
-        (a, b)
-        for a, b in pairwise(spots)
-        if value(0.5 * (a + b)) >= enough and value(0.3 * a + 0.7 * b) >= enough
-    ]
-    return [*((x, x) for x in spots), *flat]
+    found = [each for each in heights if each[0] >= greatest * (1.0 - SAME)]
+    wide = [(a, b) for _, a, b in found if b > a]
+    if searched:
+        wide = _widened(value, sorted({x for _, x, _ in found}), greatest, cells)
+    near = NEAR * (output.high - output.low)
+    return _apart(found, near) + [(a, b) for a, b in wide if b - a > near]
+
+
+def _apart(found: Heights, near: float) -> Intervals:
+    """Return the highest of the positions that are close to each other, as points."""
+    groups: list[list[tuple[float, float]]] = []
+    for x, height in sorted((x, height) for height, start, end in found for x in (start, end)):
+        if groups and x - groups[-1][-1][0] <= near:
+            groups[-1].append((x, height))
+        else:
+            groups.append([(x, height)])
+    tops = [max(group, key=lambda spot: spot[1])[0] for group in groups]
+    return [(x, x) for x in tops]
+
+
+def _greatest_on_lines(plan: OutputPlan, fired: Fired, x0: float, x1: float) -> Heights:
+    """Return the heights at the ends of a cell, seen from inside, and where it is constant."""
+    norm = SNORMS[plan.output.aggregation].scalar
+    ends = [_ends_of_line(plan.members[index], strength, x0, x1) for index, strength in fired]
+    shares = {0.0, 1.0}
+    if plan.output.aggregation in CEILINGS:
+        left, right = (math.fsum(line[side] for line in ends) for side in (0, 1))
+        sums = [(left, right)]
+        if plan.output.aggregation == "nilpotent":
+            sums = [(a[0] + b[0], a[1] + b[1]) for a, b in combinations(ends, 2)]
+        shares |= {(1.0 - a) / (b - a) for a, b in sums if (a - 1.0) * (b - 1.0) < 0.0}
+
+    def height(share: float) -> float:
+        return reduce(norm, ((1.0 - share) * a + share * b for a, b in ends), 0.0)
+
+    found = []
+    for start, end in pairwise(sorted(shares)):
+        a, b = (x0 + (x1 - x0) * share for share in (start, end))
+        inside = [height(start + (end - start) * share) for share in (1e-6, 0.5, 1.0 - 1e-6)]
+        if max(inside) - min(inside) <= SAME * max(inside):
+            found.append((min(inside), a, b))
+        found += [(height(start), a, a), (height(end), b, b)]
+    return found
+
+
+def _ends_of_line(member: Member, strength: float, x0: float, x1: float) -> tuple[float, float]:
+    """Return what a cut set that is one line (or nearly so) in a cell tends to at its ends.
+
+    From two positions inside: at the ends the set, or its implication, may jump.
+    """
+    implication = TNORMS[member.implication].scalar
+    first = implication(strength, member.membership(x0 + 0.25 * (x1 - x0)))
+    second = implication(strength, member.membership(x0 + 0.75 * (x1 - x0)))
+    if first == second:
+        return first, second
+    rise = 0.5 * (second - first)
+    return max(0.0, first - rise), max(0.0, second + rise)
+
+
+def _greatest_on_curves(value: Callable[[float], float], x0: float, x1: float) -> Heights:
+    """Return the greatest heights inside a cell, by golden section where samples show one."""
+    xs = [x0 + (x1 - x0) * i / STEPS_OF_CURVES for i in range(STEPS_OF_CURVES + 1)]
+    xs[0], xs[-1] = x0 + 1e-9 * (x1 - x0), x1 - 1e-9 * (x1 - x0)  # inside: it may jump there
+    # Beside an end, too: a top may lie between it and the next sample.
+    xs[1:1], xs[-1:-1] = [xs[0] + 1e-3 * (xs[1] - xs[0])], [xs[-1] - 1e-3 * (xs[-1] - xs[-2])]
+    ys = [value(x) for x in xs]
+    found = [(y, x, x) for x, y in zip(xs, ys, strict=True)]
+    for i in range(1, len(xs) - 1):
+        if ys[i] >= ys[i - 1] and ys[i] >= ys[i + 1] and ys[i] > min(ys[i - 1], ys[i + 1]):
+            x = golden(value, xs[i - 1], xs[i + 1], 1.0, xs[i])
+            found.append((value(x), x, x))
+    return found
+
+
+def _widened(
+    value: Callable[[float], float], tops: list[float], greatest: float, cells: Intervals
+) -> Intervals:
+    """Return the stretches around positions over which an aggregate is greatest."""
+    wide = []
+    for x0, x1 in cells:
+        inside = [x for x in tops if x0 <= x <= x1]
+        for a, b in pairwise(inside):
+            if all(value(a + share * (b - a)) >= greatest * (1.0 - SAME) for share in (0.3, 0.5)):
+                wide.append((a, b))
+        step = (x1 - x0) / STEPS_OF_CURVES
+        for start, way in ((inside[0], -step), (inside[-1], step)) if inside else ():
+            end = min(x1, max(x0, start + way))
+            reach = bisect(lambda x: float(value(x) >= greatest), start, end, 0.5)
+            wide.append((min(start, reach), max(start, reach)))
+    return wide
 
 
 def _choose(method: str, intervals: Intervals) -> float:
@@ -204,7 +308,7 @@ STEPS = 60
 
 def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the exact bisector, or None where the aggregate has no area."""
-    function = aggregate(plan, fired)
+    function = aggregate(plan, fired, integrated=True)
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
     parts = leaves_at_point(function, edges_of(plan, fired), noise)
     total = sum(part.area for part in parts)

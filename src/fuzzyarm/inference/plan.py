@@ -10,7 +10,9 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import wraps
+from itertools import count
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
@@ -102,6 +104,20 @@ class OutputPlan(NamedTuple):
     discrete: bool
     closed: ClosedForm | None = None
     stretches: tuple[Stretch, ...] = ()
+
+    @property
+    def integrated(self) -> bool:
+        """Whether its value is found by quadrature: exact, without a closed form."""
+        exact, method = self.output.defuzzifier.resolution is None, self.output.defuzzifier.method
+        if self.discrete or not exact:
+            return False
+        return method == "bisector" or (method == "centroid" and self.closed is None)
+
+    @property
+    def in_order(self) -> bool:
+        """Whether the order of its rules changes bits: sets that are added up, not united."""
+        sampled = self.output.defuzzifier.resolution is not None and not self.discrete
+        return self.output.aggregation != "max" and (sampled or self.integrated)
 
 
 class PlannedRule(NamedTuple):
@@ -321,15 +337,10 @@ def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
         first = _first_of_each_value(members)
         contributions = [(first[member], rule) for member, rule in contributions]
     closed = None if discrete else _closed(output, members)
-    crossing: tuple[Stretch, ...] = ()
-    if output.aggregation == "max" and _is_integrated(output, closed) and not discrete:
-        crossing = stretches([member.pieces for member in members])
-    return OutputPlan(output, members, tuple(contributions), discrete, closed, crossing)
-
-
-def _is_integrated(output: Output, closed: ClosedForm | None) -> bool:
-    method, exact = output.defuzzifier.method, output.defuzzifier.resolution is None
-    return exact and (method == "bisector" or (method == "centroid" and closed is None))
+    made = OutputPlan(output, members, tuple(contributions), discrete, closed)
+    if output.aggregation == "max" and made.integrated:
+        return made._replace(stretches=stretches([member.pieces for member in members]))
+    return made
 
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
@@ -440,3 +451,120 @@ def _closed(output: Output, members: tuple[Member, ...]) -> ClosedForm | None:
         return None
     profiles = [member.pieces for member in members]
     return closed_form(profiles, output.low, output.high, united=output.aggregation == "max")
+
+
+# ── a part of a rule base ────────────────────────────────────────────────────────────
+
+
+def needed(made: Plan, names: Iterable[str]) -> tuple[set[str], set[int]]:
+    """Return the outputs and the rules that some outputs depend on, themselves included."""
+    outputs, rules = set(names), set[int]()
+    while True:
+        more = {
+            rule
+            for name in outputs
+            for _, rule in made.outputs[name].contributions
+            if made.rules[rule].rule.weight != 0.0
+        }
+        read = _read(made, outputs, more) & made.outputs.keys()
+        if more == rules and read <= outputs:
+            return outputs, rules
+        outputs, rules = outputs | read, more
+
+
+def _read(made: Plan, outputs: Iterable[str], rules: Iterable[int]) -> set[str]:
+    """Return the variables that rules read, and formulas of consequents."""
+    antecedents = [made.rules[rule].rule.antecedent for rule in rules]
+    read = {part.variable for antecedent in antecedents for part in propositions(antecedent)}
+    members = [member for name in outputs for member in made.outputs[name].members]
+    return read | {name for each in members if each.formula for name in each.formula.names}
+
+
+@remembered
+def _parts(rulebase: RuleBase) -> dict[tuple[str, ...], RuleBase]:
+    return {}
+
+
+def part_for(rulebase: RuleBase, outputs: Iterable[str]) -> RuleBase:
+    """Return the part of a rule base that some outputs depend on; the last few are remembered.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        A model.
+    outputs : iterable of str
+        Names of outputs.
+
+    Returns
+    -------
+    RuleBase
+        With the rules, inputs and other outputs that these need; where that is all, itself.
+
+    Raises
+    ------
+    InferenceError
+        If the model cannot be evaluated, or there is no such output.
+    """
+    wanted = tuple(outputs)
+    parts = _parts(rulebase)
+    if wanted not in parts:
+        parts[wanted] = _part_for(rulebase, wanted)
+    return parts[wanted]
+
+
+def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
+    made = plan(rulebase)
+    for name in wanted:
+        if name not in made.outputs:
+            raise UnknownNameError(name, made.outputs, what="output")
+    names, rules = needed(made, wanted)
+    read = _read(made, names, rules)
+    linear = [
+        term.shape.parameters
+        for output in rulebase.outputs
+        for term in output.terms
+        if output.name in names and term.shape.kind == "linear"
+    ]
+    inputs = [
+        i
+        for i, variable in enumerate(rulebase.inputs)
+        if variable.name in read or any(parameters[i] != 0.0 for parameters in linear)
+    ]
+    if len(inputs) == len(rulebase.inputs) and len(names) == len(rulebase.outputs):
+        return rulebase
+    number = count()
+    return replace(
+        rulebase,
+        inputs=tuple(rulebase.inputs[i] for i in inputs),
+        outputs=tuple(_over(each, inputs) for each in rulebase.outputs if each.name in names),
+        blocks=tuple(
+            replace(
+                block,
+                rules=tuple(
+                    replace(
+                        rule,
+                        consequents=tuple(c for c in rule.consequents if c.variable in names),
+                    )
+                    for rule in block.rules
+                    if next(number) in rules
+                ),
+            )
+            for block in rulebase.blocks
+        ),
+        lookup=None,
+        expectations=(),
+    )
+
+
+def _over(output: Output, inputs: list[int]) -> Output:
+    """Return an output whose linear terms have the coefficients of some inputs only."""
+
+    def over(shape: Shape) -> Shape:
+        if shape.kind != "linear":
+            return shape
+        *coefficients, constant = shape.parameters
+        return replace(shape, parameters=(*(coefficients[i] for i in inputs), constant))
+
+    return replace(
+        output, terms=tuple(replace(term, shape=over(term.shape)) for term in output.terms)
+    )

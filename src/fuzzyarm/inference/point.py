@@ -23,7 +23,7 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
-from fuzzyarm.inference.plan import Plan, PlannedRule, plan, remembered
+from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan, remembered
 from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import (
     And,
@@ -125,7 +125,8 @@ def line_at(
         i = next(i for i, (x, _) in enumerate(corners) if x > position)
         (x0, y0), (x1, y1) = corners[i - 1], corners[i]
         slope = (y1 - y0) / (x1 - x0)
-        if slope < 0.0:  # fall towards the foot from the foot: no residue just before it
+        # From a foot, so that nothing is left of it there; else from the top, never above it.
+        if (slope < 0.0) == (min(y0, y1) == 0.0):
             x0, y0 = x1, y1
     for hedge in reversed(hedges):
         y0, slope = (1.0 - y0, -slope) if hedge.name == "not" else (1.0, 0.0)
@@ -139,6 +140,9 @@ Key = tuple[str, str, tuple[Hedge, ...]]
 
 STEPS_BEFORE_KERNEL = 100_000
 """Samples evaluated in plain Python, at a point each, before the kernel is asked."""
+
+STEPS_OF_AN_INTEGRAL = 4_000
+"""Positions at which a quadrature looks, at a guess."""
 
 
 class Point:
@@ -193,10 +197,10 @@ class Prepared:
     def __init__(self, rulebase: RuleBase) -> None:
         self.plan: Plan = plan(rulebase)
         self._inputs = rulebase.inputs
-        # Under max the order of the rules changes no bit; elsewhere the kernel's is another.
-        sampled = [output for output in rulebase.outputs if output.aggregation == "max"]
-        self._samples = sum(output.defuzzifier.resolution or 0 for output in sampled)
-        if len(sampled) < len(rulebase.outputs):
+        self._samples = sum(map(_samples_of, self.plan.outputs.values()))
+        # The kernel has the same bits under max, and where rules are added up in order.
+        outputs = self.plan.outputs.values()
+        if not all(each.output.aggregation == "max" or each.in_order for each in outputs):
             self._samples = 0
         self._steps_so_far = 0
         self._names = tuple(variable.name for variable in rulebase.inputs)
@@ -222,8 +226,8 @@ class Prepared:
     def _rule_members(self) -> list[list[tuple[str, int]]]:
         members: list[list[tuple[str, int]]] = [[] for _ in self.plan.rules]
         for name, output in self.plan.outputs.items():
-            for member, rule in output.contributions:
-                members[rule].append((name, member))
+            for index, (member, rule) in enumerate(output.contributions):
+                members[rule].append((name, index if output.in_order else member))
         return members
 
     def _number(self, part: Is) -> int:
@@ -342,6 +346,8 @@ class Prepared:
         """How far the rules so far assert a term of an output of the same block."""
         output = self.plan.outputs[part.variable]
         members = {i for i, member in enumerate(output.members) if member.term.name == part.term}
+        if output.in_order:
+            members = {i for i, (m, _) in enumerate(output.contributions) if m in members}
         norm = SNORMS[output.output.aggregation].scalar
 
         def degree(point: Point) -> float:
@@ -349,7 +355,7 @@ class Prepared:
             for member, strength in point.fired[part.variable]:
                 if member in members:
                     total = norm(total, strength)
-            return apply_hedges(part.hedges, total)
+            return apply_hedges(part.hedges, min(1.0, total))  # a sum may exceed a degree
 
         return degree
 
@@ -359,6 +365,10 @@ class Prepared:
 
         def conclude(point: Point) -> None:
             fired = point.fired[name]
+            if output_plan.in_order:  # so far with the index of their contributions
+                contributions = output_plan.contributions
+                fired = [(contributions[i][0], strength) for i, strength in sorted(fired)]
+                point.fired[name] = fired
             value = (
                 defuzzify_at_point(output_plan, fired, point.values, self._names) if fired else None
             )
@@ -490,6 +500,16 @@ class Prepared:
         """
         values = self.run(inputs, held).values
         return {name: values[name] for name in self.plan.outputs}
+
+
+def _samples_of(plan: OutputPlan) -> int:
+    """Return at how many positions an output is evaluated at a point, where the kernel does it."""
+    if plan.output.defuzzifier.method != "centroid" or plan.discrete:
+        return 0
+    if plan.output.defuzzifier.resolution is not None:
+        return plan.output.defuzzifier.resolution
+    curved = any(not piece.straight for member in plan.members for piece in member.pieces)
+    return STEPS_OF_AN_INTEGRAL if curved else 0
 
 
 def _held_name(name: str) -> str:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
-from fuzzyarm.inference.aggregate import Fired, fold_at_point
+from fuzzyarm.inference.aggregate import Fired, fold_at_point, folded_where_max
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.inference.sets import cut_lines, gaps
 
@@ -74,7 +74,7 @@ def panels(plan: OutputPlan) -> list[float]:
 def edges_of(plan: OutputPlan, fired: Fired) -> list[float]:
     """Return the panels of one aggregate: also cut where straight sets bend or cross."""
     edges = set(panels(plan))
-    for index, strength in fired:
+    for index, strength in folded_where_max(plan, fired):
         member = plan.members[index]
         for offset, factor in CLIPPING.get(member.implication, ()):
             level = offset + factor * strength

@@ -232,11 +232,12 @@ def _turns(edges: list[float], membership: SetFunction) -> list[float]:
         sign = 1.0 if ys[i] > ys[i - 1] and ys[i] > ys[i + 1] else 0.0
         sign = -1.0 if ys[i] < ys[i - 1] and ys[i] < ys[i + 1] else sign
         if sign:
-            turns.append(_golden(membership, xs[i - 1], xs[i + 1], sign, xs[i]))
+            turns.append(golden(membership, xs[i - 1], xs[i + 1], sign, xs[i]))
     return turns
 
 
-def _golden(function: SetFunction, a: float, b: float, sign: float, best: float) -> float:
+def golden(function: SetFunction, a: float, b: float, sign: float, best: float) -> float:
+    """Return where a function is greatest (sign 1) or smallest (-1), by golden section."""
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     c, d = b - ratio * (b - a), a + ratio * (b - a)
     fc, fd = sign * function(c), sign * function(d)
@@ -309,6 +310,16 @@ def crossing(piece: Piece, membership: SetFunction, level: float) -> float:
     return bisect(
         membership, math.nextafter(piece.x0, piece.x1), math.nextafter(piece.x1, piece.x0), level
     )
+
+
+BELOW_ONE = 1.0 - 2.0**-53
+
+
+def plateaus(pieces: Sequence[Piece]) -> list[tuple[float, float]]:
+    """Return the stretches over which a set is 1: not its peak, where it is so by rounding."""
+    return [
+        (piece.x0, piece.x1) for piece in pieces if piece.straight and piece.y0 == piece.y1 == 1.0
+    ]
 
 
 def middle_of_core(pieces: Sequence[Piece], membership: SetFunction) -> float:

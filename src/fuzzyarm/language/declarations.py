@@ -57,7 +57,8 @@ class Scope:
     """The variables of a file by name, and the findings so far.
 
     `broken_variables` says whether a declaration could not be read, `full` which roles have
-    had more variables than the language takes.
+    had more variables than the language takes, `presumed` what rules speak of where no
+    variable of its role is declared, which is one finding.
     """
 
     def __init__(self) -> None:
@@ -65,6 +66,7 @@ class Scope:
         self.diagnostics: list[Diagnostic] = []
         self.broken_variables = False
         self.full: set[str] = set()
+        self.presumed: frozenset[str] = frozenset()
 
     @property
     def overflows(self) -> bool:
@@ -92,7 +94,7 @@ class Scope:
         draft = self.drafts.get(word.text)
         if draft is None:
             # A broken `input` line is reported once, not at every use of its name.
-            if not self.broken_variables:
+            if not self.broken_variables and word.text not in self.presumed:
                 self._unknown("unknown-variable", "variable", word, self.names(role))
             return None
         if role and draft.node.role != role:
@@ -285,10 +287,13 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
         return
     low, high = range_of(node)
     if node.low is not None and node.high is not None and not low < high:
+        turned = f"{node.high} .. {node.low}" if low > high else None
         scope.report(
             "bad-range",
             f"the range of '{node.name.text}' must go from a lower to a higher number",
             node.low.span.to(node.high.span),
+            hint=f"write  {node.role} {node.name} {turned}" if turned else "",
+            replacement=turned,
         )
     elif node.low is not None and node.high is not None:
         fault = range_fault(node.low.value, node.high.value)

@@ -237,8 +237,10 @@ def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
     memory.finish()
     # The lexer's complaint of a token comes before the parser's of the same one.
     first: dict[tuple[int, int], Diagnostic] = {}
+    strange = {d.line for d in diagnostics if d.name == "unexpected-character"}
     for diagnostic in diagnostics:
-        first.setdefault((diagnostic.line, diagnostic.column), diagnostic)
+        if diagnostic.name == "unexpected-character" or diagnostic.line not in strange:
+            first.setdefault((diagnostic.line, diagnostic.column), diagnostic)
     ordered = tuple(sorted(first.values(), key=lambda diagnostic: diagnostic.span))
     return Document(tuple(statements), ending, _allowances(lines), ordered)
 

@@ -24,7 +24,7 @@ from fuzzyarm.language.declarations import (
     range_of,
 )
 from fuzzyarm.language.document import Document, ParseMemory
-from fuzzyarm.language.phrases import ExpressionNode, HedgedNode, HedgeNode, PropositionNode
+from fuzzyarm.language.phrases import ExpressionNode, HedgedNode, HedgeNode, Kind, PropositionNode
 from fuzzyarm.language.statements import (
     BlockNode,
     Broken,
@@ -90,6 +90,7 @@ def elaborate_rule(node: RuleNode, scope: Scope) -> list[Rule]:
 
 def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
     """Return the rules of a grid, row by row; cells at fault are reported and left out."""
+    node = _turned(node, scope)
     output = scope.variable(node.output, "output")
     condition = None if node.condition is None else _expression(node.condition, scope)
     row = scope.variable(node.row) if node.row is not None else None
@@ -113,6 +114,29 @@ def elaborate_grid(node: GridNode, scope: Scope, budget: int) -> list[Rule]:
             break
     sound = node.condition is None or condition is not None
     return rules if sound and output is not None else []
+
+
+def _turned(node: GridNode, scope: Scope) -> GridNode:
+    """Return a grid whose header has rows and columns the wrong way round as it was meant."""
+    if node.row is None or not node.rows:
+        return node
+    down, across = scope.drafts.get(node.row.text), scope.drafts.get(node.column.text)
+    if down is None or across is None:
+        return node
+    columns = {word.text for word in node.columns}
+    labels = {row.label.text for row in node.rows}
+    fits = columns <= across.terms.keys() and labels <= down.terms.keys()
+    if fits or not (columns <= down.terms.keys() and labels <= across.terms.keys()):
+        return node
+    corner = f"{node.column} \\ {node.row}"
+    scope.report(
+        "transposed-header",
+        f"the header has rows and columns the wrong way round: '{down.name}' goes across",
+        node.row.span.to(node.column.span),
+        hint=f"write  {corner}",
+        replacement=corner,
+    )
+    return node._replace(row=node.column, column=node.row)
 
 
 def _judge_single_row(node: GridNode, scope: Scope) -> None:
@@ -416,6 +440,9 @@ def elaborate(
     for node in nodes:
         if isinstance(node, VariableNode):
             declare_variable(node, scope)
+    for role in ("input", "output"):
+        if not scope.names(role) and not scope.broken_variables:
+            scope.presumed |= _presumed(nodes, role)
     for node in nodes:
         if scope.overflows:
             break
@@ -438,6 +465,21 @@ def elaborate(
     )
     _judge_whole(rulebase, nodes, scope)
     return rulebase, scope.diagnostics
+
+
+def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
+    """Return the names that rules use as the inputs or outputs of the file."""
+    outputs: set[str] = set()
+    every: set[str] = set()
+    for node in nodes:
+        if isinstance(node, GridNode):
+            outputs.update(part.output.text for part in node.parts)
+        elif isinstance(node, RuleNode):
+            outputs.update(consequent.variable.text for consequent in node.consequents)
+        else:
+            continue
+        every.update(each.name for each in node.mentions() if each.kind is Kind.VARIABLE)
+    return frozenset(outputs if role == "output" else every - outputs)
 
 
 def _settings(nodes: list[StatementNode], scope: Scope) -> Norms:
@@ -500,7 +542,7 @@ def _rules_of(
     if isinstance(node, RuleNode):
         found = elaborate_rule(node, scope)
     else:
-        found = elaborate_grid(node, scope, budget)
+        found = [rule for part in node.parts for rule in elaborate_grid(part, scope, budget)]
     if not scope.overflows:  # else it may have been given up half-way
         memory.keep_rules(node, found, scope.diagnostics[before:])
     return found
@@ -575,7 +617,21 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
         )
     for what, count in (("input", len(rulebase.inputs)), ("output", len(rulebase.outputs))):
         if count == 0 and what not in broken:
-            scope.report(f"no-{what}s", f"the file declares no {what}", end)
+            used = [
+                mention
+                for node in nodes
+                for mention in node.mentions()
+                if mention.kind is Kind.VARIABLE and mention.name in _presumed(nodes, what)
+            ]
+            first = min(used, key=lambda mention: mention.span, default=None)
+            scope.report(
+                f"no-{what}s",
+                f"the file declares no {what}",
+                end if first is None else first.span,
+                hint=f"declare it with  {what} {name_text(first.name)} LOW .. HIGH"
+                if first
+                else "",
+            )
     has_rules = any(isinstance(node, RuleNode | GridNode) for node in nodes)
     if not has_rules and not broken & {"rule", "rules"}:
         scope.report("no-rules", "the file has no rules", end)

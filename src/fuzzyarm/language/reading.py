@@ -6,6 +6,7 @@ import os
 from dataclasses import replace
 from typing import NamedTuple
 
+from fuzzyarm.expression.records import failures
 from fuzzyarm.language.document import Document, ParseMemory, parse_document, print_document
 from fuzzyarm.language.meaning import elaborate
 from fuzzyarm.model.rulebase import RuleBase
@@ -62,12 +63,29 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     """
     document = parse_document(text, memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
-    partial, findings = elaborate(document, memory)
+    meant, mended = document, frozenset[int]()
+    if document.diagnostics and not too_large:
+        from fuzzyarm.language.slips import as_meant
+
+        meant, mended = as_meant(text, document)
+        document = document._replace(diagnostics=meant.diagnostics)
+    partial, findings = elaborate(meant, memory)
+    findings = [finding for finding in findings if finding.line not in mended]
     found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
+    if failures:
+        found = list(map(_with_failure, found))
     # One slip in a line shared by several variables is one finding.
     once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(found)}
     found = sorted(once.values(), key=lambda diagnostic: diagnostic.span)
     return Parsed(document, partial, tuple(_limited(found, path)))
+
+
+def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
+    """Say of an unknown kind that a package which may have it cannot be loaded."""
+    unknown = diagnostic.name in ("unknown-shape", "unknown-choice", "unknown-hedge")
+    if not unknown or diagnostic.replacement is not None:
+        return diagnostic
+    return replace(diagnostic, hint="; ".join(failures))
 
 
 def _limited(found: list[Diagnostic], path: str) -> list[Diagnostic]:

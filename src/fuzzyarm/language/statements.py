@@ -203,7 +203,8 @@ class EvenTermsNode(NamedTuple):
         token = cursor.peek()
         cursor.suggest("families")
         try:
-            return cursor.word("how the terms are shaped", EVEN_SHAPES, "unknown-shape")
+            families = f"a family of terms ({', '.join(EVEN_SHAPES)})"
+            return cursor.word(families, EVEN_SHAPES, "unknown-shape")
         except Fault as fault:
             if token is None or token.kind != "name":
                 raise
@@ -362,35 +363,53 @@ class RowNode(NamedTuple):
     trivia: Trivia = Trivia()
 
     @classmethod
-    def read(cls, cursor: Cursor, grid: GridNode, trivia: Trivia) -> RowNode:
-        """Read a row below the header of `grid`."""
-        columns = grid.columns
+    def read(cls, cursor: Cursor, grid: GridNode, trivia: Trivia) -> tuple[RowNode, ...]:
+        """Read a row below the header of `grid`: one for each of its outputs."""
+        columns, outputs = grid.columns, [part.output for part in grid.parts]
         cursor.suggest("labels", grid)
         label = cursor.name("the term that labels the row")
-        cells: list[CellNode] = []
+        cells: list[list[CellNode]] = []
         cursor.suggest("cells", grid)
         while not cursor.at_end:
-            cells.append(CellNode.read(cursor, grid.output))
+            cells.append([CellNode.read(cursor, outputs[0])])
+            empty = cells[-1][0].term is None
+            for output in outputs[1:]:
+                if cursor.accept("/"):
+                    cells[-1].append(CellNode.read(cursor, output))
+                    continue
+                if not empty:
+                    cursor.fail(f"'/' and a term of '{output.text}'")
+                cells[-1].append(cells[-1][0])
             cursor.suggest("cells", grid, len(cells))
         count = len(cells)
         if count != len(columns):
-            surplus = cells[len(columns)].span.to(cells[-1].span) if count > len(columns) else None
+            surplus = count > len(columns)
             found = "1 cell" if count == 1 else f"{count} cells"
             cursor.forgiven.append(
                 Diagnostic(
                     "wrong-cell-count",
                     f"row '{label.text}' has {found}, the header names {len(columns)} columns",
-                    surplus or cursor.span,
+                    cells[len(columns)][0].span.to(cells[-1][-1].span) if surplus else cursor.span,
                     hint="" if surplus else "a cell without a rule is written as a dot",
                 )
             )
-        return cls(label, tuple(cells[: len(columns)]), trivia)
+        # The label of a grid over one input is its output; the first one stands for all.
+        alone = grid.row is None and label.text == grid.output.text
+        return tuple(
+            cls(
+                label._replace(text=output.text) if alone else label,
+                tuple(cell[k] for cell in cells[: len(columns)]),
+                trivia,
+            )
+            for k, output in enumerate(outputs)
+        )
 
 
 class GridNode(NamedTuple):
-    """``rules OUTPUT [when …]`` and the grid below it.
+    """``rules OUTPUT, … [when …]`` and the grid below it.
 
     A grid over one input has no `row` variable; the label of its one row is the output.
+    Where several outputs share a grid, `joined` has one of its own for each after the first.
     """
 
     output: Word
@@ -402,11 +421,17 @@ class GridNode(NamedTuple):
     header_trivia: Trivia = Trivia()
     header_span: Span = NOWHERE
     span: Span = NOWHERE
+    joined: tuple[GridNode, ...] = ()
+
+    @property
+    def parts(self) -> tuple[GridNode, ...]:
+        """A grid for each output."""
+        return (self._replace(joined=()), *self.joined) if self.joined else (self,)
 
     @classmethod
     def read(cls, cursor: Cursor) -> GridNode:
         """Read it from the cursor."""
-        output, condition = cls.read_first(cursor)
+        (output, *others), condition = cls.read_first(cursor)
         cursor.finish()
         span = cursor.whole
         if not cursor.lines:
@@ -422,7 +447,8 @@ class GridNode(NamedTuple):
         top = Cursor(header.tokens)
         row, column, columns = cls.read_header(top)
         grid = cls(output, condition, row, column, columns, (), header.trivia, top.whole, span)
-        rows = []
+        grid = grid._replace(joined=tuple(grid._replace(output=other) for other in others))
+        rows: list[tuple[RowNode, ...]] = []
         for line in lines:
             below = Cursor(line.tokens)
             try:
@@ -433,14 +459,19 @@ class GridNode(NamedTuple):
         if not lines:
             message = f"the grid for '{output.text}' has no rows"
             cursor.forgiven.append(Diagnostic("empty-grid", message, span))
-        return grid._replace(rows=tuple(rows))
+        first, *more = [
+            part._replace(rows=tuple(row[k] for row in rows)) for k, part in enumerate(grid.parts)
+        ]
+        return first._replace(joined=tuple(more))
 
     @staticmethod
-    def read_first(cursor: Cursor) -> tuple[Word, ExpressionNode | None]:
-        """Read the output and the condition."""
+    def read_first(cursor: Cursor) -> tuple[list[Word], ExpressionNode | None]:
+        """Read the outputs and the condition."""
         cursor.take()
-        output = cursor.variable("the output that the rules are for", "output")
-        return output, read_expression(cursor) if cursor.accept("when") else None
+        outputs = [cursor.variable("the output that the rules are for", "output")]
+        while cursor.accept(","):
+            outputs.append(cursor.variable("another output", "output"))
+        return outputs, read_expression(cursor) if cursor.accept("when") else None
 
     @staticmethod
     def read_header(cursor: Cursor) -> tuple[Word | None, Word, tuple[Word, ...]]:
@@ -462,19 +493,24 @@ class GridNode(NamedTuple):
 
     def __str__(self) -> str:
         condition = f" when {self.condition}" if self.condition is not None else ""
-        return f"rules {self.output}{condition}"
+        return f"rules {', '.join(str(part.output) for part in self.parts)}{condition}"
 
     def below(self) -> list[tuple[str, Trivia]]:
         """Return the header and the rows, aligned."""
         corner = str(self.column) if self.row is None else f"{self.row} \\ {self.column}"
         cells = [[corner, *map(str, self.columns)]]
-        cells += [[str(row.label), *map(str, row.cells)] for row in self.rows]
+        for same in zip(*(part.rows for part in self.parts), strict=True):
+            columns = zip(*(row.cells for row in same), strict=True)
+            cells.append([str(same[0].label), *map(_cell_text, columns)])
         trivia = [self.header_trivia, *(row.trivia for row in self.rows)]
         return list(zip(aligned(cells), trivia, strict=True))
 
     def mentions(self) -> Iterator[Occurrence]:
         """Yield the names in it."""
-        yield of_variable(self.output)
+        for part in self.parts:
+            yield of_variable(part.output)
+            terms = (cell.term for row in part.rows for cell in row.cells)
+            yield from (of_term(part.output, term) for term in terms if term is not None)
         if self.condition is not None:
             yield from self.condition.mentions()
         if self.row is not None:
@@ -483,7 +519,12 @@ class GridNode(NamedTuple):
         yield from (of_term(self.column, word) for word in self.columns)
         for row in self.rows:
             yield of_variable(row.label) if self.row is None else of_term(self.row, row.label)
-            yield from (of_term(self.output, c.term) for c in row.cells if c.term is not None)
+
+
+def _cell_text(cells: Sequence[CellNode]) -> str:
+    """Return a cell as it is written; one dot where no output has a rule."""
+    texts = list(map(str, cells))
+    return "." if set(texts) == {"."} else "/".join(texts)
 
 
 class RuleNode(NamedTuple):
@@ -766,7 +807,7 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "rules",
             GridNode,
-            "OUTPUT [when CONDITION]",
+            "OUTPUT, … [when CONDITION]",
             "a grid of rules",
             _JOINS | {"when": "a condition that is added to every rule of the grid"},
             takes_lines=True,

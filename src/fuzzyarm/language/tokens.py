@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES
@@ -84,7 +85,7 @@ def tokenize(text: str, diagnostics: list[Diagnostic]) -> list[Line]:
 def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line:
     """Return one line, the `number`-th from 1, as tokens."""
     tokens: list[Token] = []
-    comment = ""
+    comment, stray = "", False
     for match in _TOKEN.finditer(text):
         kind = match.lastgroup or "stray"
         if kind == "space":
@@ -100,7 +101,8 @@ def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line
             tokens.append(
                 Token(kind, unescape(match.group()[1:-1], span, diagnostics), number, column, end)
             )
-        else:
+        elif kind == "bad" or not stray:
+            stray |= kind == "stray"  # one finding for a line full of them
             diagnostics.append(_lexical_fault(kind, match.group(), number, column, end))
             if kind == "bad":
                 tokens.append(Token("bad", match.group(), number, column, end))
@@ -121,11 +123,14 @@ def _lexical_fault(kind: str, text: str, line: int, column: int, end: int) -> Di
             hint="put a name that starts with a digit in single quotes",
         )
     shown = text if text.isprintable() else f"U+{ord(text):04X}"
+    hint = "a name with unusual characters stands in single quotes"
+    if text in "[]{};":
+        hint = "brackets and semicolons are not part of the language"
     return Diagnostic(
         "unexpected-character",
         f"the character '{shown}' has no meaning here",
         span,
-        hint="a name with unusual characters stands in single quotes",
+        hint=hint,
     )
 
 
@@ -282,11 +287,23 @@ class Cursor:
             self.fail(f"'{text}' {where}", (text,) if text.isalpha() else ())
         return self.take()
 
-    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
-        """Raise the fault *expected …, found …*, with a hint if one of `choices` is near."""
+    def fail(
+        self,
+        wanted: str,
+        choices: Collection[str] = (),
+        name: str = "",
+        elsewhere: Mapping[str, str] = MappingProxyType({}),
+    ) -> NoReturn:
+        """Raise the fault *expected …, found …*, with a hint if one of `choices` is near.
+
+        `elsewhere` has words of other programs, in small letters, and what they are here.
+        """
         token = self.peek()
         found = "the end of the line" if token is None else f"'{token.text}'"
         hint, replacement = near_hint(token.text, choices) if token else ("", None)
+        if token is not None and token.text.casefold() in elsewhere:
+            replacement = elsewhere[token.text.casefold()]
+            hint = f"write  {replacement}"
         name = name or ("incomplete-statement" if token is None else "unexpected-token")
         message = f"expected {wanted}, found {found}"
         raise Fault(Diagnostic(name, message, self.span, hint=hint, replacement=replacement))
@@ -332,11 +349,17 @@ class Cursor:
     def suggest(self, what: str, *about: object) -> None:
         """Name something longer that could stand here, for an editor to offer."""
 
-    def word(self, what: str, choices: Collection[str], name: str) -> Word:
+    def word(
+        self,
+        what: str,
+        choices: Collection[str],
+        name: str,
+        elsewhere: Mapping[str, str] = MappingProxyType({}),
+    ) -> Word:
         """Take one of the words `choices`; a fault is called `name` and hints at the nearest."""
         token = self.peek()
         if token is None or token.kind != "name" or token.text not in choices:
-            self.fail(what, choices, name)
+            self.fail(what, choices, name, elsewhere)
         self.position += 1
         return Word(token.text, token.span)
 

@@ -3,55 +3,114 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Generator
-from typing import Any
+import re
+from typing import Any, BinaryIO
 
 from lsprotocol import types
-from pygls.exceptions import JsonRpcInvalidParams
+from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams, JsonRpcInvalidRequest
 from pygls.lsp.server import LanguageServer
-from pygls.protocol import LanguageServerProtocol
+from pygls.protocol import LanguageServerProtocol, default_converter
 from pygls.protocol.language_server import lsp_method
 from pygls.uris import to_fs_path
 
-from fuzzyarm import __version__
 from fuzzyarm.lsp.protocol import Converter
 from fuzzyarm.lsp.session import SLOW, UTF16, Session
+from fuzzyarm.version import __version__
 
 
 class Protocol(LanguageServerProtocol):
-    """The protocol with the texts kept in sessions.
+    """The protocol with the texts kept in sessions, and an answer to every request.
 
     The library's own copies of the texts would end lines where the protocol does not (at
-    form feeds and other separators), and every change would be made twice.
+    form feeds and other separators), every change would be made twice, and each would leave
+    a future behind.
     """
 
     @lsp_method(types.TEXT_DOCUMENT_DID_OPEN)
-    def lsp_text_document__did_open(
-        self, params: types.DidOpenTextDocumentParams
-    ) -> Generator[Any, Any, None]:
+    def lsp_text_document__did_open(self, params: types.DidOpenTextDocumentParams) -> None:
         """Hand an opened file to its handler."""
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_OPEN], (params,), None
+        self.fm.features[types.TEXT_DOCUMENT_DID_OPEN](params)
 
     @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
-    def lsp_text_document__did_change(
-        self, params: types.DidChangeTextDocumentParams
-    ) -> Generator[Any, Any, None]:
+    def lsp_text_document__did_change(self, params: types.DidChangeTextDocumentParams) -> None:
         """Hand a change to its handler."""
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE], (params,), None
+        self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE](params)
 
     @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
-    def lsp_text_document__did_close(
-        self, params: types.DidCloseTextDocumentParams
-    ) -> Generator[Any, Any, None]:
+    def lsp_text_document__did_close(self, params: types.DidCloseTextDocumentParams) -> None:
         """Hand a closed file to its handler."""
-        yield self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE], (params,), None
+        self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE](params)
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        """Answer a request whose parameters cannot be read: the library only writes a log."""
+        try:
+            return super().structure_message(data)
+        except JsonRpcException:
+            if "id" not in data or "method" not in data:
+                raise
+            error = JsonRpcInvalidParams(message=f"invalid parameters of {data['method']}")
+            self._send_response(data["id"], error=error.to_response_error())
+            return None
+
+    def handle_message(self, message: Any) -> None:
+        """Refuse what is not a message; None stands for one that has been answered already."""
+        if hasattr(message, "jsonrpc"):
+            super().handle_message(message)
+        elif message is not None:
+            self._send_response(None, error=JsonRpcInvalidRequest().to_response_error())  # type: ignore[arg-type]
+
+
+def _strict_converter() -> Any:
+    """Return the library's converter, which would take 1.5 for a line and 5 for a name."""
+    converter: Any = default_converter()  # type: ignore[no-untyped-call]
+
+    def exactly(value: Any, kind: type) -> Any:
+        if kind not in (int, str):  # a kind of enumeration
+            return kind(value)
+        if type(value) is not kind:
+            raise ValueError(f"{value!r} is not of type {kind.__name__}")
+        return value
+
+    for kind in (int, str):
+        converter.register_structure_hook(kind, exactly)
+    return converter
+
+
+class MessageStream:
+    """The input of the server, with every broken head of a message passed over.
+
+    The library waits for one head per line; after a broken one it would take the following
+    messages for heads.
+    """
+
+    _HEAD = re.compile(rb"Content-Length: *(\d{1,8})\r?\n\Z", re.IGNORECASE)
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self._stream = stream
+
+    def read(self, size: int) -> bytes:
+        """Return the body of a message."""
+        return self._stream.read(size)
+
+    def readline(self) -> bytes:
+        """Return the next line; of one that ends with a head only the head."""
+        line = self._stream.readline()
+        head = self._HEAD.search(line)
+        if head is not None:
+            return b"Content-Length: %d\r\n" % int(head[1])
+        return b"-\r\n" if line.strip() else line  # no other line of a head is of interest
 
 
 class FuzzyarmServer(LanguageServer):
     """The language server of ``.frb`` and ``.lut`` files."""
 
     def __init__(self) -> None:
-        super().__init__("fuzzyarm", __version__, protocol_cls=Protocol)
+        super().__init__(
+            "fuzzyarm",
+            __version__,
+            protocol_cls=Protocol,
+            converter_factory=_strict_converter,
+        )
         self.sessions: dict[str, Session] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._running: set[asyncio.Task[None]] = set()

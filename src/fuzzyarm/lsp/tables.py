@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 
 from fuzzyarm.language.queries import Candidate, Coloured, Edit, Fold, Hover, RenameError, Symbol
+from fuzzyarm.language.queries.hover import plain
 from fuzzyarm.language.tokens import Token, name_text
 from fuzzyarm.table.header import KEYWORDS
 from fuzzyarm.table.text import line_tokens, parse_lut, write_lut
@@ -125,13 +126,13 @@ class TableText:
     def _name_words(self, name: str) -> str:
         header = self.parsed.header
         if header is None:
-            return f"**{name}**"
+            return f"**{plain(name)}**"
         for axis in header.axes:
             if axis.name == name:
                 levels = f"{len(axis.levels)} levels, {axis.levels[0]:g} to {axis.levels[-1]:g}"
                 bins = "looked up by bins" if axis.bins else "no bins"
-                return f"input **{name}** {axis.description}\n\n{levels}, {bins}"
-        return f"output **{name}** {header.description}"
+                return f"input **{plain(name)}** {plain(axis.description)}\n\n{levels}, {bins}"
+        return f"output **{plain(name)}** {plain(header.description)}"
 
     def _cell(self, line: int, column: int) -> Hover | None:
         start = max((n for n in self.grids if n < line), default=None)
@@ -151,8 +152,8 @@ class TableText:
             return None
         page = self.lines[start - 1].strip().removeprefix("grid").strip()
         more = f" {page}" if page else ""
-        shown = f"**{self.parsed.header.output} = {words[at].group()}** at {cell}{more}"
-        return Hover(shown, _span(line, words[at]))
+        value = f"{self.parsed.header.output} = {words[at].group()}"
+        return Hover(f"**{plain(value)}** at {plain(cell + more)}", _span(line, words[at]))
 
     def cell_span(self, cell: Sequence[int]) -> Span | None:
         """Return where the number of a cell stands, by its index."""

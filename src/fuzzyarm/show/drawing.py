@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import IO, TYPE_CHECKING, Any
 
+from fuzzyarm.text.names import printable
 from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
@@ -31,6 +32,8 @@ def number_words(x: float, digits: int = 6) -> str:
 def make_console(file: IO[str] | None = None, **options: Any) -> Console:
     """Return a rich console that leaves numbers and brackets as they are.
 
+    No control character of a name or a description comes through it.
+
     Where the output is not a terminal it has no colours and is 80 columns wide, unless the
     environment (COLUMNS, FORCE_COLOR, NO_COLOR) says otherwise.
 
@@ -42,9 +45,21 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
         Passed on to :class:`rich.console.Console`.
     """
     from rich.console import Console
+    from rich.segment import Segment
+
+    class PrintableConsole(Console):
+        def render(
+            self, renderable: RenderableType, options: ConsoleOptions | None = None
+        ) -> Iterator[Segment]:
+            for segment in super().render(renderable, options):
+                text, style, control = segment
+                if control or text == "\n" or text.isprintable():
+                    yield segment
+                else:
+                    yield Segment("\n".join(map(printable, text.split("\n"))), style)
 
     settings: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
-    return Console(file=file, **(settings | options))
+    return PrintableConsole(file=file, **(settings | options))
 
 
 def plain_text(drawing: RenderableType, width: int = 80) -> str:

@@ -329,12 +329,12 @@ class RulebaseScene(Scene):
         # A cell without a rule stands in the text all the same, as a dot.
         for statement in self.reading.document.statements:
             node = statement.node
-            if not isinstance(node, GridNode) or node.output.text != grid.output:
-                continue
-            for line in node.rows:
-                for cell, head in zip(line.cells, node.columns, strict=False):
-                    if (line.label.text if node.row else "", head.text) == (row, column):
-                        return cell.span
+            parts = node.parts if isinstance(node, GridNode) else ()
+            for part in (part for part in parts if part.output.text == grid.output):
+                for line in part.rows:
+                    for cell, head in zip(line.cells, part.columns, strict=False):
+                        if (line.label.text if part.row else "", head.text) == (row, column):
+                            return cell.span
         return None
 
     def position_at(self, view: str, x: int, y: int, line: str) -> Span | None:

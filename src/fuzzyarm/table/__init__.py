@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from fuzzyarm.table.text import ParsedTable, parse_lut, write_lut
 
 
+SUFFIXES = (".lut", ".csv", ".npz", ".json")
+"""The formats of files that are read back to an identical table."""
+
 _HOMES = {
     "MODES": "axis",
     "Axis": "axis",
@@ -48,6 +51,7 @@ _HOMES = {
 
 __all__ = [
     "MODES",
+    "SUFFIXES",
     "Axis",
     "CompileReport",
     "Fidelity",

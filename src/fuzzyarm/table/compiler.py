@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm import __version__
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
 from fuzzyarm.text.diagnostic import MAX_LEVELS
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.numbers import evenly, number_text
+from fuzzyarm.version import __version__
 
 DEFAULT_LEVELS = 13
 """Even levels of an input for which neither the file nor the caller asks for others."""
@@ -171,8 +171,8 @@ def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
 
 def even_levels(variable: Input, count: int) -> tuple[float, ...]:
     """Return `count` even levels over the range of `variable`, both ends included."""
-    if not 1 <= count <= MAX_LEVELS:
-        raise TableError(f"an input has 1 to {MAX_LEVELS:,} levels, not {count:,}")
+    if not 2 <= count <= MAX_LEVELS:
+        raise TableError(f"an input has 2 to {MAX_LEVELS:,} levels, not {count:,}")
     if not (math.isfinite(variable.low) and math.isfinite(variable.high)):
         raise TableError(f"input '{variable.name}' is unbounded and so needs levels of its own")
     return evenly(variable.low, variable.high, count)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.language.tokens import Cursor, Token
+from fuzzyarm.table import SUFFIXES
 from fuzzyarm.table.axis import Axis, PlainTable, TableError, TableHeader
 from fuzzyarm.table.header import (
     FORMAT,
@@ -41,10 +42,6 @@ from fuzzyarm.text.numbers import column_of_numbers, number_text
 
 if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable
-
-
-SUFFIXES = (".lut", ".csv", ".npz", ".json")
-"""The formats that are read back to an identical table."""
 
 
 class TableFileError(RuleBaseError):

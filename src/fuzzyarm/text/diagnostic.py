@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.names import printable
 
 # --- A mistake or a doubt, with its position in the text ---
 
@@ -96,7 +97,7 @@ class Diagnostic:
     def __str__(self) -> str:
         position = f"{self.path or '<text>'}:{self.line}:{self.column}"
         hint = f" ({self.hint})" if self.hint else ""
-        return f"{position}: {self.severity}[{self.name}]: {self.message}{hint}"
+        return printable(f"{position}: {self.severity}[{self.name}]: {self.message}{hint}")
 
 
 class RuleBaseError(FuzzyarmError, ValueError):
@@ -199,16 +200,18 @@ def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = F
 
 
 def _parts(diagnostic: Diagnostic, lines: list[str], *, colour: bool) -> list[str]:
-    position = f"{diagnostic.path or '<text>'}:{diagnostic.line}:{diagnostic.column}"
+    path = printable(diagnostic.path) or "<text>"
+    position = f"{path}:{diagnostic.line}:{diagnostic.column}"
     label = f"{diagnostic.severity}[{diagnostic.name}]"
     if colour:
         label = f"\x1b[1;{_COLOURS[diagnostic.severity]}m{label}\x1b[0m"
-    parts = [f"{position}: {label}: {diagnostic.message}"]
+    parts = [f"{position}: {label}: {printable(diagnostic.message)}"]
     parts += _excerpt(diagnostic.span, lines)
     if diagnostic.hint:
-        parts.append(f"       = hint: {diagnostic.hint}")
+        parts.append(f"       = hint: {printable(diagnostic.hint)}")
     for related in diagnostic.related:
-        parts.append(f"       = {related.message}: {related.span.line}:{related.span.column}")
+        message = printable(related.message)
+        parts.append(f"       = {message}: {related.span.line}:{related.span.column}")
         parts += _excerpt(related.span, lines)
     return parts
 
@@ -225,14 +228,9 @@ def _excerpt(span: Span, lines: list[str]) -> list[str]:
         # Long lines are shown from a little before the fault.
         offset = max(0, min(start - 20, len(line) - _WIDEST))
         end = min(end, offset + _WIDEST)
-    before = _printable(line[offset:start])
-    marked = _printable(line[start:end])
-    shown = _printable(line[offset : offset + _WIDEST])
+    before = printable(line[offset:start])
+    marked = printable(line[start:end])
+    shown = printable(line[offset : offset + _WIDEST])
     caret = " " * display_width(before) + "^" * max(1, display_width(marked))
     number = f"{span.line:>6}"
     return [f"{number} | {shown}", f"{'':>6} | {caret}"]
-
-
-def _printable(text: str) -> str:
-    expanded = text.replace("\t", "    ")
-    return "".join(c if c.isprintable() else "\ufffd" for c in expanded)

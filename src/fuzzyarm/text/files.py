@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
 import tempfile
 from pathlib import Path
 
@@ -15,7 +16,8 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
     ----------
     path : str or Path
         Where to write; the folder must exist. A symbolic link stays: the file that it leads
-        to is written.
+        to is written. A pipe, a device and a file of several names (hard links) stay as well:
+        they are written through, since replacing would leave the other names behind.
     content : str or bytes
         Text is written as UTF-8 with ``\n`` line ends.
 
@@ -30,12 +32,29 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if os.path.exists(path) and not os.access(path, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
-    target = Path(os.path.realpath(path))
     data = content.encode() if isinstance(content, str) else content
     try:
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=".fuzzyarm-", suffix=".part")
+        if _stays(path):
+            with open(path, "wb") as file:
+                file.write(data)
+        else:
+            _replace(Path(os.path.realpath(path)), data)
     except OSError as error:
+        if error.errno is None:
+            raise
         raise type(error)(error.errno, error.strerror, str(path)) from None
+
+
+def _stays(path: str | Path) -> bool:
+    """Whether what is at `path` must be written in place: not a file, or one of several names."""
+    if not os.path.exists(path):
+        return False
+    status = os.stat(path)
+    return not stat.S_ISREG(status.st_mode) or status.st_nlink > 1
+
+
+def _replace(target: Path, data: bytes) -> None:
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".fuzzyarm-", suffix=".part")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)

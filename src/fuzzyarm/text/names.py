@@ -1,4 +1,4 @@
-"""Names as text: in quotes where they must be, and what a misspelt one was meant to be."""
+"""Names as text: in quotes where they must be, fit to be shown, and what a misspelt one meant."""
 
 from __future__ import annotations
 
@@ -47,6 +47,20 @@ def quote(text: str, mark: str) -> str:
             code = ord(character)
             out.append(f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}")
     return "".join([*out, mark])
+
+
+def printable(text: str) -> str:
+    """Return `text`, which may be anybody's, so that a terminal or a figure can only show it.
+
+    Controls, line ends and marks that turn the direction of writing become U+FFFD, tabs and
+    the other spaces become spaces: all that is not printable is either dangerous or unseen.
+    """
+    if text.isprintable():
+        return text
+    from unicodedata import category
+
+    text = text.replace("\t", "    ")
+    return "".join(c if c.isprintable() else " " if category(c) == "Zs" else "\ufffd" for c in text)
 
 
 _PLAIN_NAME = re.compile(r"[^\W\d]\w*(?:-[^\W\d]\w*)*\Z")

@@ -28,7 +28,7 @@ class Subject(NamedTuple):
     def grids(self) -> list[GridNode]:
         """The rule grids of the file."""
         nodes = (statement.node for statement in self.document.statements)
-        return [node for node in nodes if isinstance(node, GridNode)]
+        return [part for node in nodes if isinstance(node, GridNode) for part in node.parts]
 
 
 # --- Stretches of an input's range that no term covers ---

@@ -7,9 +7,10 @@ finds fault. Where they end, whatever the reader asks for is what could stand th
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
+from types import MappingProxyType
 from typing import Any, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
@@ -162,7 +163,13 @@ class _AskingCursor(Cursor):
 
     # What must come.
 
-    def fail(self, wanted: str, choices: Collection[str] = (), name: str = "") -> NoReturn:
+    def fail(
+        self,
+        wanted: str,
+        choices: Collection[str] = (),
+        name: str = "",
+        elsewhere: Mapping[str, str] = MappingProxyType({}),
+    ) -> NoReturn:
         raise _Nothing
 
     def finish(self) -> None:
@@ -199,7 +206,13 @@ class _AskingCursor(Cursor):
             self._last(_terms(self.variable_called(variable.text)))
         return self.name(what)
 
-    def word(self, what: str, choices: Collection[str], name: str) -> Word:
+    def word(
+        self,
+        what: str,
+        choices: Collection[str],
+        name: str,
+        elsewhere: Mapping[str, str] = MappingProxyType({}),
+    ) -> Word:
         if self.at_end:
             kind = "value" if name in ("unknown-choice", "unknown-defuzzifier") else "keyword"
             self._last([] if self.offered else _words(choices, kind))
@@ -418,6 +431,7 @@ def _below(
     if len(above[0]) < 2:
         return []
     try:
+        (output, *others), _ = GridNode.read_first(Cursor(above[0]))
         row, column, columns = GridNode.read_header(Cursor(above[1]))
     except Fault:
         return []
@@ -425,5 +439,6 @@ def _below(
     last = extent[2] if extent else line
     rows = [reading.tokens_of(n) for n in range(above[1][0].line + 1, last + 1) if n != line]
     labels = tuple(RowNode(Word(row[0].text), ()) for row in rows if row)
-    grid = GridNode(Word(above[0][1].text), None, row, column, columns, labels)
+    grid = GridNode(output, None, row, column, columns, labels)
+    grid = grid._replace(joined=tuple(grid._replace(output=other) for other in others))
     return _asked(RowNode.read, tokens, model, grid, Trivia())

@@ -106,8 +106,8 @@ def _cells(diagnostic: Diagnostic, lines: Sequence[str], grids: Sequence[GridNod
         return []
     missing = len(grid.columns) - len(row.cells)
     if missing > 0:
-        last = row.cells[-1].span if row.cells else row.label.span
-        end = Span(last.end_line, last.end_column, last.end_line, last.end_column)
+        behind = diagnostic.span
+        end = Span(behind.line, behind.column, behind.line, behind.column)
         what = "the missing cell" if missing == 1 else f"the {missing} missing cells"
         return [Fix(f"add {what}", (Edit(end, "  ." * missing),))]
     span = diagnostic.span

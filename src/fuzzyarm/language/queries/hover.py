@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
@@ -17,6 +18,7 @@ from fuzzyarm.language.writer import rule_node
 from fuzzyarm.model.rulebase import Input, Rule, Shape, Variable
 from fuzzyarm.model.shapes import EVEN_SHAPES, corner_points, membership
 from fuzzyarm.text.diagnostic import Span
+from fuzzyarm.text.names import printable
 from fuzzyarm.text.numbers import number_text
 
 # --- A membership function as a small drawing in text, three lines high ---
@@ -72,6 +74,21 @@ def rule_sentence(rule: Rule) -> str:
 
 # --- What a word means, in Markdown ---
 
+_MARKDOWN = re.compile(r"[\\`*_\[\]<>&#|~!$]|:(?=//)|(?<=www)\.")
+
+
+def plain(text: str) -> str:
+    """Return a text of the file so that Markdown shows it as it is: no image, link or HTML."""
+    return _MARKDOWN.sub(r"\\\g<0>", printable(text))
+
+
+def code(text: str) -> str:
+    """Return a text of the file as code in Markdown."""
+    text = printable(text)
+    fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
+    space = " " if "`" in text else ""
+    return f"{fence}{space}{text}{space}{fence}"
+
 
 @dataclass(frozen=True, slots=True)
 class Hover:
@@ -103,15 +120,13 @@ def hover(reading: Reading, line: int, column: int) -> Hover | None:
 
 def _cell_at(reading: Reading, line: int, column: int) -> tuple[GridNode, int, CellNode] | None:
     for statement in reading.document.statements:
-        node = statement.node
-        if not isinstance(node, GridNode):
-            continue
-        for row in node.rows:
-            if row.label.span.line != line:
-                continue
-            for index, cell in enumerate(row.cells):
-                if contains(cell.span, line, column):
-                    return node, index, cell
+        for grid in statement.node.parts if isinstance(statement.node, GridNode) else ():
+            for row in grid.rows:
+                if row.label.span.line != line:
+                    continue
+                for index, cell in enumerate(row.cells):
+                    if contains(cell.span, line, column):
+                        return grid, index, cell
     return None
 
 
@@ -123,12 +138,12 @@ def _of_cell(reading: Reading, grid: GridNode, index: int, cell: CellNode) -> Ho
         if grid.row is not None:
             where = f"{grid.row.text} is {row.label.text} and {where}"
         what = "no rule for" if cell.term is None else "this cell cannot be read:"
-        return Hover(f"{what} {where}", cell.span)
+        return Hover(f"{what} {plain(where)}", cell.span)
     return Hover(_rule_markdown(reading, rule), cell.span)
 
 
 def _rule_markdown(reading: Reading, rule: Rule) -> str:
-    parts = [f"**{rule_sentence(rule)}**"]
+    parts = [f"**{plain(rule_sentence(rule))}**"]
     for consequent in rule.consequents:
         variable = reading.variable(consequent.variable)
         if variable is not None:
@@ -150,17 +165,18 @@ def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
         if parts:
             parts.append(f"used {uses} time{'s' if uses != 1 else ''}")
         return "\n\n".join(parts)
+    name = plain(occurrence.name)
     if occurrence.kind is Kind.BLOCK:
         block = next((b for b in reading.model.blocks if b.name == occurrence.name), None)
         if block is None:
-            return f"block **{occurrence.name}**"
+            return f"block **{name}**"
         return (
-            f"block **{occurrence.name}**: {len(block.rules)} rules, and {block.conjunction}, "
+            f"block **{name}**: {len(block.rules)} rules, and {block.conjunction}, "
             f"or {block.disjunction}, implication {block.implication}"
         )
     model = reading.model
     sizes = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {len(model.rules)} rules"
-    return f"**{occurrence.name}** {model.description}\n\n{sizes}".strip()
+    return f"**{name}** {plain(model.description)}\n\n{sizes}".strip()
 
 
 def _term_markdown(variable: Variable, name: str) -> str:
@@ -170,7 +186,7 @@ def _term_markdown(variable: Variable, name: str) -> str:
     if shape.kind == "formula":
         numbers = f'formula "{shape.formula}"'
     height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
-    text = f"`{name_text(name)}` of `{name_text(variable.name)}`: `{numbers}{height}`"
+    text = f"{code(name_text(name))} of {code(name_text(variable.name))}: {code(numbers + height)}"
     named = parameter_names(shape.kind)
     if named and len(named) == len(shape.parameters):
         pairs = zip(named, shape.parameters, strict=True)
@@ -182,14 +198,14 @@ def _term_markdown(variable: Variable, name: str) -> str:
 def _variable_markdown(variable: Variable) -> str:
     role = "input" if isinstance(variable, Input) else "output"
     low, high = number_text(variable.low), number_text(variable.high)
-    lines = [f"{role} **{variable.name}** `{low} .. {high}`"]
+    lines = [f"{role} **{plain(variable.name)}** `{low} .. {high}`"]
     if variable.description:
-        lines[0] += f" {variable.description}"
-    names = ", ".join(term.name for term in variable.terms)
+        lines[0] += f" {plain(variable.description)}"
+    names = ", ".join(plain(term.name) for term in variable.terms)
     lines.append(f"terms: {names}" if names else "no terms yet")
     if isinstance(variable, Input) and variable.terms:
         gaps = [finding.message for finding in gaps_of(variable)]
-        lines.append("; ".join(gaps) if gaps else "every value is covered by a term")
+        lines.append("; ".join(map(plain, gaps)) if gaps else "every value is covered by a term")
     lines.append(f"outside the range: {variable.outside}")
     return "\n\n".join(lines)
 

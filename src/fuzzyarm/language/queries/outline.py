@@ -192,7 +192,8 @@ def _title(reading: Reading, node: StatementNode, line: int) -> tuple[str, str, 
     """Return name and detail of a statement, and the part that stands for it."""
     if isinstance(node, GridNode):
         size = f"{len(node.rows)} × {len(node.columns)}"
-        return f"rules {node.output.text}", size, node.output.span
+        outputs = ", ".join(part.output.text for part in node.parts)
+        return f"rules {outputs}", size, node.output.span
     name = next((o for o in node.mentions() if o.is_definition), None)
     if name is not None:
         return name.name, getattr(node, "description", None) or "", name.span

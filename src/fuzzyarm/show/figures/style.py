@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.show.drawing import Scale
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,8 +57,8 @@ def tidy(axes: Axes) -> None:
 
 
 def safe(text: str) -> str:
-    """Return `text` with dollar signs that matplotlib does not take for mathematics."""
-    return text.replace("$", r"\$")
+    """Return anybody's `text` as matplotlib can show it, its dollar signs not as mathematics."""
+    return "\n".join(map(printable, text.split("\n"))).replace("$", r"\$")
 
 
 def axis_label(name: str, description: str) -> str:

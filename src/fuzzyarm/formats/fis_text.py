@@ -1,0 +1,227 @@
+"""FIS, its text: sections, terms, and what the fractions of a rule's numbers mean."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from fuzzyarm.expression.kinds import HEDGES, SHAPES
+from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
+from fuzzyarm.formats.drafts import lines_of
+from fuzzyarm.formats.findings import FaultError, Findings, Word, numbers
+from fuzzyarm.formats.shapes import formula_shape, spelled_shape
+from fuzzyarm.model.rulebase import Hedge, Shape
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+ALL_NAMES = ("fis", "octave", "matlab")
+"""Keys of names: the words of all programs are read in each."""
+
+# --- FIS text: sections in brackets, `key=value` lines, rules of numbers ---
+
+_HEADER = re.compile(r"\[\s*([a-z_]+)\s*(\d*)\s*\]\s*\Z", re.IGNORECASE)
+_SECTIONS = ("System", "Input", "Output", "Rules")
+
+
+@dataclass(slots=True)
+class Section:
+    """One section: the kind of its header, the 2 of ``[Input2]`` (else 0), and its lines."""
+
+    kind: str
+    number: int = 0
+    span: Span = NOWHERE
+    lines: list[Word] = field(default_factory=list)
+
+
+def sections(text: str, findings: Findings) -> list[Section]:
+    """Return the sections of a file; ``[FISTree]`` ends the reading."""
+    found: list[Section] = []
+    for line in lines_of(text, _without_comment):
+        match = _HEADER.match(line.text) if len(line.text) < 100 else None
+        if match:
+            digits = match.group(2)[:6]
+            found.append(Section(match.group(1).lower(), int(digits or 0), line.span))
+            name = line.part(*match.span(1))
+            if name.text.lower() == "fistree":
+                message = "a tree of systems is not supported; each of its systems can be read"
+                raise FaultError(message, line, "unsupported-type")
+            if name.text.capitalize() not in _SECTIONS:
+                findings.unknown("syntax", "the section", name, _SECTIONS)
+        elif found:
+            found[-1].lines.append(line)
+        elif not findings.failed:  # of many such lines the first
+            message = f"'{line.text[:40]}' stands before any section"
+            findings.error("syntax", message, line)
+    return found
+
+
+def _without_comment(raw: str) -> str:
+    """Cut a comment: ``%`` or ``#`` first on a line, or after a space outside quotes; ``//``."""
+    if raw.lstrip()[:1] in ("%", "#"):
+        return ""
+    if "%" not in raw and "#" not in raw and "//" not in raw:
+        return raw
+    quoted = False
+    for index, letter in enumerate(raw):
+        if letter == "'":
+            quoted = not quoted
+        elif not quoted and (letter in "%#" or raw.startswith("//", index)):
+            return raw[:index]
+    return raw
+
+
+def unquoted(word: Word) -> Word:
+    """Return a word without the quotes around it."""
+    text = word.text
+    if len(text) >= 2 and text[0] == text[-1] and text[0] in "'\"":
+        return Word(text[1:-1], word.span)
+    return word
+
+
+_QUOTED = re.compile(r"'[^']*'")
+
+
+def is_open(value: str) -> bool:
+    """Whether a quote at the start of a value, or a bracket outside quotes, is not closed."""
+    if value[:1] in ("'", '"') and value[1:].count(value[0]) == 0:
+        return True
+    bare = _QUOTED.sub("", value)
+    return bare.count("[") > bare.count("]")
+
+
+BRACKETED = re.compile(r"[^\s,;\[\]]+")
+"""A word in brackets, between space, commas and semicolons."""
+
+
+_MEMBERSHIP = re.compile(
+    r"\s*(?:'(?P<quoted>[^']*)'|(?P<bare>[^:']*?))\s*:\s*'?(?P<kind>[\w.]*)'?\s*,\s*"
+    r"(?P<rest>.*?)\s*\Z",
+    re.DOTALL,
+)
+
+
+def membership_parts(value: Word) -> tuple[Word, Word, Word] | None:
+    """Split ``'name':'kind',[numbers]``; None where it does not look like that."""
+    match = _MEMBERSHIP.match(value.text)
+    if match is None:
+        return None
+    quoted = match.group("quoted") is not None
+    name, kind, rest = (match.span(key) for key in ("quoted" if quoted else "bare", "kind", "rest"))
+    return value.part(*name), value.part(*kind), value.part(*rest)
+
+
+# --- Which program a text was written for ---
+
+_FUZZYLITE_KEYS = re.compile(
+    r"^\s*(lockprevious|lockrange|enabled)\s*=", re.IGNORECASE | re.MULTILINE
+)
+_ONLY_OCTAVE = re.compile(
+    r"'(einstein|hamacher|drastic|bounded)_(sum|product|difference)'|centroid_integral",
+    re.IGNORECASE,
+)
+_FRACTION = re.compile(r"^\s*(-?\d+(\.\d+)?\s+)*-?\d+\.0*[1-9]\d*[\s,]", re.MULTILINE)
+
+
+def detect(text: str) -> str:
+    """Return the program that a text was most likely written for."""
+    comments = "\n".join(
+        line for line in text.split("\n")[:60] if line.lstrip()[:1] in ("#", "%", "/")
+    ).lower()
+    if "fuzzylite" in comments or _FUZZYLITE_KEYS.search(text):
+        return "fuzzylite"
+    if "for matlab" in comments:
+        return "matlab"
+    if "octave" in comments or "fuzzy-logic-toolkit" in comments:
+        return "octave"
+    rules = text.lower().partition("[rules]")[2]
+    if _ONLY_OCTAVE.search(text) or _FRACTION.search(rules):
+        return "octave"
+    return "matlab"
+
+
+# --- Membership functions ---
+
+
+def read_shape(
+    kind: Word, rest: Word, inputs: int, dialect: Dialect, findings: Findings
+) -> Shape | None:
+    """Return the shape of ``'kind',[numbers]``."""
+    name = kind.text.lower()
+    if name == "function":
+        text = rest.text.strip().removeprefix("[").removesuffix("]")
+        return formula_shape(Word(text, rest.span), FIS["fuzzylite"].formula, findings)
+    # fuzzylite writes the class of a term where it has no word in a FIS.
+    known = all_spellings(SHAPES, *ALL_NAMES, "fll")
+    spelling = known.get(name) or known.get(kind.text)
+    if spelling is None:
+        _unknown(kind, known, findings)
+        return None
+    values = numbers(rest.parts(BRACKETED), findings)
+    if values is None:
+        return None
+    if name == "constant" and len(values) > 1 and not any(values[:-1]):
+        values = values[-1:]  # old files write it as a linear term, with factors of 0
+    elif spelling.kind in ("s", "z") and not dialect.heights:
+        values[:2] = _crossed(values[:2])
+    return spelled_shape(spelling, values, inputs, kind, findings, dialect)
+
+
+def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> None:
+    if not kind.text:
+        findings.error("syntax", "the kind of the membership function is missing", kind)
+        return
+    if kind.text.lower().endswith("mf"):
+        message = f"'{kind.text[:40]}' is a function of its author's own, which is not in the file"
+        findings.error("unknown-shape", message, kind)
+        return
+    findings.unknown("unknown-shape", "the membership function", kind, known)
+
+
+def _crossed(values: list[float]) -> list[float]:
+    """MATLAB makes a step half-way of an s or z whose numbers are the wrong way round."""
+    if len(values) == 2 and values[0] > values[1]:
+        middle = 0.5 * (values[0] + values[1])
+        return [middle, middle]
+    return values
+
+
+# --- Fractions of a term's number are hedges ---
+
+_VERY_VERY = (0.4, (Hedge("very"), Hedge("very")))
+
+
+def fractions(dialect: Dialect) -> dict[float, tuple[Hedge, ...]]:
+    """Return the hedges that fractions of an index stand for, but for powers."""
+    key = "fis" if dialect.producer == "fuzzylite" else "octave"
+    named = words(HEDGES, key).items()
+    return {float(word): (Hedge(name),) for word, name in named} | dict([_VERY_VERY])
+
+
+def hedges_of(fraction: float, dialect: Dialect) -> tuple[Hedge, ...] | None:
+    """Return the hedges that the fraction of an index stands for, or None.
+
+    To Octave's toolkit a fraction f is the power 10 f; fuzzylite knows six of them, and
+    MATLAB none (what it does with one is not documented, so it is read as Octave does).
+    """
+    if fraction == 0.0:
+        return ()
+    table = fractions(dialect)
+    if fraction in table:
+        return table[fraction]
+    powers = dialect.producer != "fuzzylite"
+    return (Hedge("power", round(10.0 * fraction, 6)),) if powers else None
+
+
+# --- Maxima ---
+
+_OTHER_END = {
+    "smallest-of-maximum": "largest-of-maximum",
+    "largest-of-maximum": "smallest-of-maximum",
+}
+
+
+def by_magnitude(method: str, low: float, high: float) -> str | None:
+    """Return MATLAB's som or lom, which compare magnitudes, for a range on one side of 0."""
+    if low >= 0.0 or method not in _OTHER_END:
+        return method
+    return _OTHER_END[method] if high <= 0.0 else None

@@ -1,0 +1,491 @@
+"""FML, the Fuzzy Markup Language of IEEE 1855: read.
+
+An FML file is XML: a knowledge base of variables with their terms, then rule bases. The
+definitions are those of the standard (equations A.1 to A.47); where its reference program JFML
+departs from them, the standard counts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Container, Iterator, Mapping
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.formats.dialects import FML, Dialect, all_spellings, words
+from fuzzyarm.formats.drafts import Draft, add_term, all_invertible, imported, rulebase_of
+from fuzzyarm.formats.findings import (
+    MAX_RULES,
+    MAX_VARIABLES,
+    FaultError,
+    Findings,
+    Imported,
+    Word,
+    number,
+)
+from fuzzyarm.formats.meaning import Block, around, blocks_in_model, hedged_weight
+from fuzzyarm.formats.sentences import NOT, RuleText
+from fuzzyarm.formats.shapes import make_shape, spelled_shape
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Defuzzifier,
+    Expression,
+    Hedge,
+    Is,
+    Or,
+    RuleBase,
+    Shape,
+)
+from fuzzyarm.text.diagnostic import MAX_NESTING, Span
+
+# --- XML, with the position of every element ---
+
+
+@dataclass(slots=True)
+class _Element:
+    """An element: its tag without a namespace, and its text without that of its children."""
+
+    tag: Word
+    attributes: dict[str, str]
+    children: list[_Element] = field(default_factory=list)
+    pieces: list[str] = field(default_factory=list)
+
+    @property
+    def text(self) -> str:
+        """The text, without space around."""
+        return "".join(self.pieces).strip()
+
+    def get(self, key: str, default: str = "") -> Word:
+        """Return an attribute, placed at the element."""
+        return Word(self.attributes.get(key, default).strip(), self.tag.span)
+
+    def all(self, *tags: str) -> Iterator[_Element]:
+        """Yield the children with one of some tags."""
+        return (child for child in self.children if child.tag.text in tags)
+
+    def child(self, tag: str) -> _Element:
+        """Return the one child with a tag."""
+        found = next(self.all(tag), None)
+        if found is None:
+            raise FaultError(f"<{self.tag.text}> has no <{tag}>", self.tag)
+        return found
+
+    def word(self, tag: str) -> Word:
+        """Return the text of the one child with a tag."""
+        found = self.child(tag)
+        return Word(found.text, found.tag.span)
+
+
+def _parsed(text: str) -> _Element:
+    """Return the root of an XML text.
+
+    A document type, which could define entities, is refused: no FML file has one.
+    """
+    parser = expat.ParserCreate("utf-8", "}")
+    root = _Element(Word(""), {})
+    stack = [root]
+
+    def here(length: int) -> Span:
+        line, column = parser.CurrentLineNumber, parser.CurrentColumnNumber + 1
+        return Span(line, column, line, column + length)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        name = tag.rpartition("}")[2]
+        if len(stack) > MAX_NESTING:
+            message = f"elements may nest {MAX_NESTING} deep at most"
+            raise FaultError(message, Word(name, here(len(name) + 1)), "too-deep")
+        element = _Element(Word(name, here(len(name) + 1)), attributes)
+        stack[-1].children.append(element)
+        stack.append(element)
+
+    def add_text(data: str) -> None:
+        stack[-1].pieces.append(data)
+
+    def refuse(*_: object) -> None:
+        message = "a document type (<!DOCTYPE …>) is not supported"
+        raise FaultError(message, Word("", here(9)), "unsupported-type")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda _: stack.pop()
+    parser.CharacterDataHandler = add_text
+    parser.StartDoctypeDeclHandler = refuse
+    parser.buffer_text = True
+    try:
+        parser.Parse(text.encode("utf-8", "replace"), True)
+    except expat.ExpatError as error:
+        line = min(error.lineno, text.count("\n") + 1)
+        span = Span(line, error.offset + 1, line, error.offset + 2)
+        message = f"not well-formed XML: {expat.ErrorString(error.code)}"
+        raise FaultError(message, Word("", span)) from None
+    return root.children[0]
+
+
+# --- Words of the standard ---
+
+_HEDGES = {
+    "more_or_less": (Hedge("power", 1.0 / 3.0),),
+    "plus": (Hedge("power", 1.25),),
+    "norm": (),  # divides by the height, which is 1
+}
+"""Modifiers without a hedge of that name; `above`, `below` and `slightly` have no equal."""
+
+_TNORMS_OF_SCHEMA = {"BSUM": "bounded", "DRS": "drastic"}
+"""T-norms as the schema of the standard misspells them."""
+
+_DEFINED_ELSEWHERE = ("circularDefinition", "customShape", "customMonotonicShape")
+"""Shapes that are made of other terms, or of code that is not in the file."""
+
+_RULE_BASES = {
+    "mamdaniRuleBase": ("rule", "consequent", "then", "else", "clause"),
+    "tsukamotoRuleBase": ("rule", "consequent", "then", "else", "clause"),
+    "tskRuleBase": ("tskRule", "tskConsequent", "tskThen", "tskElse", "tskClause"),
+}
+"""Rule base → its rules, and in them the consequents, their two halves and the clauses."""
+
+_VARIABLES = {
+    "fuzzyVariable": "fuzzyTerm",
+    "tskVariable": "tskTerm",
+    "tsukamotoVariable": "tsukamotoTerm",
+}
+"""Variable → its terms."""
+
+
+def parse_fml(
+    text: str, path: str = "<text>", *, lossy: bool = False, strict: bool = False
+) -> Imported:
+    """Read a fuzzy system: :func:`~fuzzyarm.formats.registry.parse` of ``.fml``."""
+
+    def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
+        try:
+            return _Reader(_parsed(plain), findings).read(), FML
+        except FaultError as fault:
+            findings.fault(fault)
+            return None, FML
+
+    return imported(text, path, read, lossy=lossy, strict=strict)
+
+
+class _Reader:
+    def __init__(self, root: _Element, findings: Findings) -> None:
+        self.root = root
+        self.findings = findings
+        self.variables: dict[str, Draft] = {}
+        self.complements: set[tuple[str, str]] = set()  # variables and terms
+        self.refused: set[str] = set()  # tags that are not supported, names of such variables
+
+    def read(self) -> RuleBase:
+        if self.root.tag.text != "fuzzySystem":
+            message = f"<{self.root.tag.text[:40]}> is not the <fuzzySystem> of an FML file"
+            raise FaultError(message, self.root.tag, "no-engine")
+        knowledge = list(self.root.child("knowledgeBase").children)
+        self._refuse_others(knowledge, _VARIABLES)
+        self._refuse_others(self.root.children, ("knowledgeBase", *_RULE_BASES))
+        # A linear consequent needs to know how many inputs there are.
+        found = [each for each in knowledge if each.tag.text in _VARIABLES]
+        inputs = sum(not _is_output(each) for each in found)
+        for element in found:
+            self._variable(element, inputs)
+        blocks = [
+            block
+            for element in self.root.all(*_RULE_BASES)
+            for block in self._blocks(element, _RULE_BASES[element.tag.text])
+        ]
+        if not any(draft.is_output for draft in self.variables.values()):
+            self.findings.error("no-engine", "there is no output in this file", self.root.tag)
+        elif not blocks and not self.findings.failed:
+            self.findings.error("no-rules", "there is no rule base in this file", self.root.tag)
+        made = blocks_in_model(blocks, self.variables, FML, self.findings)
+        name = self.root.get("name").text
+        return rulebase_of(name, self.variables.values(), made)
+
+    def _refuse_others(self, elements: list[_Element], known: Container[str]) -> None:
+        for element in elements:
+            if element.tag.text not in known:
+                self._refuse(element.tag, "unsupported-type")
+                self.refused.add(element.get("name").text)
+
+    def _refuse(self, tag: Word, name: str) -> None:
+        """Say, once for each tag, that an element is not supported."""
+        if tag.text not in self.refused:
+            self.refused.add(tag.text)
+            self.findings.error(name, f"<{tag.text[:40]}> is not supported", tag)
+
+    # --- Variables and terms ---
+
+    def _variable(self, element: _Element, inputs: int) -> None:
+        word = element.get("name")
+        if not word.text:
+            self.findings.error("missing-name", "the variable has no name", word)
+            return
+        if word.text in self.variables:
+            message = f"there are two variables called '{word.text}'"
+            self.findings.error("duplicate-variable", message, word)
+            return
+        if not self.findings.room(len(self.variables), MAX_VARIABLES, "variables", word):
+            return
+        draft = Draft(word, _is_output(element))
+        self.variables[word.text] = draft
+        if element.tag.text != "tskVariable":
+            ends = [element.get("domainleft"), element.get("domainright")]
+            text = Word(" ".join(end.text for end in ends), element.tag.span)
+            draft.set_range(ends, text, self.findings, "two numbers, domainleft and domainright")
+        draft.settle_range(self.findings)
+        for term in element.all(_VARIABLES[element.tag.text]):
+            name = term.get("name")
+            shape = self._shape(term, draft, inputs)
+            if shape is None:
+                draft.refused.add(name.text)
+                continue
+            add_term(draft, name, shape, self.findings, keep="first")
+            if term.get("complement").text.lower() == "true":
+                self.complements.add((draft.name, name.text))
+        if draft.is_output:
+            self._finish(draft, element)
+
+    def _shape(self, term: _Element, draft: Draft, inputs: int) -> Shape | None:
+        if term.tag.text == "tskTerm":
+            return self._value(term, inputs)
+        if not term.children:
+            message = f"the term '{term.get('name').text}' has no shape"
+            self.findings.error("unknown-shape", message, term.tag)
+            return None
+        element = term.children[0]
+        if element.tag.text in ("pointSetShape", "pointSetMonotonicShape"):
+            return self._points(element)
+        values = self._numbers(element, [f"param{index}" for index in range(1, 5)])
+        return None if values is None else self._of_numbers(element.tag, values, draft, inputs)
+
+    def _of_numbers(
+        self, kind: Word, values: list[float], draft: Draft, inputs: int
+    ) -> Shape | None:
+        if len(values) == 2 and kind.text in ("leftGaussianShape", "rightGaussianShape"):
+            return self._one_sided(kind, values, draft)
+        if len(values) == 2 and kind.text == "piShape":
+            start, top = values  # both flanks are as wide
+            parameters = [start, top, top, top + abs(top - start)]
+            return make_shape("pi", parameters, kind, self.findings)
+        known = all_spellings(SHAPES, FML.kinds)
+        if kind.text not in known:
+            if kind.text in _DEFINED_ELSEWHERE:
+                self._refuse(kind, "unsupported-shape")
+            else:
+                self.findings.unknown("unknown-shape", "the shape", kind, (*known, "piShape"))
+            return None
+        return spelled_shape(known[kind.text], values, inputs, kind, self.findings, FML)
+
+    def _one_sided(self, kind: Word, values: list[float], draft: Draft) -> Shape | None:
+        """Return a gaussian flank that stays at 1 up to the end of the range."""
+        mean, deviation = values
+        ends = (draft.low, mean) if kind.text == "leftGaussianShape" else (mean, draft.high)
+        left, right = min(ends), max(ends)
+        if not (math.isfinite(left) and math.isfinite(right)):
+            if not self.findings.failed:  # else the range has its finding
+                message = f"a {kind.text} needs a variable with a range"
+                self.findings.error("bad-range", message, kind)
+            return None
+        parameters = [left, deviation, right, deviation]
+        return make_shape("two-sided-gaussian", parameters, kind, self.findings)
+
+    def _points(self, element: _Element) -> Shape | None:
+        method = element.get("interpolationMethod", "linear")
+        if method.text.lower() != "linear":
+            message = f"points with the interpolation '{method.text[:40]}' are not supported"
+            self.findings.error("unsupported-shape", message, method)
+            return None
+        values: list[float] = []
+        for point in element.all("point"):
+            pair = self._numbers(point, ["x", "y"])
+            if pair is None:
+                return None
+            values += pair
+        return make_shape("points", values, element.tag, self.findings)
+
+    def _value(self, term: _Element, inputs: int) -> Shape | None:
+        """Return a TSK consequent: a constant, or a constant and a factor for each input."""
+        values = []
+        for element in term.all("tskValue"):
+            value = number(element.text)
+            if value is None:
+                message = f"'{element.text[:40]}' is not a number"
+                self.findings.error("not-a-number", message, element.tag)
+                return None
+            values.append(value)
+        if term.get("order", "0").text == "0":
+            return make_shape("singleton", values[:1], term.tag, self.findings)
+        if not 1 <= len(values) <= inputs + 1:
+            message = (
+                f"a linear term has a constant and a factor for each of the {inputs} inputs, "
+                f"not {len(values)} numbers"
+            )
+            self.findings.error("parameter-count", message, term.tag)
+            return None
+        factors = [*values[1:], *[0.0] * (inputs + 1 - len(values))]
+        return make_shape("linear", [*factors, values[0]], term.tag, self.findings)
+
+    def _numbers(self, element: _Element, keys: list[str]) -> list[float] | None:
+        """Return the values of attributes, in this order, as far as they are there."""
+        values: list[float] = []
+        for key in keys:
+            text = element.attributes.get(key)
+            if text is None:
+                continue
+            value = number(text.strip())
+            if value is None:
+                message = f"{key}: '{text[:40]}' is not a number"
+                self.findings.error("not-a-number", message, element.tag)
+                return None
+            values.append(value)
+        return values
+
+    def _finish(self, draft: Draft, element: _Element) -> None:
+        """Set aggregation, defuzzifier and the value without rules of an output."""
+        default = number(element.get("defaultValue", "0").text)
+        if default is None:
+            message = "the defaultValue is not a number"
+            self.findings.error("not-a-number", message, element.tag)
+        draft.no_rule = math.nan if default is None else default
+        if element.tag.text != "fuzzyVariable":
+            method = element.get("combination", "WA")
+            self._known_method(method, FML.weighted)
+            draft.aggregation = "sum"  # every rule counts for itself
+            is_tsk = element.tag.text == "tskVariable"
+            draft.defuzzifier = Defuzzifier("weighted-average" if is_tsk else "tsukamoto")
+            if not is_tsk and not all_invertible(draft.kinds):
+                message = f"'{draft.name}' has terms that cannot be inverted"
+                self.findings.error("not-monotonic", message, element.tag)
+            return
+        accumulation = element.get("accumulation", "MAX")
+        draft.aggregation = self._snorm(accumulation)
+        method = element.get("defuzzifier", "COG")
+        if not self._known_method(method, FML.integral):
+            return
+        draft.defuzzifier = Defuzzifier(FML.integral[method.text])
+        if draft.kinds == {"singleton"}:
+            draft.defuzzifier = Defuzzifier("weighted-average")
+            if method.text != "COG":
+                message = f"{method.text} of singletons is not supported; their average is taken"
+                self.findings.loss("unsupported-defuzzifier", message, method)
+        elif "singleton" in draft.kinds:
+            message = f"'{draft.name}' has singletons beside sets, which cannot be integrated"
+            self.findings.loss("value-as-set", message, element.tag)
+
+    def _known_method(self, method: Word, table: Mapping[str, str]) -> bool:
+        if method.text not in table:
+            self.findings.unknown("unknown-defuzzifier", "the method", method, table)
+        return method.text in table
+
+    # --- Rules ---
+
+    def _blocks(self, element: _Element, tags: tuple[str, ...]) -> list[Block]:
+        """Return a block for each pair of norms that the rules of a rule base name."""
+        implication = element.get("activationMethod", "MIN")
+        tnorm = "min" if tags[0] == "tskRule" else self._tnorm(implication)
+        blocks: dict[tuple[str, str], Block] = {}
+        for index, rule in enumerate(element.all(tags[0])):
+            if not self.findings.room(index, MAX_RULES, "rules", rule.tag):
+                break
+            conjunction = rule.get("andMethod", element.get("andMethod", "MIN").text)
+            disjunction = rule.get("orMethod", element.get("orMethod", "MAX").text)
+            is_or = rule.get("connector", "and").text.lower() == "or"
+            norms = (
+                self._tnorm(conjunction if not is_or else element.get("andMethod", "MIN")),
+                self._snorm(disjunction if is_or else element.get("orMethod", "MAX")),
+            )
+            if norms not in blocks:
+                name = element.get("name").text if not blocks else ""
+                blocks[norms] = Block(name, rule.tag.span, True, *norms, implication=tnorm)
+            try:
+                blocks[norms].rules += self._rules(rule, tags, is_or=is_or)
+            except FaultError as fault:
+                self.findings.fault(fault)
+        return list(blocks.values())
+
+    def _tnorm(self, word: Word) -> str:
+        table = words(TNORMS, FML.kinds) | _TNORMS_OF_SCHEMA
+        return self.findings.norm("the T-norm", word, table, word.text.upper()) or "min"
+
+    def _snorm(self, word: Word) -> str:
+        key = word.text if word.text.startswith("custom") else word.text.upper()
+        return self.findings.norm("the S-norm", word, words(SNORMS, FML.kinds), key) or "max"
+
+    def _rules(self, rule: _Element, tags: tuple[str, ...], *, is_or: bool) -> Iterator[RuleText]:
+        """Yield a rule, and a second one for its *else*, which has the complement."""
+        _, consequent, then, other, clause = tags
+        antecedent = self._antecedent(rule, is_or=is_or)
+        weight = number(rule.get("weight", "1").text)
+        if weight is None or math.isnan(weight):
+            raise FaultError("the weight is not a number", rule.tag, "not-a-number")
+        for half in rule.child(consequent).all(then, other):
+            hedges = () if half.tag.text == then else (NOT,)
+            if hedged_weight(weight, hedges) is None:
+                message = "an else beside a weight cannot be carried"
+                self.findings.loss("hedged-weight", message, half.tag)
+            conclusions = self._conclusions(half, clause)
+            yield RuleText(around(hedges, antecedent), conclusions, weight, rule.tag.span)
+
+    def _antecedent(self, rule: _Element, *, is_or: bool) -> Expression:
+        parts = tuple(
+            Is(variable.text, term, hedges, variable.span)
+            for variable, term, hedges in self._clauses(rule.child("antecedent"), "clause")
+        )
+        if not parts:
+            raise FaultError("the rule has no condition", rule.tag, "empty-rule")
+        for part in parts:
+            if part.variable in self.variables and self.variables[part.variable].is_output:
+                message = f"'{part.variable}' is an output; a condition on it is not supported"
+                self.findings.error("chained-output", message, part.span)
+        if len(parts) == 1:
+            return parts[0]
+        return Or(parts) if is_or else And(parts)
+
+    def _conclusions(self, half: _Element, tag: str) -> tuple[Consequent, ...]:
+        conclusions = tuple(
+            Consequent(variable.text, term, hedges, variable.span)
+            for variable, term, hedges in self._clauses(half, tag)
+        )
+        if not conclusions:
+            raise FaultError("the rule has no conclusion", half.tag, "empty-rule")
+        for each in conclusions:
+            draft = self.variables.get(each.variable)
+            if draft is not None and not draft.is_output:
+                message = f"'{each.variable}' is an input; a rule cannot conclude on it"
+                self.findings.error("not-an-output", message, each.span)
+        return conclusions
+
+    def _clauses(
+        self, element: _Element, tag: str
+    ) -> Iterator[tuple[Word, str, tuple[Hedge, ...]]]:
+        """Yield variable, term and hedges of the clauses."""
+        for clause in element.all(tag):
+            variable, term = clause.word("variable"), clause.word("term")
+            draft = self.variables.get(variable.text)
+            if variable.text in self.refused:
+                pass
+            elif draft is None:
+                self.findings.unknown(
+                    "undefined-variable", "the variable", variable, self.variables
+                )
+            elif draft.term(term.text) is None and term.text not in draft.refused:
+                names = [each.name for each in draft.terms]
+                self.findings.unknown("undefined-term", f"the term of '{draft.name}'", term, names)
+            hedges = self._hedges(clause.get("modifier"))
+            if (variable.text, term.text) in self.complements:
+                hedges = (*hedges, NOT)
+            yield variable, term.text, hedges
+
+    def _hedges(self, word: Word) -> tuple[Hedge, ...]:
+        if not word.text:
+            return ()
+        named = {key: (Hedge(name),) for key, name in words(HEDGES, FML.kinds).items()}
+        known = named | _HEDGES
+        if word.text not in known:
+            message = f"the modifier '{word.text[:40]}' is not supported"
+            self.findings.loss("unsupported-hedge", message, word)
+        return known.get(word.text, ())
+
+
+def _is_output(element: _Element) -> bool:
+    usual = "input" if element.tag.text == "fuzzyVariable" else "output"
+    return element.get("type", usual).text.lower() == "output"

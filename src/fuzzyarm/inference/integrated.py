@@ -1,0 +1,260 @@
+"""The exact centroid of curved sets as a defuzzifier of the kernel.
+
+The adaptive quadrature of :mod:`fuzzyarm.inference.quadrature`, step by step in the same order,
+so that the bits are those of one point in plain Python. It goes point by point: every point has
+panels of its own. A panel's eight nodes are a row, over which each set is evaluated by the row
+function of its shape, cut, and folded into the aggregate.
+
+Behind the work rows stand, in the order of memory::
+
+    nodes, degrees, cut, aggregate     eight each
+    strengths                          of the members: only under `max` is there one for each
+    edges                              of the panels, ascending
+    panels                             a stack: x0, x1, area, moment, halvings left
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.inference.kernel import (
+    AGGREGATION,
+    COLUMNS,
+    COUNT,
+    DETAIL,
+    FLOATS,
+    FLOATS_AT,
+    GROUP_HEAD,
+    GROUPS,
+    HEIGHTS,
+    MOMENT,
+    OPERANDS,
+    OUTPUT,
+    ROOM,
+    RULE_HEAD,
+    TOTAL,
+    WIDTH,
+    WORK,
+    WORK_ROWS,
+    cut_in,
+    insert,
+)
+from fuzzyarm.kernels import call, kernel
+
+# Whole numbers of an output, from k[DETAIL] on: its constants in f, how many members it has,
+# the edges at which sets may bend (how many, where in f), and the stretches over which two
+# straight sets may cross (how many, where in k).
+CONSTANTS_AT, MEMBERS, EDGES, EDGES_AT, STRETCHES, STRETCHES_AT = range(6)
+
+# Its constants: the quadrature's own, and whether rounding does not shrink with the strengths.
+TOLERANCE, DEEPEST, MOST_PANELS, ROUNDING, SUBTRACTS, NODES = range(6)
+WEIGHTS = NODES + 4
+CONSTANTS = WEIGHTS + 4
+
+# Whole numbers of a consequent: the row function of its set and the numbers of that; its
+# implication; its member; straight pieces that slope; where its implication clips them, as
+# (offset, factor of the strength); and the lines that it leaves of one: four numbers each.
+CURVE, NUMBERS_AT, NUMBERS, IMPLICATION, MEMBER, PIECES, PIECES_AT = range(7)
+CLIPS, CLIPS_AT, LINES, LINES_AT = range(7, 11)
+LINE_NUMBERS = 4
+
+# Whole numbers of a stretch: its two consequents, and where its six numbers are in f.
+STRETCH = 3
+
+PANEL = 5
+ROW = 8
+
+
+@kernel
+def integrated_centroid(block: Any) -> None:
+    """Integrate the aggregate of each point."""
+    k = block.view(np.int64)
+    f = block[k[FLOATS] : k[ROOM]]
+    room = block[k[ROOM] : k[COLUMNS]]
+    width = k[WIDTH]
+    begin = (k[WORK] + TOTAL) * width
+    total = room[begin : begin + k[COUNT]]
+    begin = (k[WORK] + MOMENT) * width
+    moment = room[begin : begin + k[COUNT]]
+    head = k[OUTPUT]
+    detail = k[head + DETAIL]
+    members = k[detail + MEMBERS]
+    low, high = f[k[head + FLOATS_AT]], f[k[head + FLOATS_AT] + 1]
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    constants = f[k[detail + CONSTANTS_AT] : k[detail + CONSTANTS_AT] + CONSTANTS]
+    strengths = heap[4 * ROW : 4 * ROW + members]
+    edges = 4 * ROW + members
+    for point in range(total.shape[0]):
+        count = k[detail + EDGES]
+        for edge in range(count):
+            heap[edges + edge] = f[k[detail + EDGES_AT] + edge]
+        for member in range(members):
+            strengths[member] = 0.0
+        # Edges are what a set or its cut is not smooth at: missing one costs fifty halvings.
+        strongest = 0.0
+        at = k[GROUPS] + 1
+        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+            consequent = k[at + 1]
+            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+            height = room[group * width + point]
+            if height > 0.0:
+                strengths[k[consequent + MEMBER]] = height
+                strongest = max(strongest, height)
+                count = clip_edges(k, f, consequent, height, heap, edges, count)
+        begin = k[detail + STRETCHES_AT]
+        for stretch in range(begin, begin + STRETCH * k[detail + STRETCHES], STRETCH):
+            count = cross(k, f, stretch, strengths, heap, edges, count)
+        noise = constants[ROUNDING]
+        if constants[SUBTRACTS] == 0.0:
+            noise *= min(1.0, strongest)
+        centre = 0.5 * (low + high)
+        stack = edges + count
+        area = 0.0
+        for i in range(count - 1):  # the first panel on top
+            panel = stack + PANEL * (count - 2 - i)
+            x_0, x_1 = heap[edges + i], heap[edges + i + 1]
+            heap[panel], heap[panel + 1] = x_0, x_1
+            heap[panel + 2], heap[panel + 3] = integral(k, f, room, heap, point, x_0, x_1, centre)
+            heap[panel + 4] = constants[DEEPEST]
+            area += heap[panel + 2]
+        half_range = 0.5 * (high - low)
+        total[point], moment[point] = halve(
+            k, f, room, heap, point, stack, count - 1, centre, half_range, area, noise, constants
+        )
+
+
+@kernel
+def clip_edges(
+    k: Any, f: Any, consequent: int, height: float, heap: Any, edges: int, count: int
+) -> int:
+    """Add the edges where an implication clips the straight pieces of a set."""
+    clips, pieces = k[consequent + CLIPS_AT], k[consequent + PIECES_AT]
+    for clip in range(clips, clips + 2 * k[consequent + CLIPS], 2):
+        level = f[clip] + f[clip + 1] * height
+        for piece in range(pieces, pieces + 4 * k[consequent + PIECES], 4):
+            x_0, y_0, x_1, y_1 = f[piece], f[piece + 1], f[piece + 2], f[piece + 3]
+            if (y_0 - level) * (y_1 - level) < 0.0:
+                x = x_0 + (x_1 - x_0) * ((level - y_0) / (y_1 - y_0))
+                count = insert(heap, edges, count, x)
+    return count
+
+
+@kernel
+def cross(k: Any, f: Any, stretch: int, strengths: Any, heap: Any, edges: int, count: int) -> int:
+    """Add the edges where two cut straight sets cross: where two of their lines do."""
+    one, other = k[stretch], k[stretch + 1]
+    first, second = strengths[k[one + MEMBER]], strengths[k[other + MEMBER]]
+    if first > 0.0 and second > 0.0:
+        at = k[stretch + 2]
+        start, end = f[at], f[at + 1]
+        for i in range(k[one + LINES]):
+            line = k[one + LINES_AT] + LINE_NUMBERS * i
+            alpha = f[line] + f[line + 1] * first
+            beta = f[line + 2] + f[line + 3] * first
+            for j in range(k[other + LINES]):
+                line = k[other + LINES_AT] + LINE_NUMBERS * j
+                gamma = f[line] + f[line + 1] * second
+                delta = f[line + 2] + f[line + 3] * second
+                before = alpha + beta * f[at + 2] - gamma - delta * f[at + 4]
+                after = alpha + beta * f[at + 3] - gamma - delta * f[at + 5]
+                if before * after < 0.0:
+                    x = start + (end - start) * (before / (before - after))
+                    count = insert(heap, edges, count, x)
+    return count
+
+
+@kernel
+def halve(
+    k: Any,
+    f: Any,
+    room: Any,
+    heap: Any,
+    point: int,
+    stack: int,
+    panels: int,
+    centre: float,
+    half_range: float,
+    whole: float,
+    noise: float,
+    constants: Any,
+) -> tuple[float, float]:
+    """Halve panels until the halves agree with the whole; return area and moment of all."""
+    budget = constants[MOST_PANELS]
+    area = torque = 0.0
+    while panels > 0:
+        panels -= 1
+        panel = stack + PANEL * panels
+        x_0, x_1, a, m = heap[panel], heap[panel + 1], heap[panel + 2], heap[panel + 3]
+        depth = heap[panel + 4]
+        middle = 0.5 * (x_0 + x_1)
+        left_area, left_moment = integral(k, f, room, heap, point, x_0, middle, centre)
+        right_area, right_moment = integral(k, f, room, heap, point, middle, x_1, centre)
+        allowed = constants[TOLERANCE] * (whole + a) + noise * (x_1 - x_0)
+        agree = abs(a - left_area - right_area) <= allowed
+        if abs(m - left_moment - right_moment) > allowed * half_range:
+            agree = False
+        budget -= 1.0
+        if agree or depth == 0.0 or budget < 0.0:
+            area += left_area + right_area
+            torque += left_moment + right_moment
+        else:
+            # The left half on top: sums go from left to right, as those of plain Python.
+            heap[panel], heap[panel + 1] = middle, x_1
+            heap[panel + 2], heap[panel + 3] = right_area, right_moment
+            heap[panel + 4] = depth - 1.0
+            panel += PANEL
+            heap[panel], heap[panel + 1] = x_0, middle
+            heap[panel + 2], heap[panel + 3] = left_area, left_moment
+            heap[panel + 4] = depth - 1.0
+            panels += 2
+    return area, torque
+
+
+@kernel
+def integral(
+    k: Any, f: Any, room: Any, heap: Any, point: int, x_0: float, x_1: float, centre: float
+) -> tuple[float, float]:
+    """Return area and moment of the aggregate of a point over one panel."""
+    nodes, degrees = heap[:ROW], heap[ROW : 2 * ROW]
+    cut, so_far = heap[2 * ROW : 3 * ROW], heap[3 * ROW : 4 * ROW]
+    head = k[OUTPUT]
+    constants = k[k[head + DETAIL] + CONSTANTS_AT]
+    middle, half = 0.5 * (x_0 + x_1), 0.5 * (x_1 - x_0)
+    for i in range(3):
+        step = half * f[constants + NODES + i]
+        nodes[2 * i], nodes[2 * i + 1] = middle - step, middle + step
+    # The ends just inside, for the value on this side of a vertical edge.
+    nodes[6], nodes[7] = x_0, x_1
+    # Floats of one sign are ordered as their bits are.
+    bits = heap.view(np.int64)
+    if x_0 == 0.0:
+        nodes[6] = 5e-324
+    else:
+        bits[6] += 1 if x_0 > 0.0 else -1
+    if x_1 == 0.0:
+        nodes[7] = -5e-324
+    else:
+        bits[7] += 1 if x_1 < 0.0 else -1
+    for i in range(ROW):
+        so_far[i] = 0.0
+    fold = k[head + AGGREGATION]
+    width = k[WIDTH]
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * width + point]
+        if height > 0.0:
+            begin = k[consequent + NUMBERS_AT]
+            numbers = f[begin : begin + k[consequent + NUMBERS]]
+            call(k[consequent + CURVE], nodes, numbers, degrees)
+            cut_in(k[consequent + IMPLICATION], fold, height, degrees, so_far, cut)
+    area = torque = 0.0
+    for i in range(4):
+        step, weight = half * f[constants + NODES + i], f[constants + WEIGHTS + i]
+        left, right = so_far[2 * i], so_far[2 * i + 1]
+        area += weight * (left + right)
+        torque += weight * step * (right - left)
+    return half * area, half * (torque + (middle - centre) * area)

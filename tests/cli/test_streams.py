@@ -1,0 +1,210 @@
+"""Every command writes to whatever output it is given, and no name reaches a terminal raw."""
+
+import contextlib
+import json
+import os
+import subprocess
+import sys
+import unicodedata
+
+import pytest
+
+from fuzzyarm.cli import main
+from fuzzyarm.cli.main import COMMANDS
+from fuzzyarm.shipped_files import shipped
+
+PD7, TABLE = str(shipped("pd7.frb")), str(shipped("thesis-6.1.lut"))
+
+# Every way to write a byte that a terminal might obey, and a mark that turns the direction.
+HOSTILE = "\x1b[31m\x07\r\x00\x9b2J\u202e"
+CR = "\r"  # ends a line
+ESCAPED = "".join(f"\\u{ord(c):04x}" if not c.isprintable() else c for c in HOSTILE)
+HOSTILE_FILE = f"""\
+rulebase 'r{ESCAPED}' "d{ESCAPED}"
+input 'x{ESCAPED}' 0 .. 10 "i{ESCAPED}"
+output 'y{ESCAPED}' 0 .. 10 "o{ESCAPED}"
+terms 'x{ESCAPED}', 'y{ESCAPED}': triangles 'L{ESCAPED}' 'H{ESCAPED}'
+rule if 'x{ESCAPED}' is 'L{ESCAPED}' then 'y{ESCAPED}' is 'H{ESCAPED}'
+block 'b{ESCAPED}'
+rule if 'x{ESCAPED}' is 'H{ESCAPED}' then 'y{ESCAPED}' is 'L{ESCAPED}'  # {HOSTILE.replace(CR, "")}
+"""
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """A folder with a sound, an untidy, a broken and a hostile rule base, and a broken table."""
+    monkeypatch.chdir(tmp_path)
+    text = shipped("pd7.frb").read_text()
+    (tmp_path / "untidy.frb").write_text(text.replace("  NB", "      NB") + "# größer ≥\n" * 900)
+    (tmp_path / "broken.frb").write_text(text.replace("PS  PM", "Größe  ≤ “PM”"))
+    (tmp_path / "broken.lut").write_text(shipped("thesis-6.1.lut").read_text().replace("1", "é"))
+    (tmp_path / "hostile.frb").write_text(HOSTILE_FILE, newline="")
+    (tmp_path / "other.frb").write_text(HOSTILE_FILE.replace("0 .. 10", "0 .. 11"), newline="")
+    return tmp_path
+
+
+def of_every_command(name="x" + HOSTILE):
+    """Return the words of some calls of every command that ends by itself."""
+    hostile, point = "hostile.frb", f"{name}=3"
+    return [
+        *([command, file] for command in ("check", "show") for file in (
+            PD7, TABLE, "broken.frb", "broken.lut", hostile, "none.frb", "."
+        )),
+        ["check", "--json", "broken.frb", hostile],
+        *(["fmt", option, "untidy.frb", "broken.frb"] for option in ("--diff", "--check")),
+        ["fmt", "untidy.frb"],
+        ["eval", PD7, "e=1", "ce=2"],
+        ["eval", PD7, "e=1", "ce=2", "--explain"],
+        ["eval", "broken.frb", "x=1"],
+        ["eval", hostile, point],
+        ["eval", hostile, "y=1"],
+        ["eval", hostile, point, "--explain"],
+        ["eval", hostile, point, "--explain", "--json"],
+        ["show", hostile, "--at", point],
+        ["show", hostile, "--json"],
+        ["plot", hostile, "-o", "x.svg"],
+        ["plot", "broken.frb", "-o", "x.png"],
+        ["compile", PD7, "-o", "x.lut", "--levels", "3"],
+        ["compile", hostile, "-o", "x.csv", "--levels", "3"],
+        ["compile", hostile, "-o", "x.h", "--direct"],
+        ["compile", "broken.frb", "-o", "x.h"],
+        ["diff", hostile, "other.frb"],
+        ["diff", hostile, PD7],
+        ["diff", TABLE, str(shipped("performance-yamazaki.lut"))],
+        ["diff", hostile, "other.frb", "--json"],
+        *(["convert", file, f"x{suffix}", "--lossy"]
+          for file in (PD7, hostile) for suffix in (".frb", ".fll", ".fcl", ".fis")),
+        ["convert", hostile, "x.fis", "--json"],
+        ["corpus", "."],
+        ["simulate", "--list"],
+        ["simulate", "pd", "--duration", "0.1"],
+        ["simulate", "nothing"],
+        ["learn", PD7, "--passes", "0"],
+        ["reproduce", "--list"],
+        ["identify", "nothing"],
+        ["new", "n\x1b[31m"],
+        ["studio", PD7],
+        ["watch", "--once", hostile],
+        ["watch", "--once", "broken.frb"],
+        ["lsp", "--tcp", "nothing"],
+        ["demo"],
+        ["--help"],
+        ["--version"],
+    ]  # fmt: skip
+
+
+def test_every_command_is_tried():
+    assert {words[0] for words in of_every_command()} >= set(COMMANDS)
+
+
+def run_all(monkeypatch, make_stdout, make_stderr=None):
+    """Run every call with outputs of its own; an exception of any kind is a failure."""
+    statuses = {}
+    for words in of_every_command():
+        with monkeypatch.context() as patch:
+            streams = {"stdout": make_stdout(), "stderr": (make_stderr or make_stdout)()}
+            for name, stream in streams.items():
+                patch.setattr(sys, name, stream)
+            try:
+                status = main(words)
+            finally:
+                for stream in streams.values():
+                    if stream is not None:
+                        forget(stream)
+            statuses[tuple(words)] = status
+    assert set(statuses.values()) <= {0, 1, 2}
+    return statuses
+
+
+def forget(stream):
+    with contextlib.suppress(OSError):
+        stream.close()
+
+
+def opened(path, encoding="utf-8", errors="strict"):
+    return open(path, "w", encoding=encoding, errors=errors)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8", "utf-16"])
+def test_every_command_writes_in_any_encoding(encoding, files, monkeypatch):
+    run_all(
+        monkeypatch,
+        lambda: opened(files / "out", encoding),
+        lambda: opened(files / "err", encoding, "backslashreplace"),
+    )
+
+
+@pytest.mark.slow
+def test_every_command_bears_closed_outputs(files, monkeypatch):
+    run_all(monkeypatch, lambda: None)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+def test_every_command_bears_a_full_disk(files, monkeypatch):
+    statuses = run_all(
+        monkeypatch,
+        lambda: opened("/dev/full"),
+        lambda: opened(files / "err"),
+    )
+    assert statuses["show", PD7] == 1
+
+
+@pytest.mark.slow
+def test_every_command_bears_a_reader_that_has_gone(files, monkeypatch):
+    def pipe():
+        reading, writing = os.pipe()
+        os.close(reading)
+        return opened(writing)
+
+    run_all(monkeypatch, pipe, lambda: opened(files / "err"))
+
+
+@pytest.mark.slow
+def test_no_command_lets_a_control_character_through(files, capsys, monkeypatch):
+    monkeypatch.setenv("NO_COLOR", "1")
+    for words in of_every_command():
+        main(words)
+        captured = capsys.readouterr()
+        said = captured.out + captured.err
+        if words[0] == "fmt":
+            continue  # the text of the file itself
+        bad = [c for c in said if c != "\n" and unicodedata.category(c)[0] == "C"]
+        assert not bad, (words, said)
+    for path in files.iterdir():
+        if path.suffix == ".svg":
+            assert "\ufffd" in path.read_text()
+
+
+def test_the_difference_of_a_file_is_shown_clean_on_a_terminal_only(files, capsys, monkeypatch):
+    main(["fmt", "--diff", "hostile.frb"])
+    assert "\x1b[31m\x07" in capsys.readouterr().out
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    main(["fmt", "--diff", "hostile.frb"])
+    shown = capsys.readouterr().out
+    assert "\x1b" not in shown
+    assert "\ufffd" in shown
+
+
+def test_json_says_what_it_is_about_in_escapes(files, capsys):
+    main(["show", "--json", "hostile.frb"])
+    said = capsys.readouterr().out
+    assert "\u202e" not in said
+    assert json.loads(said)["name"] == "r" + HOSTILE
+
+
+def test_a_backend_that_matplotlib_does_not_know_is_no_matter(files, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "nonsense")
+    command = [sys.executable, "-m", "fuzzyarm", "plot", PD7, "-o", "x.png"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("x.png: drawn")
+
+
+def test_a_full_disk_names_the_output(files, monkeypatch, capsys):
+    with monkeypatch.context() as patch:
+        full = opened("/dev/full")
+        patch.setattr(sys, "stdout", full)
+        assert main(["eval", PD7, "e=1", "ce=2"]) == 1
+        forget(full)
+    assert capsys.readouterr().err == "fuzzyarm: standard output: No space left on device\n"
