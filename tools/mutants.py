@@ -28,14 +28,16 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = Path("src") / "fuzzyarm"
 
+_DEFINITIONS = ["norms", "definitions", "facts"]
+_LOOKUP = ["table", "compiled_lookup", "lookup_definition"]
 _FORMATS = ["readers", "references", "roundtrips"]
 TESTS = {
-    "expression/norms.py": ["tests/expression/test_norms.py"],
+    "expression/norms.py": [f"tests/expression/test_{each}.py" for each in _DEFINITIONS],
     "expression/formulas.py": ["tests/expression/test_formulas.py"],
     "expression/": ["tests/expression"],
     "inference/kernel": ["tests/inference/test_compiled.py", "tests/inference/test_engines.py"],
     "inference/": ["tests/inference", "tests/expression/test_norms.py"],
-    "table/lookup.py": ["tests/table/test_table.py", "tests/table/test_compiled_lookup.py"],
+    "table/lookup.py": [f"tests/table/test_{each}.py" for each in _LOOKUP],
     "table/": ["tests/table"],
     "formats/skfuzzy.py": ["tests/formats/test_skfuzzy_bridge.py"],
     "formats/": [f"tests/formats/test_format_{each}.py" for each in _FORMATS],

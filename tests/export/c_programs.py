@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 
 from fuzzyarm.export import export_files
+from fuzzyarm.export.numbers import C_TYPES
 
 STRICT = [
     "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wpedantic", "-Werror",
     "-Wfloat-conversion", "-Wdouble-promotion", "-Wshadow",
 ]  # fmt: skip
 SANITIZED = ["-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
-
-DTYPES = {"float": np.float32, "double": np.float64, "int16_t": np.int16, "int8_t": np.int8}
 
 HOST, ARM = "gcc", "arm-linux-gnueabihf-gcc"
 
@@ -83,11 +82,10 @@ def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h
     header = exported.files[-1][1]
     data, loops = b"", ""
     for routine, arrays in zip(routines, columns, strict=True):
-        dtype = DTYPES[routine.kind]
-        rows = np.stack([np.asarray(x).astype(dtype) for x in arrays], axis=1)
+        rows = np.stack([np.asarray(x).astype(routine.kind) for x in arrays], axis=1)
         data += rows.tobytes()
         name = function_name(header, routines.index(routine))
-        loops += _loop(name, routine.kind, rows.shape[1], rows.shape[0])
+        loops += _loop(name, C_TYPES[routine.kind], rows.shape[1], rows.shape[0])
     (folder / "points.bin").write_bytes(data)
     driver = folder / "driver.c"
     driver.write_text(
@@ -105,7 +103,7 @@ def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h
     assert execute(folder / "program", target, *files) == 0
     found, data = [], (folder / "results.bin").read_bytes()
     for routine, arrays in zip(routines, columns, strict=True):
-        dtype, count = np.dtype(DTYPES[routine.kind]), len(arrays[0])
+        dtype, count = np.dtype(routine.kind), len(arrays[0])
         found.append(np.frombuffer(data[: count * dtype.itemsize], dtype))
         data = data[count * dtype.itemsize :]
     return found
@@ -113,7 +111,7 @@ def run_c(routines, columns, folder: Path, target: str = HOST, suffix: str = ".h
 
 def function_name(header: str, number: int) -> str:
     """Return the name of a function as the comment at the head states it."""
-    kinds = tuple(f" * {kind} " for kind in DTYPES)
+    kinds = tuple(f" * {kind} " for kind in ("float", "double", "int16_t", "int8_t"))
     lines = [line for line in header.splitlines() if line.startswith(kinds) and "(" in line]
     return lines[number].split("(")[0].split()[-1]
 

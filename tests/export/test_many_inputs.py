@@ -20,7 +20,7 @@ def test_many_inputs_are_measured_at_some_points(count):
     text += "rule if x0 is H or x1 is H then y is H\n"
     tracemalloc.start()
     (routine,) = routines_of(parse(text).rulebase)
-    accuracy = routine.accuracy()
+    accuracy = routine.accuracy
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 500e6

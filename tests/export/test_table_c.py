@@ -188,7 +188,7 @@ def test_the_self_test_passes_and_can_fail(tmp_path, suffix, options):
 
 def test_the_worst_error_in_the_head_is_what_a_dense_grid_shows():
     (routine,) = routines_of(PRINTED, mode="linear", precision="float32")
-    stated = routine.accuracy()
+    stated = routine.accuracy
     e = np.linspace(-6.5, 6.5, 331, dtype=np.float32)
     mesh = np.meshgrid(e, e)
     truth = PRINTED.lookup(*(x.astype(float) for x in mesh), mode="linear")

@@ -7,14 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzzyarm.expression import op
 from fuzzyarm.expression.evaluation import array_function
 from fuzzyarm.expression.formulas import (
+    FRB,
     FUZZYLITE,
     JFUZZYLOGIC,
     FormulaError,
     read_formula,
     write_formula,
 )
+from fuzzyarm.expression.nodes import symbol
 from fuzzyarm.expression.operations import OPERATIONS
 
 VALUES = {"e": 1.5, "ce": -2.0, "the load": 3.0}
@@ -113,6 +116,55 @@ def test_division_by_zero_is_infinite_in_both() -> None:
 def test_what_is_written_reads_back(dialect, text):
     root = read_formula(text, dialect).root
     assert read_formula(write_formula(root, dialect), dialect).root is root
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a + b - c", "a - (b + c)", "a - (b - c)", "a * b / c", "a / (b * c)", "a / (b / c)",
+        "a * b + c / d", "(a + b) * (c - d)", "(a * b) ^ c", "a ^ (b * c)", "a * b ^ c",
+        "(a ^ b) ^ c", "a * (b % c)", "(a % b) * c", "-(a + b)", "(-a) + b", "-sin(a)", "a + (-b)",
+        "a / b / c", "a * b * c", "(a / b) ^ 2", "a + b * c", "(a + b) / c",
+        "lt(a, b)", "eq(a, b)", "le(a, b)",
+    ],
+)  # fmt: skip
+def test_parentheses_stand_where_they_are_needed_and_nowhere_else(text):
+    assert write_formula(read_formula(text).root) == text
+
+
+def test_a_choice_that_is_no_comparison_is_not_written_as_one():
+    root = op.where(symbol("a") < symbol("b"), 1.0, 2.0)
+    with pytest.raises(FormulaError, match="has no function for 'where'"):
+        write_formula(root)
+    with pytest.raises(FormulaError, match="jFuzzyLogic has no function for"):
+        write_formula(read_formula("lt(a, b)").root, JFUZZYLOGIC)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("sin(1, 2)", "'sin' takes one argument"),
+        ("pow(1)", "'pow' takes 2 arguments"),
+        ("1 + )", r"expected a number, a name or '\(' but found '\)'"),
+    ],
+)
+def test_mistakes_in_words(text, message):
+    with pytest.raises(FormulaError, match=message):
+        read_formula(text)
+
+
+def test_closing_parentheses_and_powers_give_their_depth_back():
+    text = " + ".join(["((x)) ^ ((2))"] * 300)
+    assert read_formula(text).evaluate({"x": 2.0}) == 1_200.0
+
+
+def test_capitals_are_functions_where_the_program_has_them_so():
+    assert read_formula("SIN(0) + 2", FUZZYLITE).evaluate({}) == 2.0
+    assert read_formula("SIN(0) + 2", JFUZZYLOGIC).evaluate({}) == 2.0
+    with pytest.raises(FormulaError, match="no function 'SIN'"):
+        read_formula("SIN(0) + 2", FRB)
+    with pytest.raises(FormulaError, match="no function 'lt'"):
+        read_formula("lt(1, 2)", JFUZZYLOGIC)
 
 
 def test_powers_go_from_the_left_in_jfuzzylogic():

@@ -8,11 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzzyarm.cli import main
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
-from fuzzyarm.table import TableError, compile_table, compile_with_report, measure_fidelity
+from fuzzyarm.table import (
+    LookupTable,
+    TableError,
+    compile_table,
+    compile_with_report,
+    measure_fidelity,
+)
 from fuzzyarm.table import compiler as compiler_module
-from fuzzyarm.table.compiler import round_to
+from fuzzyarm.table import fidelity as fidelity_module
+from fuzzyarm.table.compiler import choose_axes, round_to
 from fuzzyarm.table.fidelity import smallest_even_grid
 from fuzzyarm.text.numbers import evenly, short_levels
 
@@ -155,6 +163,75 @@ def test_the_worst_is_sought_on_both_sides_of_every_threshold():
     assert nearest.worst == pytest.approx(0.25, abs=1e-12)
     assert nearest.rms == pytest.approx(0.25 / math.sqrt(3), rel=1e-3)
     assert linear.worst == pytest.approx(0, abs=1e-15)
+
+
+CURVED = LOPSIDED.replace(
+    "terms y: triangles S M L",
+    "term y S: gaussian 0 1\nterm y M: gaussian 5 1\nterm y L: gaussian 10 1",
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "settings", "few"),
+    [
+        (LOPSIDED, "", False),
+        (LOPSIDED, "implication product", False),
+        (LOPSIDED, "aggregation probor", True),
+        (LOPSIDED, "defuzzifier bisector", True),
+        (LOPSIDED, "aggregation bounded, defuzzifier mean-of-maximum", True),
+        (CURVED, "", True),
+        (CURVED, "implication product, aggregation sum", True),
+        (CURVED, "defuzzifier centroid(101)", False),
+        (CURVED, "defuzzifier centroid(200000)", True),
+        (CURVED, "defuzzifier weighted-average", False),
+    ],
+)
+def test_few_points_are_compared_where_each_takes_long(text, settings, few, monkeypatch):
+    inferred = 0
+
+    def counted(rulebase, output, names, points, engine=None):
+        nonlocal inferred
+        inferred += math.prod(x.size for x in points)
+        return np.zeros([x.size for x in points])
+
+    base = rulebase(text + (f"inference {settings}\n" if settings else ""))
+    table = LookupTable(choose_axes(base), "y", np.zeros((13, 13)))
+    monkeypatch.setattr(fidelity_module, "evaluate", counted)
+    (fidelity,) = measure_fidelity(table, base, ["linear"])
+    assert math.prod(fidelity.points) == inferred
+    assert inferred < 30_000 if few else inferred > 160_000
+
+
+def test_that_few_points_were_compared_is_said(tmp_path, capsys):
+    path = tmp_path / "curved.frb"
+    path.write_text(CURVED)
+    assert main(["compile", str(path), "-o", str(tmp_path / "y.lut"), "--levels", "3"]) == 0
+    assert "few points were compared" in capsys.readouterr().out
+    path.write_text(LOPSIDED)
+    assert main(["compile", str(path), "-o", str(tmp_path / "y.lut"), "--levels", "3"]) == 0
+    assert "few points were compared" not in capsys.readouterr().out
+
+
+def test_a_probe_that_proved_a_grid_wrong_is_asked_first():
+    base = rulebase(LOPSIDED)
+    probes = fidelity_module._Probes(base, "y")
+    probes.remember([1.0, 0.5])
+    assert probes.points[0].tolist() == [1.0, 0.5]
+    np.testing.assert_array_equal(probes.truth, probes._infer(probes.points.T))
+
+
+@pytest.mark.parametrize("alone", [0, 100])
+def test_every_probe_counts(alone):
+    probes = fidelity_module._Probes(rulebase(LOPSIDED), "y")
+    probes.truth[:] = probes._interpolate(probes.points, 5)
+    assert probes.worst(5, 1e-3) == 0.0
+    probes.truth[alone] += 1.0
+    assert probes.worst(5, 1e-3) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("step", "value"), [(3e6, 6e6), (0.1 + 2e-17, 0.7), (1 / 3, 2 / 3)])
+def test_steps_that_are_no_short_decimals(step, value):
+    assert round_to(np.array([value * 1.01]), step)[0] == pytest.approx(value, rel=1e-12)
 
 
 @pytest.mark.parametrize("tolerance", [1.0, 0.5, 0.25])

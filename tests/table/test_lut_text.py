@@ -7,6 +7,7 @@ import pytest
 
 from fuzzyarm.table import LookupTable, parse_lut
 from fuzzyarm.table.files import parse_table
+from fuzzyarm.text.diagnostic import Span
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 
@@ -184,7 +185,13 @@ def test_one_input_has_one_row():
 
 def test_bytes_that_are_no_text():
     parsed = parse_table(b"fuzzyarm-table 1\nab\xff", "x.lut")
-    assert [(d.name, d.line, d.column) for d in parsed.diagnostics] == [("not-text", 2, 3)]
+    (found,) = parsed.diagnostics
+    assert (found.name, found.span) == ("not-text", Span(2, 3, 2, 4))
+
+
+def test_a_text_that_is_no_table_is_marked_at_its_beginning():
+    (found,) = parse_lut("").diagnostics
+    assert (found.name, found.span) == ("missing-format", Span(1, 1, 1, 2))
 
 
 DAMAGE = "\x00\"'#\\,:.-+ \t\n\r\u2212\u0117\U0001f600019eEgxz"

@@ -211,3 +211,10 @@ def test_equality_hash_and_pickle(table):
     other = table.with_values(np.where(table.values == 0, 1.0, 0.0))
     assert other != table
     assert table != "table"
+
+
+def test_a_minus_before_zero_is_dropped():
+    axis = Axis("e", (-0.0,), low=-0.0, high=-0.0)
+    table = LookupTable((axis,), "u", [0.0], low=-0.0, high=-0.0)
+    for x in (*axis.levels, axis.low, axis.high, table.low, table.high):
+        assert math.copysign(1.0, x) == 1.0

@@ -5,13 +5,23 @@ import json
 import os
 import subprocess
 import sys
+import tracemalloc
+import zipfile
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from table_strategies import tables
 
-from fuzzyarm.table import Axis, LookupTable, TableError, TableFileError, read_table, write_table
+from fuzzyarm.table import (
+    Axis,
+    LookupTable,
+    TableError,
+    TableFileError,
+    files,
+    read_table,
+    write_table,
+)
 from fuzzyarm.table.files import parse_table, table_as
 
 ASYMMETRIC = LookupTable(
@@ -81,6 +91,43 @@ def test_an_npz_whose_text_is_not_text_is_refused(tmp_path, character):
     np.savez(path, **{**arrays, "header": header})
     with pytest.raises(TableFileError, match="UnicodeDecodeError"):
         read_table(path)
+
+
+def test_an_archive_that_unpacks_to_too_much_is_refused_unread(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, "MOST_BYTES", 1 << 20)
+    path = tmp_path / "table.npz"
+    write_table(ASYMMETRIC, path)
+    assert read_table(path) == ASYMMETRIC
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("more.npy", bytes(1 << 24))
+    assert path.stat().st_size < 1 << 16
+    tracemalloc.start()
+    try:
+        with pytest.raises(TableFileError, match=r"unpacked, the archive has 16,7.* 1,048,576"):
+            read_table(path)
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".json", ".lut"])
+def test_a_text_that_is_too_long_is_not_read(suffix, monkeypatch):
+    monkeypatch.setattr(files, "MAX_CHARACTERS", 100)
+    parsed = parse_table(table_as(ASYMMETRIC, suffix).encode(), f"t{suffix}")
+    assert [d.name for d in parsed.diagnostics] == ["too-large"]
+
+
+def test_pages_that_are_promised_and_missing_are_not_gone_through():
+    text = (
+        "# fuzzyarm-table 1\n# output u\n# index page a, page b, page c, row d, column e\n"
+        "# levels a, b, c: 0 .. 99999 count 100000\n# levels d, e: 0 1\n"
+        "a,b,c,d \\ e,0,1\n3,2,1,0,5,6\n3,2,1,1,7,8\n3,nan,1,0,5,6\n3,0.5,1,0,5,6\n"
+    )
+    parsed = parse_table(text.encode(), "t.csv")
+    found = {(d.name, d.span.line) for d in parsed.diagnostics}
+    assert {("wrong-label", 9), ("wrong-label", 10)} < found
+    (missing,) = (d for d in parsed.diagnostics if d.name == "missing-grid")
+    assert missing.message == "there is no 'grid when a = 0, b = 0, c = 0' and 999999999999998 more"
 
 
 def test_an_unknown_suffix_is_refused_before_anything_is_written(tmp_path):
@@ -183,7 +230,7 @@ def test_an_archive_that_unpacks_to_more_than_any_table_is_refused_before_it_is(
             for _ in range(400):
                 member.write(bytes(1_000_000))
     tracemalloc.start()
-    with pytest.raises(TableFileError, match="unpacks to 400,000,006 bytes"):
+    with pytest.raises(TableFileError, match="400,000,006 bytes; at most"):
         read_table(str(path))
     assert tracemalloc.get_traced_memory()[1] < 20_000_000
     tracemalloc.stop()

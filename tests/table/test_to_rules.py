@@ -8,7 +8,15 @@ from hypothesis import strategies as st
 from fuzzyarm.inference import infer
 from fuzzyarm.language import parse, write
 from fuzzyarm.shipped_files import shipped
-from fuzzyarm.table import Axis, LookupTable, TableError, compare_tables, compile_table, read_table
+from fuzzyarm.table import (
+    Axis,
+    LookupTable,
+    TableError,
+    compare_tables,
+    compile_table,
+    read_table,
+    rules,
+)
 from fuzzyarm.table.rules import rules_of_table
 
 
@@ -73,3 +81,44 @@ def test_a_table_without_an_input_is_compared_as_the_same_along_it():
     assert (change.levels, change.before, change.after) == ((2, 2, 0), 2.0, 9.0)
     other = LookupTable((Axis("ce", (0, 1, 2)),), "u", [0, 1, 2])
     assert not compare_tables(other, wide).comparable
+
+
+def test_each_foot_lies_under_the_neighbouring_peak():
+    table = LookupTable((Axis("e", (0, 1, 3)),), "u", [0, 1, 2])
+    terms = rules_of_table(table).rulebase.inputs[0].terms
+    assert [term.shape.parameters for term in terms] == [(-1, 0, 1), (0, 1, 3), (1, 3, 5)]
+
+
+@pytest.mark.parametrize(
+    ("levels", "names"),
+    [
+        ((-2, 0, 2), "N1 ZE P1"),
+        ((-3, -2, -1, 0, 1, 2, 3), "NB NM NS ZE PS PM PB"),
+        ((-1, 1), "T1 T2"),
+        ((-2, 1, 2), "T1 T2 T3"),
+    ],
+)
+def test_terms_have_the_usual_names_around_zero(levels, names):
+    table = LookupTable((Axis("e", levels),), "u", np.arange(len(levels)))
+    assert " ".join(term.name for term in rules_of_table(table).rulebase.inputs[0].terms) == names
+
+
+def test_the_most_rules_are_made_and_one_more_is_not(monkeypatch):
+    table = LookupTable((Axis("a", (0, 1)), Axis("b", (0, 1, 2))), "u", np.zeros((2, 3)))
+    monkeypatch.setattr(rules, "MOST_RULES", 6)
+    assert len(rules_of_table(table).rulebase.rules) == 6
+    monkeypatch.setattr(rules, "MOST_RULES", 5)
+    with pytest.raises(TableError, match="6 rules are too many"):
+        rules_of_table(table)
+
+
+def test_tables_whose_levels_differ_in_one_input_are_not_compared_cell_by_cell():
+    one = LookupTable((Axis("a", (0, 1)), Axis("b", (0, 1))), "u", np.zeros((2, 2)))
+    for axes in (
+        (Axis("a", (0, 2)), Axis("b", (0, 1))),
+        (Axis("a", (0, 1)), Axis("b", (0, 2))),
+    ):
+        found = compare_tables(one, LookupTable(axes, "u", np.zeros((2, 2))))
+        assert not found.comparable
+        assert not found.same
+        assert [what for what, _, _ in found.header] in (["levels a"], ["levels b"])

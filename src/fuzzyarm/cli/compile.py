@@ -265,6 +265,8 @@ def _report_lines(report: CompileReport, out: str) -> list[str]:
             f"  {fidelity.mode:<7}  worst {number_words(fidelity.worst, 4):<8} "
             f"rms {number_words(fidelity.rms, 4):<8} worst at {where} (of {size} points)"
         )
+    if report.few_points:
+        lines.append("few points were compared, because direct inference takes long at each")
     if report.tolerance is not None:
         lines.append(
             f"this is the smallest even grid within {report.tolerance:g}, looked up linearly"
@@ -273,6 +275,8 @@ def _report_lines(report: CompileReport, out: str) -> list[str]:
 
 
 def _export_data(exported: Exported) -> dict[str, Any]:
+    from fuzzyarm.export.numbers import C_TYPES
+
     return {
         "files": [str(path) for path, _ in exported.files],
         "functions": [
@@ -280,10 +284,10 @@ def _export_data(exported: Exported) -> dict[str, Any]:
                 "call": call,
                 "output": routine.output.name,
                 "arguments": [argument.name for argument in routine.arguments],
-                "type": routine.kind,
-                "worst": routine.accuracy().worst,
-                "points": routine.accuracy().points,
-                "against": routine.accuracy().against,
+                "type": C_TYPES[routine.kind],
+                "worst": routine.accuracy.worst,
+                "points": routine.accuracy.points,
+                "against": routine.accuracy.against,
                 "operations": dict(routine.cost().operations),
                 "stack": routine.cost().stack,
             }
@@ -297,7 +301,7 @@ def _export_lines(exported: Exported) -> list[str]:
 
     lines = [f"{path}: {len(text.encode()):,} bytes of source" for path, text in exported.files]
     for call, routine in zip(exported.calls, exported.routines, strict=True):
-        accuracy, cost = routine.accuracy(), routine.cost()
+        accuracy, cost = routine.accuracy, routine.cost()
         worst = number_words(accuracy.worst, 3)
         lines += [
             call,

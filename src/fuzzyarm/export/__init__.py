@@ -9,7 +9,6 @@ C against, and what the figures in the head of an exported file are measured wit
 
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.rulebase import DirectRoutine
-from fuzzyarm.export.structured_text import structured_text
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable
 from fuzzyarm.export.write import EXPORTS, Exported, export_files, routines_of, write_export
 
@@ -22,6 +21,5 @@ __all__ = [
     "FloatTable",
     "export_files",
     "routines_of",
-    "structured_text",
     "write_export",
 ]

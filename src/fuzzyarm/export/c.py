@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.export.numbers import C_TYPES, c_number
 from fuzzyarm.export.routine import (
     CWriter,
     Routine,
@@ -34,39 +38,22 @@ class Prototype:
 def c_header(routines: Sequence[Routine], prefix: str, file: str) -> tuple[str, list[Prototype]]:
     """Return a header on its own, with ``static inline`` functions, and its prototypes."""
     writer = CWriter(prefix, "static inline ")
-    prototypes = [_prototype(writer, routine) for routine in routines]
-    code = _definitions(writer, routines, prototypes)
-    guard = writer.names.new(f"{prefix.upper()}_H")
-    test = f"gcc -std=c99 -D{SWITCH} -x c {file} -o self_test{_library(routines)} && ./self_test"
-    text = "\n".join(
-        [
-            *head_lines(routines, prototypes, writer, f'#include "{file}"', test),
-            f"#ifndef {guard}",
-            f"#define {guard}",
-            "",
-            *_includes(routines),
-            code,
-            *_self_test(writer, routines, prototypes),
-            "#endif",
-            "",
-        ]
-    )
-    return text, prototypes
+    prototypes, code = _definitions(writer, routines)
+    test = f"-x c {file} -o self_test"
+    head = _head(writer, routines, prototypes, f'#include "{file}"', test)
+    inside = [*_includes(routines), code, *_self_test(writer, routines, prototypes)]
+    return "\n".join([*head, *_guarded(writer, inside)]), prototypes
 
 
 def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, str, list[Prototype]]:
     """Return a header, the ``.c`` file with everything but prototypes, and the prototypes."""
     writer = CWriter(prefix)
-    prototypes = [_prototype(writer, routine) for routine in routines]
-    code = _definitions(writer, routines, prototypes)
-    guard = writer.names.new(f"{prefix.upper()}_H")
-    test = f"gcc -std=c99 -D{SWITCH} {stem}.c -o self_test{_library(routines)} && ./self_test"
-    head = head_lines(routines, prototypes, writer, f'#include "{stem}.h", link {stem}.c', test)
-    header = [
-        *head,
-        f"#ifndef {guard}",
-        f"#define {guard}",
-        "",
+    prototypes, code = _definitions(writer, routines)
+    include = f'#include "{stem}.h"'
+    head = _head(
+        writer, routines, prototypes, f"{include}, link {stem}.c", f"{stem}.c -o self_test"
+    )
+    declared = [
         *_includes(routines),
         "#ifdef __cplusplus",
         'extern "C" {',
@@ -78,29 +65,35 @@ def c_pair(routines: Sequence[Routine], prefix: str, stem: str) -> tuple[str, st
         "}",
         "#endif",
         "",
-        "#endif",
-        "",
     ]
-    source = [
-        *head,
-        f'#include "{stem}.h"',
-        "",
-        code,
-        *_self_test(writer, routines, prototypes),
-    ]
+    header = [*head, *_guarded(writer, declared)]
+    source = [*head, include, "", code, *_self_test(writer, routines, prototypes)]
     return "\n".join(header), "\n".join(source), prototypes
 
 
-def _library(routines: Sequence[Routine]) -> str:
-    """Return the option that links the mathematical library, where a routine needs it."""
-    return " -lm" if any(map(calls_functions, routines)) else ""
+def _guarded(writer: CWriter, lines: Sequence[str]) -> list[str]:
+    """Return the lines of a header so that it may be included twice."""
+    guard = writer.names.new(f"{writer.prefix.upper()}_H")
+    return [f"#ifndef {guard}", f"#define {guard}", "", *lines, "#endif", ""]
+
+
+def _head(
+    writer: CWriter,
+    routines: Sequence[Routine],
+    prototypes: Sequence[Prototype],
+    use: str,
+    test: str,
+) -> list[str]:
+    library = " -lm" if any(map(calls_functions, routines)) else ""
+    command = f"gcc -std=c99 -D{SWITCH} {test}{library} && ./self_test"
+    return head_lines(routines, prototypes, writer, use, command)
 
 
 def _prototype(writer: CWriter, routine: Routine) -> Prototype:
     name = writer.names.new(f"{writer.prefix}_{identifier(routine.output.name)}")
     names = Names()
     parameters = tuple(names.new(argument.name) for argument in routine.arguments)
-    return Prototype(name, routine.kind, parameters)
+    return Prototype(name, C_TYPES[routine.kind], parameters)
 
 
 def _includes(routines: Sequence[Routine]) -> list[str]:
@@ -110,18 +103,18 @@ def _includes(routines: Sequence[Routine]) -> list[str]:
 
 def routine_headers(routine: Routine) -> list[str]:
     """Return the standard headers that a routine needs."""
-    return ["stdint.h"] if routine.kind.endswith("_t") else list(getattr(routine, "headers", ()))
+    return ["stdint.h"] if _whole(routine) else list(getattr(routine, "headers", ()))
 
 
-def _definitions(
-    writer: CWriter, routines: Sequence[Routine], prototypes: Sequence[Prototype]
-) -> str:
+def _definitions(writer: CWriter, routines: Sequence[Routine]) -> tuple[list[Prototype], str]:
+    """Return prototypes, and the constants, helpers and functions as text."""
+    prototypes = [_prototype(writer, routine) for routine in routines]
     functions = []
     for routine, prototype in zip(routines, prototypes, strict=True):
         body = routine.body(writer, prototype.parameters)
         lines = [f"    {line}" if line else "" for line in body]
         functions.append("\n".join([f"{writer.storage}{prototype}", "{", *lines, "}", ""]))
-    return "\n".join([*writer.constants, *writer.helpers, *functions])
+    return prototypes, "\n".join([*writer.constants, *writer.helpers, *functions])
 
 
 def _self_test(
@@ -137,8 +130,10 @@ def _self_test(
         count = len(vectors.expected)
         if count == 0:  # no rule fires anywhere
             continue
-        rows = [routine.literal(x) for row in zip(*columns, strict=True) for x in row]
-        lines.append(f"    static const {routine.kind} {array}[{count}][{len(columns)}] = {{")
+        rows = [_literal(routine, x) for row in zip(*columns, strict=True) for x in row]
+        lines.append(
+            f"    static const {C_TYPES[routine.kind]} {array}[{count}][{len(columns)}] = {{"
+        )
         body = number_lines(rows, columns=len(columns), indent="        ")
         if len(body) == count:
             body = [f"        {{{line.strip().removesuffix(',')}}}," for line in body]
@@ -149,10 +144,10 @@ def _self_test(
                 for i in range(0, len(rows), len(columns))
             ]
         lines += [*body, "    };"]
-        wide = "long" if routine.kind.endswith("_t") else routine.kind
+        whole = _whole(routine)
+        wide, cast = ("long", "(long)") if whole else (C_TYPES[routine.kind], "")
         given = ", ".join(f"{array}[k][{i}]" for i in range(len(columns) - 1))
-        cast = "(long)" if wide == "long" else ""
-        tolerance = "0" if wide == "long" else routine.literal(vectors.tolerance)
+        tolerance = "0" if whole else _literal(routine, vectors.tolerance)
         calls += [
             f"    for (k = 0u; k < {count}u; k++) {{",
             f"        const {wide} difference = {cast}{prototype.name}({given})",
@@ -164,3 +159,11 @@ def _self_test(
         ]
     counter = ["    unsigned k;"] if calls else []
     return [*lines, *counter, *calls, "    return 0;", "}", "", "#endif", ""]
+
+
+def _whole(routine: Routine) -> bool:
+    return issubclass(routine.kind, np.integer)
+
+
+def _literal(routine: Routine, value: float) -> str:
+    return "NAN" if math.isnan(value) else c_number(value, routine.kind)

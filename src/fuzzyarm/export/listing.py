@@ -12,9 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from fuzzyarm.export.numbers import C_TYPES, c_number
+from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.export.program import Call, Program
 from fuzzyarm.export.routine import CWriter
 from fuzzyarm.export.samples import SampleSums
@@ -69,18 +67,10 @@ def needs_math_header(nodes: Sequence[Node]) -> bool:
 
 @dataclass(frozen=True)
 class Loop:
-    """Statements that are run for each sample; the sums are set to 0 before.
+    """Statements that are run for each sample; the sums are set to 0 before."""
 
-    Attributes
-    ----------
-    sums : SampleSums
-        Of which program.
-    body : tuple of Statement
-        In terms of the variables of the program.
-    """
-
-    sums: SampleSums
-    body: tuple[Statement, ...]
+    sums: SampleSums  # of which program
+    body: tuple[Statement, ...]  # in terms of the variables of the program
 
 
 class Listing:
@@ -245,7 +235,7 @@ class Listing:
 
     # ── text ─────────────────────────────────────────────────────────────────────────
 
-    def lines(self, writer: CWriter, real: type[np.floating]) -> tuple[list[str], str]:
+    def lines(self, writer: CWriter, real: Kind) -> tuple[list[str], str]:
         """Return the lines of C in a type of number, and the text of the result."""
         language = _language(writer, real)
         for name, (call, argument) in self._calls.items():
@@ -256,7 +246,7 @@ class Listing:
             if isinstance(each, Loop):
                 for name, column in each.sums.columns.items():
                     literals = [language.number(value) for value in column]
-                    array = writer.constant(C_TYPES[real], literals, each.sums.wanted[name])
+                    array = writer.constant(real, literals, each.sums.wanted[name])
                     language.rename[_element(each.sums, name)] = f"{array}[{each.sums.index}]"
         return _lines(self.body, language, C_TYPES[real], set()), language.expression(self.result)
 
@@ -337,7 +327,7 @@ def _function(call: Call, language: Language, real: str) -> str:
     return "\n".join([f"{real} NAME({real} h)", "{", *lines, f"    return {result};", "}", ""])
 
 
-def _language(writer: CWriter, real: type[np.floating]) -> Language:
+def _language(writer: CWriter, real: Kind) -> Language:
     """Return C with the helpers of a file and the literals of its tables."""
     kind = C_TYPES[real]
     basis = c_language(kind)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,41 +18,47 @@ class ExportError(FuzzyarmError, ValueError):
     """A rule base, a table or an option that the target language cannot express."""
 
 
-# --- Single precision: rounding, and numbers as the two languages write them ---
+# --- The types of numbers, and numbers as the two languages write them ---
 
 LARGEST = float(np.finfo(np.float32).max)
+
+Kind = type[Any]
+"""A type of numbers of NumPy: floating point, or whole numbers of some width."""
+
+C_TYPES: dict[Kind, str] = {
+    np.float32: "float",
+    np.float64: "double",
+    np.int8: "int8_t",
+    np.int16: "int16_t",
+    np.int32: "int32_t",
+}
+
+ST_TYPES: dict[Kind, str] = {
+    np.float32: "REAL",
+    np.float64: "LREAL",
+    np.int8: "SINT",
+    np.int16: "INT",
+    np.int32: "DINT",
+}
 
 PRECISIONS = ("mixed", "float32", "float64")
 """mixed: float outside, double where arithmetic is done; the others: one type throughout."""
 
 
-@dataclass(frozen=True, slots=True)
-class Precision:
-    """The floating-point types of a routine.
+class Precision(NamedTuple):
+    """The types of a routine: of arguments and result, of constants, and of the arithmetic."""
 
-    Attributes
-    ----------
-    outside : type
-        Of arguments and result: ``np.float32`` or ``np.float64``.
-    inside : type
-        Of the arithmetic.
-    """
-
-    outside: type[np.floating]
-    inside: type[np.floating]
+    outside: Kind
+    inside: Kind
+    wide: Kind
 
     @property
-    def c_outside(self) -> str:
-        """The type of arguments and result in C."""
-        return C_TYPES[self.outside]
-
-    @property
-    def c_inside(self) -> str:
-        """The type of the arithmetic in C."""
-        return C_TYPES[self.inside]
-
-
-C_TYPES: dict[type[np.floating], str] = {np.float32: "float", np.float64: "double"}
+    def words(self) -> str:
+        """What the head of a file says of the arithmetic."""
+        arithmetic = f"{C_TYPES[self.wide]} arithmetic"
+        if self.outside is self.wide:
+            return arithmetic
+        return f"{arithmetic}, the result rounded to {C_TYPES[self.outside]}"
 
 
 def precision_named(name: str, *, arithmetic: bool) -> Precision:
@@ -61,19 +67,11 @@ def precision_named(name: str, *, arithmetic: bool) -> Precision:
         raise ExportError(f"no precision '{name}'", hint=f"there are {', '.join(PRECISIONS)}")
     outside = np.float64 if name == "float64" else np.float32
     inside = np.float64 if name == "float64" or (name == "mixed" and arithmetic) else np.float32
-    return Precision(outside, inside)
+    return Precision(outside, inside, inside)
 
 
-def rounded(
-    values: Iterable[float] | NDArray[np.float64], kind: type[np.floating], what: str
-) -> NDArray[np.floating]:
-    """Return `values` as numbers of `kind`.
-
-    Raises
-    ------
-    ExportError
-        If one is too large for single precision.
-    """
+def rounded(values: Iterable[float] | NDArray[np.float64], kind: Kind, what: str) -> NDArray[Any]:
+    """Return `values` as numbers of `kind`; refuse what is too large for single precision."""
     array = np.asarray(values, dtype=np.float64)
     if kind is np.float32 and array.size and not np.abs(array).max() <= LARGEST:
         raise ExportError(
@@ -84,9 +82,7 @@ def rounded(
     return array.astype(kind)
 
 
-def rounded_down(
-    values: Sequence[float], kind: type[np.floating], what: str
-) -> NDArray[np.floating]:
+def rounded_down(values: Sequence[float], kind: Kind, what: str) -> NDArray[Any]:
     """Return the greatest numbers of `kind` that do not exceed `values`.
 
     For an x of that kind, x is greater than the result exactly where it is greater than the
@@ -97,20 +93,23 @@ def rounded_down(
     return np.where(too_large, np.nextafter(near, kind(-math.inf)), near)
 
 
-def c_number(value: float | np.floating, kind: type[np.floating]) -> str:
+def c_number(value: float, kind: Kind) -> str:
     """Return the shortest literal that C reads as exactly this number."""
-    if kind is np.float32:
-        return f"{_decimal(str(np.float32(value)))}f"
-    return _decimal(repr(float(value)))
+    return f"{_decimal(value, kind)}f" if kind is np.float32 else _decimal(value, kind)
 
 
-def st_number(value: float | np.floating, kind: type[np.floating]) -> str:
-    """Return the shortest real literal of Structured Text: digits on both sides of the point."""
-    text = str(np.float32(value)) if kind is np.float32 else repr(float(value))
-    mantissa, mark, exponent = _decimal(text).partition("e")
+def st_number(value: float, kind: Kind) -> str:
+    """Return the shortest literal of Structured Text: a real has digits on both sides."""
+    text = _decimal(value, kind)
+    if not issubclass(kind, np.floating):
+        return text
+    mantissa, mark, exponent = text.partition("e")
     mantissa = mantissa if "." in mantissa else f"{mantissa}.0"
     return f"{mantissa}{mark.upper()}{exponent}"
 
 
-def _decimal(text: str) -> str:
+def _decimal(value: float, kind: Kind) -> str:
+    if not issubclass(kind, np.floating):
+        return str(int(value))
+    text = str(np.float32(value)) if kind is np.float32 else repr(float(value))
     return text if "." in text or "e" in text else f"{text}.0"

@@ -70,48 +70,25 @@ _LONGEST = 16
 
 @dataclass(frozen=True, eq=False)
 class Call:
-    """A part of a program that C computes by a function of its own.
+    """A part of a program that C computes by a function of its own."""
 
-    Attributes
-    ----------
-    wanted : str
-        The name of the function, if it is free.
-    body : Node
-        What it computes, of the symbol ``h``.
-    argument : Node
-        What stands for ``h``.
-    """
-
-    wanted: str
-    body: Node
-    argument: Node
+    wanted: str  # the name of the function, if it is free
+    body: Node  # what it computes, of the symbol ``h``
+    argument: Node  # what stands for ``h``
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """The arithmetic of one output.
+    """The arithmetic of one output."""
 
-    Attributes
-    ----------
-    given : tuple of str
-        The symbols that stand for the arguments.
-    result : Node
-        The output, of these symbols and of the sums over samples.
-    variables : tuple of Assign or SampleSums
-        The parts of `result` that stand in variables, in order. A name that comes again
-        belongs to a part that grows out of the one before: a sum, a greatest value. It is
-        read as a variable after its last mention, which need not add anything.
-    calls : mapping of Node to Call
-        The parts that are calls of functions.
-    holds : bool
-        Whether the last argument is the value to hold where no rule fires.
-    """
-
-    given: tuple[str, ...]
-    result: Node
+    given: tuple[str, ...]  # the symbols that stand for the arguments
+    result: Node  # the output, of these symbols and of the sums over samples
+    # The parts of `result` that stand in variables, in order. A name that comes again belongs to
+    # a part that grows out of the one before: a sum, a greatest value. It is read as a variable
+    # after its last mention, which need not add anything.
     variables: tuple[Assign | SampleSums, ...]
-    calls: Mapping[Node, Call]
-    holds: bool
+    calls: Mapping[Node, Call]  # the parts that are calls of functions
+    holds: bool  # whether the last argument is the value to hold where no rule fires
 
     @property
     def sums(self) -> tuple[SampleSums, ...]:
@@ -126,15 +103,7 @@ class Program:
         return tuple(postorder(*roots, *steps, self.result))
 
     def over_arrays(self, values: Mapping[str, Any], real: type) -> Any:
-        """Return the output, every operation rounded to `real`.
-
-        Parameters
-        ----------
-        values : mapping of str to ndarray
-            The arguments by :attr:`given`, of type `real`; they broadcast.
-        real : type
-            ``numpy.float32`` or ``numpy.float64``.
-        """
+        """Return the output at arguments by :attr:`given`, every operation rounded to `real`."""
         known = dict(values)
         for sums in self.sums:
             known |= sums.over_arrays(known, real)
@@ -146,21 +115,9 @@ class Program:
 
 
 def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:
-    """Write down one output of a rule base.
+    """Write down one output of a rule base; an ExportError names what cannot be exported.
 
-    Parameters
-    ----------
-    rulebase : RuleBase
-        The model.
-    output : str
-        Which output.
-    parameters : sequence of str
-        Names of the inputs in the target language, which no variable may have.
-
-    Raises
-    ------
-    ExportError
-        If something of it cannot be exported; the message names it.
+    No variable takes one of `parameters`, the names of the inputs in the target language.
     """
     return _Builder(rulebase, output, parameters).build()
 

@@ -11,9 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.export.names import Names
+from fuzzyarm.export.numbers import C_TYPES, Kind
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.version import __version__
 
@@ -22,40 +24,29 @@ from fuzzyarm.version import __version__
 WIDTH = 96
 """Longest line of a list of numbers."""
 
-SIZES = {"float": 4, "double": 8, "int16_t": 2, "int8_t": 1}
-"""Bytes of the types that constants have."""
-
 
 @dataclass
 class CWriter:
-    """Collects the parts of a file; equal constants and helpers are written once.
+    """Collects the parts of a file; equal constants and helpers are written once."""
 
-    Attributes
-    ----------
-    prefix : str
-        Begins every name that the file defines.
-    storage : str
-        ``static inline`` for a header on its own, empty for a ``.c`` file.
-    """
-
-    prefix: str
-    storage: str = ""
+    prefix: str  # begins every name that the file defines
+    storage: str = ""  # ``static inline`` for a header on its own, empty for a ``.c`` file
     names: Names = field(default_factory=Names)
     constants: list[str] = field(default_factory=list)
     helpers: list[str] = field(default_factory=list)
     flash: int = 0
     _known: dict[object, str] = field(default_factory=dict)
 
-    def constant(self, kind: str, literals: Sequence[str], wanted: str, columns: int = 0) -> str:
+    def constant(self, kind: Kind, literals: Sequence[str], wanted: str, columns: int = 0) -> str:
         """Return the name of a constant array with these literals; equal ones are shared."""
         key = ("constant", kind, tuple(literals))
         if key not in self._known:
             name = self.names.new(f"{self.prefix}_{wanted}")
             self._known[key] = name
-            self.flash += SIZES[kind] * len(literals)
+            self.flash += np.dtype(kind).itemsize * len(literals)
             body = "\n".join(number_lines(literals, columns))
             self.constants.append(
-                f"static const {kind} {name}[{len(literals)}] = {{\n{body}\n}};\n"
+                f"static const {C_TYPES[kind]} {name}[{len(literals)}] = {{\n{body}\n}};\n"
             )
         return self._known[key]
 
@@ -108,18 +99,10 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """What one call takes at most.
+    """What one call takes at most."""
 
-    Attributes
-    ----------
-    operations : tuple of (str, int)
-        Kind of operation and how many.
-    stack : int
-        Bytes of local variables, without what the compiler adds.
-    """
-
-    operations: tuple[tuple[str, int], ...]
-    stack: int
+    operations: tuple[tuple[str, int], ...]  # kind of operation and how many
+    stack: int  # bytes of local variables, without what the compiler adds
 
     def in_words(self) -> str:
         """Return the operations as text."""
@@ -133,21 +116,11 @@ class Cost:
 
 @dataclass(frozen=True, slots=True)
 class Accuracy:
-    """The difference between a routine and its model in double precision.
+    """The difference between a routine and its model in double precision."""
 
-    Attributes
-    ----------
-    worst : float
-        Largest absolute difference, in units of the output.
-    points : int
-        How many points were compared.
-    against : str
-        What the model is.
-    """
-
-    worst: float
-    points: int
-    against: str
+    worst: float  # largest absolute difference, in units of the output
+    points: int  # how many were compared
+    against: str  # what the model is
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,14 +144,11 @@ class Routine(Protocol):
         """The arguments, in order."""
 
     @property
-    def kind(self) -> str:
-        """The C type of arguments and result."""
+    def kind(self) -> Kind:
+        """The type of arguments and result."""
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
         """Return what the function returns, bit for bit."""
-
-    def literal(self, value: Any) -> str:
-        """Return an argument or a result as a C literal."""
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function, without indentation."""
@@ -192,8 +162,9 @@ class Routine(Protocol):
     def provenance(self) -> Sequence[tuple[str, str]]:
         """Return where it comes from, as pairs of key and text."""
 
+    @property
     def accuracy(self) -> Accuracy:
-        """Compare with the model in double precision over a dense grid."""
+        """The difference to the model in double precision over a dense grid."""
 
     def vectors(self) -> Vectors:
         """Return points for the self-test."""
@@ -234,7 +205,7 @@ def _library_words(routines: Sequence[Routine]) -> str:
 
 def routine_words(routine: Routine) -> list[str]:
     """Return what is said of one routine: arguments, remarks, error, cost, origin."""
-    cost, accuracy = routine.cost(), routine.accuracy()
+    cost, accuracy = routine.cost(), routine.accuracy
     lines = [_argument(argument) for argument in routine.arguments]
     lines.append(f"result {_argument(routine.output)}")
     lines += routine.remarks()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.export.listing import Listing, needs_math_header, uses_functions
 from fuzzyarm.export.names import Names
-from fuzzyarm.export.numbers import Precision, c_number, precision_named, rounded
+from fuzzyarm.export.numbers import C_TYPES, Kind, Precision, precision_named, rounded
 from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.kinds import SHAPES
@@ -27,6 +27,7 @@ from fuzzyarm.table.compiler import choose_output
 from fuzzyarm.version import __version__
 
 _DENSE_POINTS = 60_000
+_DENSE_SAMPLES = 120_000_000
 _MOST_POINTS = 6_000_000
 _VECTORS = 48
 
@@ -90,19 +91,13 @@ class DirectRoutine:
         return found
 
     @property
-    def kind(self) -> str:
-        """The C type of arguments and result."""
-        return self.precision.c_outside
+    def kind(self) -> Kind:
+        """The type of arguments and result."""
+        return self.precision.outside
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
-        """Return what the function returns, bit for bit.
-
-        Parameters
-        ----------
-        *inputs : array_like
-            The arguments in order, rounded to the outer type first.
-        """
-        outside, inside = self.precision.outside, self.precision.inside
+        """Return what the function returns at arguments in order, bit for bit."""
+        outside, inside, _ = self.precision
         with np.errstate(over="ignore"):
             arrays = [np.atleast_1d(np.asarray(x, dtype=outside)) for x in inputs]
         shape = np.broadcast_shapes(*(array.shape for array in arrays))
@@ -111,8 +106,7 @@ class DirectRoutine:
             array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in arrays
         ]
         result = np.empty(shape, outside)
-        samples = max((sums.count for sums in self.program.sums), default=1)
-        most = min(_AT_ONCE, 64 * _AT_ONCE // samples)
+        most = min(_AT_ONCE, 64 * _AT_ONCE // self._samples)
         step = max(1, most // max(1, math.prod(shape[1:])))
         for start in range(0, shape[0], step):
             stretch = slice(start, start + step)
@@ -124,13 +118,13 @@ class DirectRoutine:
                 result[stretch] = self.program.over_arrays(values, inside)
         return result.reshape(np.broadcast_shapes(*(np.shape(x) for x in inputs)))
 
-    def literal(self, value: Any) -> str:
-        """Return an argument or a result as a C literal."""
-        return "NAN" if math.isnan(value) else c_number(value, self.precision.outside)
+    @property
+    def _samples(self) -> int:
+        return max((sums.count for sums in self.program.sums), default=1)
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
-        inner, outer = self.precision.c_inside, self.precision.c_outside
+        outer, inner, _ = (C_TYPES[kind] for kind in self.precision)
         cast, back = (f"({inner})", f"({outer})") if inner != outer else ("", "")
         lines = []
         for given, parameter in zip(self.program.given, parameters, strict=True):
@@ -163,19 +157,13 @@ class DirectRoutine:
             f"and {b.conjunction}, or {b.disjunction}, implication {b.implication}"
             for b in self.rulebase.blocks
         )
-        inside, outside = self.precision.c_inside, self.precision.c_outside
-        arithmetic = (
-            f"{inside} arithmetic"
-            if inside == outside
-            else f"{inside} arithmetic, the result rounded to {outside}"
-        )
         return [
             f"direct inference of {len(self.rulebase.rules)} rules: {blocks},"
             f" aggregation {output.aggregation}, {output.defuzzifier}",
             *(_border_words(variable) for variable in self.rulebase.inputs),
             "an input that is not a number (NaN) counts as the lower border",
             f"the result is {silent}",
-            arithmetic,
+            self.precision.words,
         ]
 
     def provenance(self) -> Sequence[tuple[str, str]]:
@@ -188,13 +176,9 @@ class DirectRoutine:
         pairs.append(("sha256", hashlib.sha256(write(self.rulebase).encode()).hexdigest()))
         return [*pairs, ("engine", f"fuzzyarm {__version__}")]
 
-    def accuracy(self) -> Accuracy:
-        """Return :attr:`measured`, as all routines do."""
-        return self.measured
-
     @cached_property
-    def measured(self) -> Accuracy:
-        """Compare with the inference in double precision over a dense grid."""
+    def accuracy(self) -> Accuracy:
+        """The difference to the inference in double precision over a dense grid."""
         axes = self._grid()
         if math.prod(axis.size for axis in axes) <= _MOST_POINTS:
             points = list(np.ix_(*axes))
@@ -234,7 +218,8 @@ class DirectRoutine:
 
     def _grid(self) -> list[NDArray[Any]]:
         inputs = self.rulebase.inputs
-        count = max(3, round(_DENSE_POINTS ** (1.0 / len(inputs))))
+        points = min(_DENSE_POINTS, _DENSE_SAMPLES // self._samples)
+        count = max(3, round(points ** (1.0 / len(inputs))))
         return [self._axis_points(variable, count) for variable in inputs]
 
     def _axis_points(self, variable: Input, count: int) -> NDArray[Any]:
@@ -280,24 +265,7 @@ def direct_routine(
     precision: str = "mixed",
     source: str | Path | None = None,
 ) -> DirectRoutine:
-    """Prepare the direct inference of one output for export.
-
-    Parameters
-    ----------
-    rulebase : RuleBase
-        Exact centroid of straight sets, or weighted average or sum.
-    output : str, optional
-        Which output; may be left out if there is only one.
-    precision : str
-        ``mixed``: float arguments and result, double between; ``float32``; ``float64``.
-    source : str or Path, optional
-        The file of the rule base, for the head.
-
-    Raises
-    ------
-    ExportError
-        If something of the rule base cannot be exported; the message names it.
-    """
+    """Prepare the direct inference of one output; an ExportError names what cannot be exported."""
     target = choose_output(rulebase, output)
     names = Names()
     arguments = [variable.name for variable in rulebase.inputs]

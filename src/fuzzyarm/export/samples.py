@@ -26,29 +26,20 @@ class SampleSums:
 
     At each sample the aggregate is built up step by step; ``area`` is the sum of what it
     then is, ``moment`` the sum of its products with the positions.
-
-    Attributes
-    ----------
-    area, moment, height, index : str
-        Names of the two sums, of the aggregate at a sample, and of the number of a sample.
-        The program reads the sums as symbols.
-    columns : mapping of str to tuple of float
-        Numbers for each sample, by the symbol that stands for the one at hand.
-    parts : mapping of str to Node
-        Parts of the program, by the symbol that stands for one in `steps`.
-    wanted : mapping of str to str
-        What the arrays of the columns are to be called.
-    steps : tuple of Assign
-        Set `height` again and again, of itself, of columns and of parts.
     """
 
+    # Names of the two sums, of the aggregate at a sample, and of the number of a sample. The
+    # program reads the sums as symbols.
     area: str
     moment: str
     height: str
     index: str
+    # Numbers for each sample, by the symbol that stands for the one at hand.
     columns: Mapping[str, tuple[float, ...]]
-    wanted: Mapping[str, str]
+    wanted: Mapping[str, str]  # what the arrays of the columns are to be called
+    # Parts of the program, by the symbol that stands for one in `steps`.
     parts: Mapping[str, Node]
+    # Set `height` again and again, of itself, of columns and of parts.
     steps: tuple[Assign, ...]
 
     @property
@@ -94,17 +85,10 @@ class SampleSums:
 def sample_sums(
     output: OutputPlan, fired: Sequence[tuple[int, Node, str]], names: Names
 ) -> SampleSums:
-    """Return the sums of an output.
+    """Return the sums of an output whose defuzzifier is the centroid over samples.
 
-    Parameters
-    ----------
-    output : OutputPlan
-        Its defuzzifier is the centroid over samples.
-    fired : sequence of (int, Node, str)
-        A member, the strength at which it is cut, and a remark, in the order in which the
-        sets are aggregated.
-    names : Names
-        Gives out the names of variables.
+    `fired` has a member, the strength at which it is cut, and a remark, in the order in which
+    the sets are aggregated.
     """
     model, way = output.output, output.output.defuzzifier
     assert way.resolution is not None

@@ -73,13 +73,7 @@ Corner = tuple[float, float]
 
 
 def degree_of(term: Term, variable: str, x: Node) -> Node:
-    """Return the degree of `x` in a term of an input, or of an output that rules read.
-
-    Raises
-    ------
-    ExportError
-        If a shape has too many corners, or a formula is not one of `x` alone.
-    """
+    """Return the degree of `x` in a term of an input, or of an output that rules read."""
     shape = term.shape
     if shape.kind == "formula":
         return times(_formula_of_x(term, variable, x), shape.height)
@@ -231,13 +225,7 @@ def scaled(plan: OutputPlan, member: int, height: Node) -> Part:
 
 
 def scaled_union(plan: OutputPlan, heights: Heights, fresh: Fresh) -> Iterator[tuple[int, Part]]:
-    """Yield (sign, part) of the union of sets scaled by `heights`.
-
-    Raises
-    ------
-    ExportError
-        If more than two sets overlap anywhere.
-    """
+    """Yield (sign, part) of the union of sets scaled by `heights`; at most two may overlap."""
     for member, height in heights.items():
         yield 1, scaled(plan, member, height)
     edges = sorted({x for m in heights for p in plan.members[m].pieces for x in (p.x0, p.x1)})

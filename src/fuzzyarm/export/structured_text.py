@@ -8,35 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.numbers import ExportError, st_number
+from fuzzyarm.export.numbers import ST_TYPES, ExportError, st_number
 from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
 from fuzzyarm.export.table import Side, TableCode, TableRoutine
-from fuzzyarm.export.table_numbers import FixedTable
 from fuzzyarm.expression.printing import STRUCTURED_TEXT
 from fuzzyarm.version import __version__
 
-_FLOATS: dict[type[np.floating], str] = {np.float32: "REAL", np.float64: "LREAL"}
-_WHOLES = {15: "INT", 7: "SINT"}
-
 
 def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
-    """Return a file with a function block for every routine, and the names of the blocks.
-
-    Parameters
-    ----------
-    routines : sequence of Routine
-        Tables.
-    prefix : str
-        Begins the names of the blocks.
-
-    Raises
-    ------
-    ExportError
-        If a routine is not a table.
-    """
+    """Return a file with a function block for every table, and the names of the blocks."""
     names = Names("st")
     blocks, called = [], []
     for routine in routines:
@@ -55,6 +36,8 @@ class _Block(TableCode):
     """A function block: its variables are declared apart from the statements."""
 
     language = STRUCTURED_TEXT
+    types = ST_TYPES
+    number = staticmethod(st_number)
 
     def __init__(self, routine: TableRoutine, name: str) -> None:
         self.routine = routine
@@ -64,12 +47,6 @@ class _Block(TableCode):
         self.inputs = [self.names.new(axis.name) for axis in table.axes]
         self.output = self.names.new(table.output)
         super().__init__(core, self.inputs)
-        if isinstance(core, FixedTable):
-            self.outer = self.inner = _WHOLES[core.bits]
-            self.wide = "DINT"
-        else:
-            self.outer = _FLOATS[core.precision.outside]
-            self.inner = self.wide = _FLOATS[core.precision.inside]
         self.constants: list[str] = []
         self.variables: list[tuple[str, str]] = []
         self.index = "INT" if core.values.size <= 0x7FFF else "DINT"
@@ -111,11 +88,6 @@ class _Block(TableCode):
         self.variables.append((name, kind))
         return name
 
-    def literal(self, value: float | int) -> str:
-        if isinstance(self.core, FixedTable):
-            return str(int(value))
-        return st_number(value, self.core.precision.inside)
-
     def _array(self, wanted: str, literals: Sequence[str], columns: int = 0) -> str:
         name = self.names.new(wanted)
         lines = number_lines(literals, columns, indent="        ")
@@ -124,7 +96,7 @@ class _Block(TableCode):
         return name
 
     def _values(self) -> str:
-        literals = [self.literal(x) for x in self.core.values.tolist()]
+        literals = self.literals(self.core.values)
         return self._array(f"{self.output}_values", literals, self.core.table.shape[-1])
 
     def _widened(self, expression: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.numbers import c_number
+from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable, Scale
 from fuzzyarm.expression.nodes import symbol
@@ -29,43 +29,26 @@ Core = FloatTable | FixedTable
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """An input that matters: one with more than one level.
+    """An input that matters: one with more than one level."""
 
-    Attributes
-    ----------
-    axis : int
-        Its number among the inputs.
-    name : str
-        Of the parameter.
-    size : int
-        Levels.
-    stride : int
-        Cells from one of its indices to the next.
-    """
-
-    axis: int
-    name: str
-    size: int
-    stride: int
+    axis: int  # its number among the inputs
+    name: str  # of the parameter
+    size: int  # levels
+    stride: int  # cells from one of its indices to the next
 
 
 class TableCode:
-    """The parts of a look-up as text; one subclass for each language.
-
-    Attributes
-    ----------
-    outer, inner, wide : str
-        Types of arguments and result, of constants, and of what is computed.
-    """
+    """The parts of a look-up as text; one subclass for each language."""
 
     language: Language
-    outer: str
-    inner: str
-    wide: str
+    types: dict[Kind, str]
+    number: Callable[[float, Kind], str]
+    """The literal of a number of a type."""
 
     def __init__(self, core: Core, parameters: Sequence[str]) -> None:
         self.core = core
         self.fixed = isinstance(core, FixedTable)
+        self.outer, self.inner, self.wide = (self.types[kind] for kind in core.precision)
         shape = core.table.shape
         self.sides = [
             Side(axis, name, size, stride)
@@ -76,13 +59,13 @@ class TableCode:
         ]
         self.offsets = corner_offsets(shape)
 
-    def literal(self, value: float | int) -> str:
-        """Return a constant."""
-        raise NotImplementedError
+    def literals(self, numbers: NDArray[Any]) -> list[str]:
+        """Return some constants."""
+        return [self.number(x, self.core.precision.inside) for x in numbers.tolist()]
 
     def points(self, side: Side) -> list[str]:
         """Return the thresholds of an input, or its levels where it is interpolated."""
-        return [self.literal(x) for x in self.core.points[side.axis].tolist()]
+        return self.literals(self.core.points[side.axis])
 
     def share(self, x: str, lower: str, upper: str) -> str:
         """Return the share of the way in floating point."""
@@ -158,31 +141,18 @@ _BLEND_FIXED = """int32_t NAME(int32_t near, int32_t far, int32_t share)
 """
 
 
-def c_type(core: Core) -> str:
-    """Return the C type of arguments and result."""
-    if isinstance(core, FixedTable):
-        return f"int{core.bits + 1}_t"
-    return core.precision.c_outside
-
-
 class _CTable(TableCode):
+    types = C_TYPES
+    number = staticmethod(c_number)
+
     def __init__(self, core: Core, writer: CWriter, parameters: Sequence[str]) -> None:
         super().__init__(core, parameters)
         self.writer = writer
         self.parameters = parameters
-        self.outer = self.inner = c_type(core)
-        self.wide = "int32_t"
-        if isinstance(core, FloatTable):
-            self.inner = self.wide = core.precision.c_inside
         self.language = c_language(self.inner)
         # The type that holds every index, and the suffix of its literals.
         small = core.values.size <= 0xFFFF
         self.index, self.u = ("unsigned", "u") if small else ("unsigned long", "ul")
-
-    def literal(self, value: float | int) -> str:
-        if isinstance(self.core, FixedTable):
-            return str(int(value))
-        return c_number(value, self.core.precision.inside)
 
     def body(self) -> list[str]:
         """Return the statements of the function."""
@@ -192,13 +162,13 @@ class _CTable(TableCode):
 
     def _constant(self, side: Side, what: str) -> str:
         name = f"{identifier(self.core.table.axes[side.axis].name)}_{what}"
-        return self.writer.constant(self.inner, self.points(side), name)
+        return self.writer.constant(self.core.precision.inside, self.points(side), name)
 
     def _values(self) -> str:
         table = self.core.table
-        literals = [self.literal(x) for x in self.core.values.tolist()]
-        name = f"{identifier(table.output)}_values"
-        return self.writer.constant(self.inner, literals, name, columns=table.shape[-1])
+        name, literals = f"{identifier(table.output)}_values", self.literals(self.core.values)
+        kind = self.core.precision.inside
+        return self.writer.constant(kind, literals, name, columns=table.shape[-1])
 
     def _pick(self) -> list[str]:
         index = ""
@@ -278,7 +248,7 @@ def bytes_of_locals(core: Core) -> int:
     axes: int = sum(size > 1 for size in core.table.shape)
     if not core.linear:
         return 12 + 4 * axes
-    wide = 4 if isinstance(core, FixedTable) else int(np.dtype(core.precision.inside).itemsize)
+    wide = np.dtype(core.precision.wide).itemsize
     return axes * (4 + 2 * wide) + (1 << axes) * wide + 16
 
 
@@ -291,13 +261,7 @@ _MOST_POINTS = 3_000_000
 
 @dataclass(frozen=True, eq=False)
 class TableRoutine:
-    """A table with the arithmetic it is exported in.
-
-    Attributes
-    ----------
-    core : FloatTable or FixedTable
-        The arithmetic.
-    """
+    """A table with the arithmetic it is exported in."""
 
     core: Core
 
@@ -307,36 +271,25 @@ class TableRoutine:
         table = self.core.table
         low = float(table.values.min()) if table.low is None else table.low
         high = float(table.values.max()) if table.high is None else table.high
-        scale = self.core.output if isinstance(self.core, FixedTable) else None
-        return Argument(table.output, low, high, table.description, _scaling(scale))
+        scaling = _scaling(self.core.scales[-1])
+        return Argument(table.output, low, high, table.description, scaling)
 
     @property
     def arguments(self) -> Sequence[Argument]:
         """The arguments, in order."""
-        scales: Sequence[Scale | None] = (
-            self.core.inputs
-            if isinstance(self.core, FixedTable)
-            else [None] * len(self.core.table.axes)
-        )
         return [
             Argument(axis.name, axis.low, axis.high, axis.description, _scaling(scale))
-            for axis, scale in zip(self.core.table.axes, scales, strict=True)
+            for axis, scale in zip(self.core.table.axes, self.core.scales[:-1], strict=True)
         ]
 
     @property
-    def kind(self) -> str:
-        """The C type of arguments and result."""
-        return c_type(self.core)
+    def kind(self) -> Kind:
+        """The type of arguments and result."""
+        return self.core.precision.outside
 
     def evaluate(self, *inputs: Any) -> NDArray[Any]:
         """Return what the function returns, bit for bit."""
         return self.core.evaluate(*inputs)
-
-    def literal(self, value: Any) -> str:
-        """Return an argument or a result as a C literal."""
-        if isinstance(self.core, FixedTable):
-            return str(int(value))
-        return c_number(value, self.core.precision.outside)
 
     def body(self, writer: CWriter, parameters: Sequence[str]) -> list[str]:
         """Return the statements of the function."""
@@ -376,85 +329,36 @@ class TableRoutine:
             if core.linear
             else "inputs beyond the outer cells take the value of the outer cell (saturation)"
         )
-        if isinstance(core, FixedTable):
-            lines.append(
-                f"q{core.bits}: whole numbers of {core.bits + 1} bits, 32-bit arithmetic, no"
-                " floating point; scale an input to the nearest whole number and saturate it to"
-                f" {core.output.low} .. {core.output.high}"
-            )
-        else:
-            lines.append("an input that is not a number (NaN) counts as the lower border")
-            lines.append(_arithmetic_words(core))
-        return lines
+        return lines + core.remarks()
 
     def provenance(self) -> Sequence[tuple[str, str]]:
         """Return where the table comes from."""
         return self.core.table.provenance
 
-    def accuracy(self) -> Accuracy:
-        """Return :attr:`measured`, as all routines do."""
-        return self.measured
-
     @cached_property
-    def measured(self) -> Accuracy:
-        """Compare with the table in double precision over a dense grid."""
+    def accuracy(self) -> Accuracy:
+        """The difference to the table in double precision over a dense grid."""
         worst, points = 0.0, 0
-        table = self.core.table
         for part in _slabs(self._grid()):
             mesh = np.ix_(*part)
-            result = self.evaluate(*mesh)
-            truth = self._truth(mesh)
-            if isinstance(self.core, FixedTable):
-                result = self.core.output.quantity(result)
-            worst = max(worst, float(np.abs(result.astype(np.float64) - truth).max()))
+            result = self.core.quantity(self.evaluate(*mesh))
+            worst = max(worst, float(np.abs(result - self.core.truth(mesh)).max()))
             points += result.size
-        return Accuracy(worst, points, f"the table of {table.output} in double precision")
-
-    def _truth(self, mesh: Sequence[NDArray[Any]]) -> NDArray[np.float64]:
-        core = self.core
-        if isinstance(core, FloatTable):
-            given = [x.astype(np.float64) for x in mesh]
-            return np.asarray(core.table.lookup(*given, mode=core.mode))
-        if core.linear:
-            given = [scale.quantity(x) for scale, x in zip(core.inputs, mesh, strict=True)]
-            return np.asarray(core.table.lookup(*given, mode="linear"))
-        # The thresholds are whole numbers by exact arithmetic: the cell is right, and only the
-        # value is rounded.
-        cells = replace(core, values=np.arange(core.values.size)).evaluate(*mesh)
-        return np.asarray(core.table.values.ravel()[cells])
+        return Accuracy(worst, points, f"the table of {self.core.table.output} in double precision")
 
     def _grid(self) -> list[NDArray[Any]]:
-        grid = [self._axis_points(k, dense) for k, dense in enumerate(self._dense())]
+        dense = dense_points(self.core.table.axes)
+        grid = [self.core.inputs_near(k, points) for k, points in enumerate(dense)]
         if math.prod(x.size for x in grid) > _MOST_POINTS:
             most = max(3, int(_MOST_POINTS ** (1.0 / len(grid))))
             grid = [x[:: -(-x.size // most)] for x in grid]
         return grid
 
-    def _dense(self) -> list[NDArray[np.float64]]:
-        return dense_points(self.core.table.axes)
-
-    def _axis_points(self, k: int, dense: NDArray[np.float64]) -> NDArray[Any]:
-        """Return dense points, edges with their neighbours and points outside, as arguments."""
-        axis, edges = self.core.table.axes[k], self.core.points[k]
-        if isinstance(self.core, FixedTable):
-            scale = self.core.inputs[k]
-            whole = [scale.nearest(x) for x in dense.tolist()]
-            near = [edges - 1, edges, edges + 1, np.array([scale.low, scale.high, *whole])]
-            return np.unique(np.clip(np.concatenate(near), scale.low, scale.high))
-        outside = self.core.precision.outside
-        close = np.concatenate([edges.astype(outside), np.array(axis.levels, dtype=outside)])
-        around = [np.nextafter(close, outside(way)) for way in (-np.inf, np.inf)]
-        width = axis.levels[-1] - axis.levels[0] or 1.0
-        beyond = np.array([axis.levels[0] - width, axis.levels[-1] + width])
-        with np.errstate(over="ignore"):
-            points = np.concatenate([dense.astype(outside), close, *around, beyond.astype(outside)])
-        return np.unique(points[np.isfinite(points)])
-
     def vectors(self) -> Vectors:
         """Return corners, edges with their neighbours and points between, mixed over the axes."""
         inputs = []
         for k in range(len(self.core.table.axes)):
-            points = self._axis_points(k, np.array(self.core.table.axes[k].levels))
+            points = self.core.inputs_near(k, np.array(self.core.table.axes[k].levels))
             # Strides without a common factor combine every kind of point with every other.
             stride = (1, 7, 11, 13, 17, 19, 23, 29)[k % 8]
             inputs.append(points[(np.arange(_VECTORS) * stride + k) * 5 % points.size])
@@ -471,18 +375,6 @@ _MODE_WORDS = {
     "nearest": "the nearest level; a tie goes to the lower one",
     "linear": "interpolation between the neighbouring levels of every input",
 }
-
-
-def _arithmetic_words(core: FloatTable) -> str:
-    inside, outside = core.precision.c_inside, core.precision.c_outside
-    if not core.linear:
-        return (
-            f"{outside} comparisons; thresholds are rounded so that the cell is the one that double"
-            " precision finds for the same number"
-        )
-    if inside == outside:
-        return f"{inside} arithmetic"
-    return f"double arithmetic, the result rounded to {outside}"
 
 
 def _scaling(scale: Scale | None) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -12,7 +12,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.export.numbers import ExportError, Precision, precision_named, rounded, rounded_down
+from fuzzyarm.export.numbers import (
+    C_TYPES,
+    ExportError,
+    Precision,
+    precision_named,
+    rounded,
+    rounded_down,
+)
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.axis import mode_named
 from fuzzyarm.table.lookup import OVER_ARRAYS, Arithmetic, Grid
@@ -39,6 +46,8 @@ class NumberTable:
         decides as one in double precision does; with ``linear`` the levels.
     values : ndarray
         Flat, the last axis fastest.
+    precision : Precision
+        The types of numbers.
     """
 
     arithmetic: ClassVar[Arithmetic] = OVER_ARRAYS
@@ -46,6 +55,7 @@ class NumberTable:
     mode: str
     points: tuple[NDArray[Any], ...]
     values: NDArray[Any]
+    precision: Precision
 
     @property
     def linear(self) -> bool:
@@ -61,17 +71,8 @@ class NumberTable:
 # --- A lookup table in floating point ---
 
 
-@dataclass(frozen=True, eq=False)
 class FloatTable(NumberTable):
-    """A table whose inputs, cells and result are floating-point numbers.
-
-    Attributes
-    ----------
-    precision : Precision
-        Types outside and inside.
-    """
-
-    precision: Precision
+    """A table whose inputs, cells and result are floating-point numbers."""
 
     def evaluate(self, *inputs: Any) -> Reals:
         """Return what the exported function returns, bit for bit, in the outer type.
@@ -79,33 +80,52 @@ class FloatTable(NumberTable):
         The inputs, in the order of the axes, are rounded to that type first. NaN counts as the
         lower border of its axis.
         """
-        outside, inside = self.precision.outside, self.precision.inside
+        outside, inside, _ = self.precision
         with np.errstate(over="ignore"):
             given = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
         columns = [np.where(np.isnan(x), outside(-math.inf), x).astype(inside) for x in given]
         return self._look_up(columns).astype(outside)
 
+    @property
+    def scales(self) -> list[Scale | None]:
+        """Of the inputs and the output: none."""
+        return [None] * (len(self.table.axes) + 1)
+
+    def remarks(self) -> list[str]:
+        """Return what the head of the file says of the numbers."""
+        words = self.precision.words
+        if not self.linear:
+            words = (
+                f"{C_TYPES[self.precision.outside]} comparisons; thresholds are rounded so that"
+                " the cell is the one that double precision finds for the same number"
+            )
+        return ["an input that is not a number (NaN) counts as the lower border", words]
+
+    def truth(self, mesh: Sequence[NDArray[Any]]) -> NDArray[np.float64]:
+        """Return the table in double precision at some inputs."""
+        given = [x.astype(np.float64) for x in mesh]
+        return np.asarray(self.table.lookup(*given, mode=self.mode))
+
+    def quantity(self, result: Reals) -> NDArray[np.float64]:
+        """Return what results stand for."""
+        return result.astype(np.float64)
+
+    def inputs_near(self, k: int, dense: NDArray[np.float64]) -> Reals:
+        """Return dense points of an axis, edges with their neighbours and points outside."""
+        levels, outside = self.table.axes[k].levels, self.precision.outside
+        close = np.concatenate([self.points[k].astype(outside), np.array(levels, dtype=outside)])
+        around = [np.nextafter(close, outside(way)) for way in (-np.inf, np.inf)]
+        width = levels[-1] - levels[0] or 1.0
+        beyond = np.array([levels[0] - width, levels[-1] + width])
+        with np.errstate(over="ignore"):
+            points = np.concatenate([dense.astype(outside), close, *around, beyond.astype(outside)])
+        return np.unique(points[np.isfinite(points)])
+
 
 def float_table(
     table: LookupTable, mode: str | None = None, precision: str = "mixed"
 ) -> FloatTable:
-    """Prepare a table for export in floating point.
-
-    Parameters
-    ----------
-    table : LookupTable
-        Any table.
-    mode : str, optional
-        The way to look up; the table's own by default.
-    precision : str
-        ``mixed``: float arguments and result, interpolation in double; ``float32``;
-        ``float64``.
-
-    Raises
-    ------
-    ExportError
-        If a number is too large for the type, or levels coincide in it.
-    """
+    """Prepare a table in floating point; refuse levels that coincide in the type."""
     chosen = _chosen_mode(table, mode)
     linear = chosen == "linear"
     types = precision_named(precision, arithmetic=linear)
@@ -153,8 +173,11 @@ def _require_distinct(levels: Reals, name: str) -> None:
 # the exported file; everything between input and output is integer arithmetic, and
 # `FixedTable.evaluate` is the same arithmetic in Python.
 
-FORMATS = (15, 7)
-"""Fraction bits that are offered: Q15 in 16 bits, Q7 in 8."""
+FORMATS = {
+    15: Precision(np.int16, np.int16, np.int32),
+    7: Precision(np.int8, np.int8, np.int32),
+}
+"""Fraction bits that are offered, and the types: Q15 in 16 bits, Q7 in 8."""
 
 SHARE_BITS = 15
 """Fraction bits of the share between two levels, whatever the format."""
@@ -164,21 +187,11 @@ ONE = 1 << SHARE_BITS
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """How a quantity becomes a whole number.
+    """How a quantity becomes a whole number."""
 
-    Attributes
-    ----------
-    offset : float
-        The quantity at 0.
-    span : float
-        How much quantity 2^bits steps are; positive.
-    bits : int
-        Fraction bits: 15 or 7.
-    """
-
-    offset: float
-    span: float
-    bits: int
+    offset: float  # the quantity at 0
+    span: float  # how much quantity 2^bits steps are; positive
+    bits: int  # fraction bits: 15 or 7
 
     @property
     def low(self) -> int:
@@ -252,8 +265,6 @@ class FixedTable(NumberTable):
 
     Attributes
     ----------
-    bits : int
-        15 or 7.
     inputs : tuple of Scale
         One for each axis.
     output : Scale
@@ -261,7 +272,6 @@ class FixedTable(NumberTable):
     """
 
     arithmetic = IN_WHOLE_NUMBERS
-    bits: int
     inputs: tuple[Scale, ...]
     output: Scale
 
@@ -273,24 +283,44 @@ class FixedTable(NumberTable):
         columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
         return np.array(self._look_up(columns))
 
+    @property
+    def scales(self) -> list[Scale | None]:
+        """Of the inputs and the output."""
+        return [*self.inputs, self.output]
+
+    def remarks(self) -> list[str]:
+        """Return what the head of the file says of the numbers."""
+        scale = self.output
+        return [
+            f"q{scale.bits}: whole numbers of {scale.bits + 1} bits, 32-bit arithmetic, no"
+            " floating point; scale an input to the nearest whole number and saturate it to"
+            f" {scale.low} .. {scale.high}"
+        ]
+
+    def truth(self, mesh: Sequence[NDArray[Any]]) -> NDArray[np.float64]:
+        """Return the table in double precision at some inputs."""
+        if self.linear:
+            given = [scale.quantity(x) for scale, x in zip(self.inputs, mesh, strict=True)]
+            return np.asarray(self.table.lookup(*given, mode="linear"))
+        # The thresholds are whole numbers by exact arithmetic: the cell is right, and only the
+        # value is rounded.
+        cells = replace(self, values=np.arange(self.values.size)).evaluate(*mesh)
+        return np.asarray(self.table.values.ravel()[cells])
+
+    def quantity(self, result: Integers) -> NDArray[np.float64]:
+        """Return what results stand for."""
+        return self.output.quantity(result)
+
+    def inputs_near(self, k: int, dense: NDArray[np.float64]) -> Integers:
+        """Return dense points of an axis and edges with their neighbours."""
+        scale, edges = self.inputs[k], self.points[k]
+        whole = [scale.nearest(x) for x in dense.tolist()]
+        near = [edges - 1, edges, edges + 1, np.array([scale.low, scale.high, *whole])]
+        return np.unique(np.clip(np.concatenate(near), scale.low, scale.high))
+
 
 def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> FixedTable:
-    """Prepare a table for export in fixed point.
-
-    Parameters
-    ----------
-    table : LookupTable
-        Any table.
-    bits : int
-        15 for int16, 7 for int8.
-    mode : str, optional
-        The way to look up; the table's own by default.
-
-    Raises
-    ------
-    ExportError
-        If levels that are interpolated between coincide in this format.
-    """
+    """Prepare a table in Q15 or Q7; refuse levels that coincide in the format."""
     if bits not in FORMATS:
         raise ExportError(f"no fixed-point format q{bits}", hint="there are q15 and q7")
     chosen = _chosen_mode(table, mode)
@@ -304,7 +334,7 @@ def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> Fixed
     ends = () if table.low is None or table.high is None else (table.low, table.high)
     output = scale_over((*ends, float(table.values.min()), float(table.values.max())), bits)
     values = np.array([output.nearest(x) for x in table.values.ravel().tolist()], dtype=np.int64)
-    return FixedTable(table, chosen, points, values, bits, scales, output)
+    return FixedTable(table, chosen, points, values, FORMATS[bits], scales, output)
 
 
 def _points(axis: Axis, scale: Scale, mode: str) -> Integers:

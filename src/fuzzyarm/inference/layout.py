@@ -692,7 +692,7 @@ def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
         return integrated.integrated_bisector
     if plan.closed is not None or not plan.members:
         return at.closed_centroid
-    return at.enveloped_centroid if _has_envelope(plan) else integrated.integrated_centroid
+    return at.enveloped_centroid if has_envelope(plan) else integrated.integrated_centroid
 
 
 def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
@@ -704,7 +704,7 @@ def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
     ]
 
 
-def _has_envelope(plan: OutputPlan) -> bool:
+def has_envelope(plan: OutputPlan) -> bool:
     """Whether the sets have no closed form, but are straight under min or product, and max."""
     return (
         plan.closed is None

@@ -27,15 +27,7 @@ COLOURS = ("#1b6ca8", "#d1495b")
 
 
 def draw_profiles(runs: Sequence[Run], title: str) -> Figure:
-    """Draw the error profiles of some runs side by side.
-
-    Parameters
-    ----------
-    runs : sequence of Run
-        One panel for each.
-    title : str
-        Above all panels.
-    """
+    """Draw the error profiles of some runs side by side, one panel for each."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5.2 * len(runs), 3.4), layout="constrained")
@@ -74,15 +66,7 @@ FORMATS = ("png", "svg", "pdf", "jpg", "webp")
 
 
 def figure_format(path: str | Path) -> str:
-    """Return the format that the suffix of `path` asks for.
-
-    Raises
-    ------
-    FigureFormatError
-        If it is none of :data:`FORMATS`.
-    FileNotFoundError
-        If the folder is not there.
-    """
+    """Return the format that the suffix of `path` asks for; refuse others, and a missing folder."""
     suffix = Path(path).suffix.lstrip(".").lower()
     if suffix not in FORMATS:
         raise FigureFormatError(suffix)
@@ -93,13 +77,7 @@ def figure_format(path: str | Path) -> str:
 
 
 def save_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure in the format of its suffix, whole or not at all.
-
-    Raises
-    ------
-    FigureFormatError, FileNotFoundError
-        See :func:`figure_format`.
-    """
+    """Write a figure in the format of its suffix, whole or not at all."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format=figure_format(path), dpi=130)
     write_atomically(path, buffer.getvalue())
@@ -135,15 +113,7 @@ def chapter_of(row: PublishedRow) -> str:
 
 
 def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
-    """Draw small error profiles of rows, first and second trajectory side by side.
-
-    Parameters
-    ----------
-    results : sequence of Reproduced
-        One pair of panels for each.
-    title : str
-        Above all.
-    """
+    """Draw small error profiles of rows, first and second trajectory side by side."""
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.ticker import MaxNLocator
@@ -194,12 +164,8 @@ HEADINGS = ("link 1, {first}", "link 2, {first}", "link 1, {second}", "link 2, {
 def draw_overview(results: Sequence[Reproduced], beyond: Beyond | None = None) -> Figure:
     """Draw the RMS errors of all rows: published rings, reproduced dots, bands of chance.
 
-    Parameters
-    ----------
-    results : sequence of Reproduced
-        Rows on the same pair of trajectories, in the order of the table.
-    beyond : Beyond, optional
-        A controller that was not published, below them.
+    The rows are on the same pair of trajectories, in the order of the table; a controller that
+    was not published stands below them.
     """
     from matplotlib.figure import Figure
 

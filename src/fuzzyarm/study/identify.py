@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.study.published import PublishedRow, find_rows
+from fuzzyarm.study.published import RMS_PLACES, PublishedRow, find_rows
 from fuzzyarm.study.reproduce import reproduce_row, row_controller
 
 
@@ -26,21 +26,11 @@ class UnknownProblemError(FuzzyarmError, LookupError):
 
 @dataclass(frozen=True)
 class Unknown:
-    """A gain to be found.
+    """A gain to be found."""
 
-    Parameters
-    ----------
-    gain : str
-        Its name.
-    joint : int or None
-        Which of its two values; all of them for None.
-    start : float
-        Where the search begins: a round number far from the result.
-    """
-
-    gain: str
-    joint: int | None
-    start: float
+    gain: str  # its name
+    joint: int | None  # which of its two values; all of them for None
+    start: float  # where the search begins: a round number far from the result
 
     @property
     def label(self) -> str:
@@ -50,18 +40,10 @@ class Unknown:
 
 @dataclass(frozen=True)
 class Problem:
-    """Gains to find and the rows they must explain.
+    """Gains to find and the rows they must explain."""
 
-    Parameters
-    ----------
-    rows : tuple of str
-        Names of published rows.
-    unknowns : tuple of Unknown
-        Positive gains.
-    """
-
-    rows: tuple[str, ...]
-    unknowns: tuple[Unknown, ...]
+    rows: tuple[str, ...]  # names of published rows
+    unknowns: tuple[Unknown, ...]  # positive gains
 
 
 PROBLEMS: dict[str, Problem] = {
@@ -104,51 +86,24 @@ STEP = 0.02
 
 @dataclass(frozen=True)
 class Identified:
-    """A fit.
+    """A fit."""
 
-    Attributes
-    ----------
-    name : str
-        The controller.
-    labels : tuple of str
-        The unknowns.
-    fitted : tuple of float
-        The best values.
-    spread : tuple of float
-        Relative standard deviation of each by the curvature of the fit; large: weakly
-        determined.
-    shipped : tuple of float
-        The values in the catalogue.
-    fitted_rms, shipped_rms : tuple of float
-        Relative differences of every RMS figure of every row, with either.
-    evaluations : int
-        Runs of all rows.
-    """
-
-    name: str
-    labels: tuple[str, ...]
-    fitted: tuple[float, ...]
+    name: str  # the controller
+    labels: tuple[str, ...]  # the unknowns
+    fitted: tuple[float, ...]  # the best values
+    # Relative standard deviation of each by the curvature of the fit; large: weakly determined.
     spread: tuple[float, ...]
-    shipped: tuple[float, ...]
+    shipped: tuple[float, ...]  # the values in the catalogue
+    # Relative differences of every RMS figure of every row, with either.
     fitted_rms: tuple[float, ...]
     shipped_rms: tuple[float, ...]
-    evaluations: int
+    evaluations: int  # runs of all rows
 
 
 def identify(name: str, *, watch: Callable[[int], None] | None = None) -> Identified:
-    """Fit the gains of a controller to its published rows.
+    """Fit the gains of a controller in :data:`PROBLEMS` to its published rows.
 
-    Parameters
-    ----------
-    name : str
-        Key of :data:`PROBLEMS`.
-    watch : callable, optional
-        Called with the number of evaluations so far.
-
-    Raises
-    ------
-    UnknownProblemError
-        For any other name.
+    `watch` is called with the number of evaluations so far.
     """
     from scipy.optimize import least_squares
 
@@ -224,7 +179,7 @@ def _residuals(
 def _rms_differences(
     rows: Sequence[PublishedRow], unknowns: Sequence[Unknown], values: NDArray[np.float64]
 ) -> tuple[float, ...]:
-    places = [0, 2, 4, 6]
+    places = list(RMS_PLACES)
     return tuple(
         float(value)
         for row in rows

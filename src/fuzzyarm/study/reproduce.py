@@ -78,22 +78,9 @@ def run_ensemble(
     runs: int = RUNS,
     watch: Callable[[int], None] | None = None,
 ) -> Ensemble:
-    """Run a controller many times on both trajectories of a row.
+    """Run a controller, a sum of compiled laws, on both trajectories of a row, `runs` times each.
 
-    Parameters
-    ----------
-    made : Controller
-        A sum of compiled laws.
-    trajectories : pair of Trajectory
-        First and second.
-    conventions : Conventions
-        As the study counted.
-    payload : bool
-        Whether the load was carried.
-    runs : int, optional
-        On each trajectory, seeds 1 to `runs`.
-    watch : callable, optional
-        Called with the number of runs just finished.
+    Seeds are 1 to `runs`; `watch` is called with the number of runs just finished.
     """
     columns = []
     for trajectory in trajectories:
@@ -128,21 +115,12 @@ def _columns(batch: Batch, trajectory: Trajectory) -> list[NDArray[np.float64]]:
 
 @dataclass(frozen=True)
 class Bound:
-    """Largest allowed differences of a row.
+    """Largest allowed differences of a row."""
 
-    Parameters
-    ----------
-    rms : float
-        Of every RMS figure, relative.
-    mean_rms : float or None, optional
-        Of the mean over the RMS figures, relative; not bounded by default.
-    final : bool, optional
-        Whether every final error has to be within 0.001 degree or 0.5 %.
-    """
-
-    rms: float
+    rms: float  # of every RMS figure, relative
+    # Of the mean over the RMS figures, relative; not bounded by default.
     mean_rms: float | None = None
-    final: bool = True
+    final: bool = True  # whether every final error has to be within 0.001 degree or 0.5 %
 
 
 FINAL_ABSOLUTE = 0.001
@@ -442,25 +420,14 @@ MODEL_FREE = frozenset(
 
 @dataclass(frozen=True)
 class Beyond:
-    """The controller and what it has to beat.
+    """The controller and what it has to beat."""
 
-    Attributes
-    ----------
-    name : str
-        In the catalogue.
-    figures : tuple of float
-        Its eight figures under the conditions of the summary table, degrees.
-    to_beat : tuple of float
-        The smallest of each RMS figure among the published rows without a model, misprints
-        corrected, degrees.
-    runs : tuple of Run
-        On both trajectories.
-    """
-
-    name: str
-    figures: Eight
+    name: str  # in the catalogue
+    figures: Eight  # its eight figures under the conditions of the summary table, degrees
+    # The smallest of each RMS figure among the published rows without a model, misprints
+    # corrected, degrees.
     to_beat: tuple[float, ...]
-    runs: tuple[Run, Run]
+    runs: tuple[Run, Run]  # on both trajectories
 
     @property
     def rms(self) -> tuple[float, ...]:

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.inference.layout import has_envelope
+from fuzzyarm.inference.plan import plan
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
@@ -28,6 +30,12 @@ from fuzzyarm.table.table import LookupTable
 _DENSE_POINTS = 160_000
 _MOST_POINTS = 6_000_000
 _SLAB = 262_144
+
+_FEW_POINTS = 4_096
+"""Even points where each takes some tenths of a millisecond."""
+
+_SAMPLES = 320_000_000
+"""Points times samples of a sampled centroid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +72,10 @@ def measure_fidelity(
 ) -> tuple[Fidelity, ...]:
     """Compare `table` with the direct inference of `rulebase`.
 
-    The dense grid spreads about 160,000 points evenly over the ranges of the inputs. For
-    the worst difference it also has every level, both sides of every threshold and the
-    middle of every cell, because that is where the extremes lie.
+    The dense grid spreads about 160,000 points evenly over the ranges of the inputs, fewer
+    where a point takes long (:func:`even_points`). For the worst difference it also has every
+    level, both sides of every threshold and the middle of every cell, because that is where
+    the extremes lie.
 
     Parameters
     ----------
@@ -83,7 +92,7 @@ def measure_fidelity(
         One for each mode.
     """
     chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
-    points, weights = _dense_grid(table.axes)
+    points, weights = _dense_grid(table.axes, even_points(rulebase))
     tallies = {mode: _Tally() for mode in chosen}
     rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
     for start in range(0, points[0].size, rows):
@@ -99,6 +108,20 @@ def measure_fidelity(
     return tuple(tallies[mode].result(mode, table.names, sizes) for mode in chosen)
 
 
+def even_points(rulebase: RuleBase) -> int:
+    """Return how many even points a dense grid has, by the output that takes longest at one."""
+    count = _DENSE_POINTS
+    for output in plan(rulebase).outputs.values():
+        way = output.output.defuzzifier
+        if output.discrete:
+            continue
+        if way.resolution is not None:
+            count = min(count, max(_FEW_POINTS // 16, _SAMPLES // way.resolution))
+        elif way.method != "centroid" or (output.closed is None and not has_envelope(output)):
+            count = min(count, _FEW_POINTS)
+    return count
+
+
 _Points = list[NDArray[np.float64]]
 
 
@@ -111,20 +134,18 @@ def dense_points(axes: Sequence[Axis]) -> list[NDArray[np.float64]]:
     return _dense_grid(axes)[0]
 
 
-def _dense_grid(axes: Sequence[Axis]) -> tuple[_Points, _Points]:
+def _dense_grid(axes: Sequence[Axis], wanted: int = _DENSE_POINTS) -> tuple[_Points, _Points]:
     """Return the points along each axis and their weights: 1 on the even ones, else 0.
 
     With many inputs or levels some of the points besides the even ones are given up, so
     that the grid does not explode.
     """
-    count = max(3, round(_DENSE_POINTS ** (1.0 / len(axes))))
+    count = max(3, round(wanted ** (1.0 / len(axes))))
+    most = _MOST_POINTS if wanted == _DENSE_POINTS else 5 * wanted
     even = [np.linspace(*_ends(axis), count) for axis in axes]
-    for choose in (_levels_and_edges, _levels_and_middles, _levels, _nothing):
-        points = [
-            np.unique(np.concatenate([x, _inside(choose(axis), axis)]))
-            for axis, x in zip(axes, even, strict=True)
-        ]
-        if math.prod(x.size for x in points) <= _MOST_POINTS:
+    for besides in zip(*map(_besides, axes), strict=True):
+        points = [np.unique(np.concatenate(pair)) for pair in zip(even, besides, strict=True)]
+        if math.prod(x.size for x in points) <= most:
             break
     weights = [np.isin(x, e).astype(np.float64) for x, e in zip(points, even, strict=True)]
     return points, weights
@@ -136,27 +157,14 @@ def _ends(axis: Axis) -> tuple[float, float]:
     return low, high
 
 
-def _inside(points: NDArray[np.float64], axis: Axis) -> NDArray[np.float64]:
+def _besides(axis: Axis) -> _Points:
+    """Return what the grid has besides even points: all of it, less, and nothing."""
+    levels, middles = np.array(axis.levels), np.array(axis.thresholds("nearest"))
+    edges = np.array([*axis.thresholds("bins"), *middles])
+    both_sides = [edges, np.nextafter(edges, np.inf)]
+    choices = [[levels, *both_sides], [levels, middles], [levels], [np.empty(0)]]
     low, high = _ends(axis)
-    return points[(points >= low) & (points <= high)]
-
-
-def _levels_and_edges(axis: Axis) -> NDArray[np.float64]:
-    """Return the levels and both sides of every threshold."""
-    edges = np.array([*axis.thresholds("bins"), *axis.thresholds("nearest")])
-    return np.concatenate([axis.levels, edges, np.nextafter(edges, np.inf)])
-
-
-def _levels_and_middles(axis: Axis) -> NDArray[np.float64]:
-    return np.array([*axis.levels, *axis.thresholds("nearest")])
-
-
-def _levels(axis: Axis) -> NDArray[np.float64]:
-    return np.array(axis.levels)
-
-
-def _nothing(axis: Axis) -> NDArray[np.float64]:
-    return np.empty(0)
+    return [x[(x >= low) & (x <= high)] for x in map(np.concatenate, choices)]
 
 
 class _Tally:
@@ -257,7 +265,7 @@ class _Probes:
     def remember(self, point: list[float]) -> None:
         """Put a point that proved a grid wrong in front of the others."""
         self.points = np.vstack([point, self.points])
-        self.truth = self._infer(self.points.T)
+        self.truth = np.append(self._infer(self.points[:1].T), self.truth)
 
     def worst(self, count: int, tolerance: float) -> float:
         """Return the worst difference of a grid of `count` levels; stop at the first part over."""
@@ -305,12 +313,15 @@ class CompileReport:
         Whether an input got the 13 even levels because nothing else was said.
     tolerance : float or None
         What the table was asked to meet.
+    few_points : bool
+        Whether the dense grid is smaller than usual, because a point takes long.
     """
 
     table: LookupTable
     fidelities: tuple[Fidelity, ...]
     default_levels: bool = False
     tolerance: float | None = None
+    few_points: bool = False
 
 
 def compile_with_report(
@@ -373,6 +384,7 @@ def compile_with_report(
         fidelities,
         default_levels=bool(set(table.names) - asked - given),
         tolerance=tolerance,
+        few_points=even_points(rulebase) < _DENSE_POINTS,
     )
 
 

@@ -26,11 +26,12 @@ from fuzzyarm.table.header import (
     spelled,
 )
 from fuzzyarm.table.text import (
+    MAX_CHARACTERS,
     Grid,
     ParsedTable,
     finish,
     line_tokens,
-    page_conditions,
+    page_condition,
     parse_lut,
     read_grids,
     write_lut,
@@ -82,6 +83,9 @@ def parse_table(data: bytes, path: str) -> ParsedTable:
         column = len(before) - (before.rfind("\n") + 1) + 1
         message = f"not UTF-8: byte 0x{data[error.start]:02x}"
         return _fault("not-text", message, path, Span(line, column, line, column + 1))
+    if len(text) > MAX_CHARACTERS:
+        message = f"a table of more than {MAX_CHARACTERS:,} characters is not read"
+        return _fault("too-large", message, path)
     return _TEXTS.get(Path(path).suffix.lower(), _TEXTS[".lut"]).parse(text, path)
 
 
@@ -184,36 +188,31 @@ def _grids(
         message = f"the first columns must be headed {', '.join(names)}"
         diagnostics.append(Diagnostic("wrong-corner", message, Span(first, 1, first, 2)))
         return None
-    conditions = {_key(condition): k for k, condition in enumerate(_page_keys(head))}
-    texts = list(page_conditions(head))
-    grids: dict[int, Grid] = {}
+    levels = [set(axis.levels) for axis in head.axes[:-2]]
+    grids: dict[tuple[float, ...], Grid] = {}
     for line_number, cells in split[1:]:
-        page = conditions.get(_key(cells[:pages]))
+        page = _page(cells[:pages], levels)
         if page is None:
             message = f"{', '.join(cells[:pages])} are not levels of {', '.join(names)}"
             span = Span(line_number, 1, line_number, 2)
             diagnostics.append(Diagnostic("wrong-label", message, span))
             continue
         if page not in grids:
-            tokens = line_tokens(line_number, f"grid{texts[page]}", [])
+            tokens = line_tokens(line_number, f"grid{page_condition(head, page)}", [])
             grids[page] = Grid(tuple(_at_start(token) for token in tokens))
             grids[page].lines.append((first, "  ".join(corner[pages:])))
         grids[page].lines.append((line_number, "  ".join(cells[pages:])))
     return list(grids.values())
 
 
-def _page_keys(head: TableHeader) -> list[list[str]]:
-    return [[number_text(x) for x in row] for row in product(*(a.levels for a in head.axes[:-2]))]
-
-
-def _key(cells: list[str]) -> tuple[float | str, ...]:
-    key: list[float | str] = []
-    for cell in cells:
-        try:
-            key.append(float(cell))
-        except ValueError:
-            key.append(cell)
-    return tuple(key)
+def _page(cells: list[str], levels: list[set[float]]) -> tuple[float, ...] | None:
+    """Return the levels of the page inputs that begin a row; None where they are not levels."""
+    try:
+        page = tuple(map(float, cells))
+    except ValueError:
+        return None
+    known = len(page) == len(levels) and all(map(set.__contains__, levels, page))
+    return page if known else None
 
 
 def _at_start(token: Token) -> Token:
@@ -392,8 +391,8 @@ _TEXTS = {
 # --- Tables as `.npz`: the values as an array, the header as JSON text beside it ---
 
 
-MAX_UNPACKED = 300_000_000
-"""Bytes of the largest archive that is unpacked: 32 million cells and a header are fewer."""
+MOST_BYTES = 320_000_000
+"""Bytes of an archive, unpacked: the largest table that is compiled, and its header."""
 
 
 def npz_bytes(table: LookupTable) -> bytes:
@@ -423,9 +422,11 @@ def read_npz(data: bytes, path: str) -> LookupTable:
 
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            size = sum(each.file_size for each in archive.zip.infolist())
-            if size > MAX_UNPACKED:
-                raise TableError(f"the archive unpacks to {size:,} bytes, more than any table has")
+            size = sum(member.file_size for member in archive.zip.infolist())
+            if size > MOST_BYTES:
+                raise TableError(
+                    f"unpacked, the archive has {size:,} bytes; at most {MOST_BYTES:,} are read"
+                )
             # NumPy takes any 32 bits for a character; what is not one must not get into a text.
             header = np.asarray(archive["header"], dtype="<U").tobytes().decode("utf-32-le")
             head = header_from(json.loads(header.rstrip("\0")))

@@ -75,19 +75,13 @@ def blend(near: Any, far: Any, share: Any) -> Any:
 
 
 class Arithmetic(NamedTuple):
-    """What the definition asks of one kind of numbers.
+    """What the definition asks of one kind of numbers."""
 
-    Attributes
-    ----------
-    smaller, reached : callable
-        From sorted points and x to the number of points that are smaller than x, and of those
-        that are not greater.
-    clamp, share, blend : callable
-        As :func:`clamp`, :func:`share_of_way` and :func:`blend`.
-    """
-
+    # From sorted points and x to the number of points that are smaller than x, and of those that
+    # are not greater.
     smaller: Callable[[Any, Any], Any]
     reached: Callable[[Any, Any], Any]
+    # As :func:`clamp`, :func:`share_of_way` and :func:`blend`.
     clamp: Callable[[Any, Any, Any], Any]
     share: Callable[[Any, Any, Any], Any]
     blend: Callable[[Any, Any, Any], Any]
@@ -112,30 +106,15 @@ OVER_ARRAYS = Arithmetic(
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """A table prepared for one way to look up, in the numbers of one arithmetic.
+    """A table prepared for one way to look up, in the numbers of one arithmetic."""
 
-    Attributes
-    ----------
-    strides : tuple of int
-        Cells from one index of an input to the next one.
-    points : tuple of sequences
-        For each input the thresholds, or all levels where it interpolates.
-    inner : tuple of sequences
-        The levels but for the outer ones.
-    offsets : tuple of int
-        Where it interpolates, see :func:`corner_offsets`.
-    values : sequence
-        Flat, the last input fastest.
-    arithmetic : Arithmetic
-        Of points and values.
-    """
-
-    strides: tuple[int, ...]
+    strides: tuple[int, ...]  # cells from one index of an input to the next one
+    # For each input the thresholds, or all levels where it interpolates.
     points: tuple[Any, ...]
-    inner: tuple[Any, ...]
-    offsets: tuple[int, ...]
-    values: Any
-    arithmetic: Arithmetic
+    inner: tuple[Any, ...]  # the levels but for the outer ones
+    offsets: tuple[int, ...]  # where it interpolates, see :func:`corner_offsets`
+    values: Any  # flat, the last input fastest
+    arithmetic: Arithmetic  # of points and values
 
     @classmethod
     def of(
@@ -317,28 +296,15 @@ _MOST_STEPS = 6
 
 
 class Finder(NamedTuple):
-    """How numbers find their index among the points of one axis.
+    """How numbers find their index among the points of one axis."""
 
-    Attributes
-    ----------
-    points : ndarray
-        Increasing, with infinities behind the last one.
-    start : ndarray of int32
-        For each bucket, how many points lie in lower buckets.
-    edge : ndarray
-        For each bucket, the first point that does not lie in a lower bucket.
-    low, inverse : float
-        The bucket of x is (x - low) × inverse, rounded down.
-    steps : int
-        Points that share a bucket at most.
-    """
-
-    points: _Array
-    start: _Cells
-    edge: _Array
+    points: _Array  # increasing, with infinities behind the last one
+    start: _Cells  # for each bucket, how many points lie in lower buckets
+    edge: _Array  # for each bucket, the first point that does not lie in a lower bucket
+    # The bucket of x is (x - low) × inverse, rounded down.
     low: float
     inverse: float
-    steps: int
+    steps: int  # points that share a bucket at most
 
 
 def make_finder(points: Sequence[float]) -> Finder | None:
@@ -553,13 +519,7 @@ def look_up_arrays(
     inputs: Sequence[NDArray[np.float64]],
     mode: str,
 ) -> NDArray[np.float64]:
-    """Return the values of a table at inputs that are broadcast; no temporary exceeds a chunk.
-
-    Raises
-    ------
-    TableError
-        If an input is NaN or the shapes do not fit each other.
-    """
+    """Return the values of a table at inputs that are broadcast; no temporary exceeds a chunk."""
     try:
         shape = np.broadcast_shapes(*(array.shape for array in inputs))
     except ValueError:

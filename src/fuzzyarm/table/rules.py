@@ -40,18 +40,10 @@ MOST_RULES = 100_000
 
 @dataclass(frozen=True)
 class RulesOfTable:
-    """A rule base that stands for a table.
+    """A rule base that stands for a table."""
 
-    Attributes
-    ----------
-    rulebase : RuleBase
-        One rule for each combination of input terms.
-    residual : ndarray
-        Table minus inference at the levels of the table; its shape.
-    """
-
-    rulebase: RuleBase
-    residual: NDArray[np.float64]
+    rulebase: RuleBase  # one rule for each combination of input terms
+    residual: NDArray[np.float64]  # table minus inference at the levels of the table; its shape
 
     @property
     def worst(self) -> float:

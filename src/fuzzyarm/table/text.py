@@ -67,10 +67,6 @@ def parse_lut(text: str, path: str = "<text>") -> ParsedTable:
         The table, or what is wrong with the text.
     """
     diagnostics: list[Diagnostic] = []
-    if len(text) > MAX_CHARACTERS:
-        message = f"a table of more than {MAX_CHARACTERS:,} characters is not read"
-        diagnostics.append(Diagnostic("too-large", message))
-        return finish(None, None, diagnostics, path)
     header, grids = _scan(text, diagnostics)
     if header.version is None:
         return finish(None, None, [_no_format(text), *diagnostics][:20], path)
@@ -316,7 +312,7 @@ class _Block:
         span = names[0].span.to(names[-1].span)
         found = [token.text for token in names]
         read = " \\ ".join(found)
-        if found == wanted[::-1] and len(wanted) > 1:
+        if found == wanted[::-1]:
             self._report(
                 "transposed-labels",
                 f"the corner '{read}' contradicts the index order "
@@ -393,8 +389,9 @@ class _Block:
         if labels == list(levels):
             return True
         sound = [label for label in labels if label is not None]
-        first, last = rows[0] if rows else (0, ""), rows[-1] if rows else (0, "")
-        whole = Span(first[0], 1, last[0], len(last[1]) + 1) if rows else self.grid.span
+        whole = self.grid.span
+        if rows:
+            whole = Span(rows[0][0], 1, rows[-1][0], len(rows[-1][1]) + 1)
         if sound == list(self.column.levels) and levels != self.column.levels:
             self._report(
                 "transposed-labels",
@@ -500,13 +497,16 @@ def _counted(count: int, word: str) -> str:
 
 
 def page_conditions(table: TableHeader) -> Iterator[str]:
-    """Yield `` when a = 1, b = 2`` for every combination of the page levels, in order."""
-    pages = table.axes[:-2]
-    for levels in product(*(axis.levels for axis in pages)):
-        parts = [
-            f"{spelled(a.name)} = {number_text(x)}" for a, x in zip(pages, levels, strict=True)
-        ]
-        yield f" when {', '.join(parts)}" if parts else ""
+    """Yield the condition of every page, in order."""
+    for levels in product(*(axis.levels for axis in table.axes[:-2])):
+        yield page_condition(table, levels)
+
+
+def page_condition(table: TableHeader, levels: Sequence[float]) -> str:
+    """Return `` when a = 1, b = 2`` for some levels of the page inputs."""
+    pairs = zip(table.names[:-2], levels, strict=True)
+    parts = [f"{spelled(name)} = {number_text(x)}" for name, x in pairs]
+    return f" when {', '.join(parts)}" if parts else ""
 
 
 # --- Writing: a header and aligned grids, one row of cells to a line ---

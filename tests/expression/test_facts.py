@@ -1,0 +1,145 @@
+"""What the records of norms and hedges state beside the formula is true of the formula."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_definitions import SHAPE_VALUES
+
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.nodes import symbol
+from fuzzyarm.expression.records import degree_on_polyline, degrees_on_polyline
+
+degree = st.floats(0.0, 1.0)
+TENTHS = [k / 10 for k in range(11)]
+LINED = [name for name, kind in TNORMS.items() if kind.lines is not None]
+
+
+def test_lines_are_stated():
+    assert LINED == ["min", "product", "bounded"]
+
+
+@pytest.mark.parametrize("name", LINED)
+@given(strength=degree, membership=degree)
+def test_an_implication_is_the_least_of_its_lines_and_never_negative(name, strength, membership):
+    lines = TNORMS[name].lines(strength)
+    least = min(offset + slope * membership for offset, slope in lines)
+    found = TNORMS[name].scalar(strength, membership)
+    assert found == pytest.approx(max(0.0, least), abs=1e-15)
+
+
+@pytest.mark.parametrize("name", TNORMS)
+def test_a_positive_norm_vanishes_only_with_an_operand(name):
+    above = [TNORMS[name].scalar(a, b) > 0.0 for a in TENTHS[1:] for b in TENTHS[1:]]
+    assert TNORMS[name].positive == all(above) or name in {"hamacher", "einstein"}
+    assert all(above) or not TNORMS[name].positive
+
+
+def test_what_is_for_aggregation_alone():
+    assert [name for name, kind in SNORMS.items() if kind.aggregates] == ["sum", "normalized"]
+
+
+def hedge_of(name):
+    kind = HEDGES[name]
+    numbers = (3.0,) if kind.parameters else ()
+    return lambda d: kind.scalar(d, *numbers)
+
+
+@pytest.mark.parametrize("name", HEDGES)
+def test_a_straight_hedge_is_a_line(name):
+    hedge = hedge_of(name)
+    triples = itertools.combinations(TENTHS, 2)
+    bent = [abs(hedge((a + b) / 2) - (hedge(a) + hedge(b)) / 2) for a, b in triples]
+    assert HEDGES[name].straight == (max(bent) < 1e-12)
+
+
+@pytest.mark.parametrize("name", HEDGES)
+def test_the_curvature_jumps_at_the_bends_and_nowhere_else(name):
+    hedge, step = hedge_of(name), 1e-3
+
+    def curvature(d):
+        return (hedge(d + step) - 2 * hedge(d) + hedge(d - step)) / step**2
+
+    inner = [k / 20 for k in range(2, 19)]
+    jumps = [d for d in inner if abs(curvature(d + 2 * step) - curvature(d - 2 * step)) > 0.5]
+    assert jumps == list(HEDGES[name].bends)
+
+
+heights = st.lists(st.sampled_from([0.0, 0.25, 0.5, 1.0]), min_size=1, max_size=2)
+
+
+def flat(corners):
+    return [number for corner in corners for number in corner]
+
+
+UPRIGHT = st.dictionaries(st.sampled_from([0.0, 1.0, 1.5, 2.0]), heights, min_size=2).map(
+    lambda edges: [(x, y) for x in sorted(edges) for y in edges[x]]
+)
+
+
+@given(UPRIGHT)
+def test_polylines_with_upright_edges_over_arrays_are_those_at_points(corners):
+    edges = [x for x, _ in corners]
+    near = [math.nextafter(x, way) for x in edges for way in (-math.inf, math.inf)]
+    points = [*edges, *near, -1.0, 0.5, 1.25, 3.0]
+    found = degrees_on_polyline(corners, np.array(points))
+    assert found.tolist() == pytest.approx([degree_on_polyline(flat(corners), x) for x in points])
+    for edge in set(edges):  # on an upright edge the highest point holds
+        height = max(y for x, y in corners if x == edge)
+        assert degree_on_polyline(flat(corners), edge) == height
+
+
+SAMPLES = [(kind, numbers) for kind, numbers, _ in SHAPE_VALUES]
+SAMPLES += [("sigmoid", (1, -50)), ("bell", (1, 2, 0.5))]
+CASES = [pytest.param(SHAPES[kind], numbers, id=f"{kind} {numbers}") for kind, numbers in SAMPLES]
+
+
+def on(x):
+    """Return a position that formulas take: far out where it is infinite."""
+    return min(1e6, max(-1e6, x))
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_corners_are_those_of_the_formula(kind, numbers):
+    if kind.corners is None:
+        return
+    corners = kind.corners(*map(float, numbers))
+    for x in np.linspace(-10, 10, 81):
+        assert degree_on_polyline(flat(corners), x) == pytest.approx(
+            kind.scalar(x, *numbers), abs=1e-14
+        )
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_inverses_find_their_degree(kind, numbers):
+    if kind.inverse is None:
+        return
+    for wanted in (0.0, 0.01, 0.25, 0.5, 0.75, 0.99, 1.0):
+        x = kind.inverse(wanted, *map(float, numbers))
+        found = kind.scalar(on(x), *map(float, numbers))
+        # Beyond a step there is no degree between.
+        assert found == pytest.approx(wanted, abs=1e-5) or numbers[0] == numbers[1]
+
+
+@pytest.mark.parametrize(("kind", "numbers"), CASES)
+def test_between_two_bends_a_curve_goes_half_its_way_at_most_and_none_beyond(kind, numbers):
+    if kind.bends is None:
+        return
+    degree = [kind.scalar(x, *map(float, numbers)) for x in sorted(kind.bends(*numbers))]
+    if kind.name == "cosine":  # it ends, and its bends are its ends and its centre
+        assert degree == pytest.approx([0.0, 1.0, 0.0])
+        return
+    assert max(abs(a - b) for a, b in itertools.pairwise(degree)) < 0.505
+    low, high = min(kind.bends(*numbers)), max(kind.bends(*numbers))
+    for end, far in ((low, low - 1e4), (high, high + 1e4)):
+        assert kind.scalar(far, *numbers) == pytest.approx(kind.scalar(end, *numbers), abs=0.13)
+
+
+def test_squares_and_cubes_are_products():
+    x = symbol("x")
+    assert x**2 is x * x
+    assert x**3 is x * x * x
+    assert x**4 is not x * x * x * x
