@@ -9,6 +9,7 @@ round trips through text.
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -233,7 +234,9 @@ def value_terms(
             )
             shape = Shape("linear", tuple(numbers))
         else:
-            plain = [each.name for each in inputs if each.name.isidentifier()] or ["2.5"]
+            plain = [each.name for each in inputs if re.fullmatch(r"[^\W\d]\w*", each.name)] or [
+                "2.5"
+            ]
             first, second = draw(st.sampled_from(plain)), draw(st.sampled_from(plain))
             pattern = draw(
                 st.sampled_from(["{} + 0.5 * {}", "sin({}) - abs({}) / 3", "max({}, 2 - {} ^ 2)"])

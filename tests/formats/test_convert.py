@@ -16,10 +16,11 @@ from strategies import input_points, rulebases
 from fuzzyarm import shipped
 from fuzzyarm.cli.corpus import difference
 from fuzzyarm.cli.main import main
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats import same_model, write
 from fuzzyarm.formats.registry import read
 from fuzzyarm.formats.tables import in_tables
-from fuzzyarm.inference import InferenceError, infer, prepare
+from fuzzyarm.inference import infer, prepare
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.model.rulebase import RuleBase
 
@@ -283,5 +284,5 @@ def outcome(rulebase: RuleBase, at: dict[str, float]) -> dict[str, float]:
     held = {output.name: 0.25 for output in rulebase.outputs}
     try:
         return prepare(rulebase).evaluate(at, held)
-    except InferenceError:
+    except FuzzyarmError:
         return {}

@@ -70,7 +70,7 @@ def test_a_slow_session_completes_with_the_meaning_it_had_last() -> None:
 
 def _slow_to_check(name: str) -> str:
     """Return a small file whose check takes seconds: its expectations are slow."""
-    expectations = "".join(f"expect a = {i / 400} -> u > 2\n" for i in range(400))
+    expectations = "".join(f"expect a = {i / 4000} -> u > 2\n" for i in range(4000))
     return (
         f"rulebase {name}\ninput a 0 .. 1\noutput u 0 .. 1\nterms a, u: triangles N P\n"
         "inference defuzzifier centroid(60000), implication hamacher, aggregation einstein\n"

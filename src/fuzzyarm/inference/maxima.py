@@ -119,7 +119,18 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
     if searched:
         wide = _widened(value, sorted({x for _, x, _ in found}), greatest, cells)
     near = NEAR * (output.high - output.low)
-    return _apart(found, near) + [(a, b) for a, b in wide if b - a > near]
+    return _apart(found, near) + [(a, b) for a, b in _joined(wide) if b - a > near]
+
+
+def _joined(stretches: Intervals) -> Intervals:
+    """Return stretches with those that touch as one: a plateau may go on beyond a corner."""
+    joined: Intervals = []
+    for start, end in sorted(stretches):
+        if joined and start <= joined[-1][1]:
+            joined[-1] = (joined[-1][0], max(joined[-1][1], end))
+        else:
+            joined.append((start, end))
+    return joined
 
 
 def _apart(found: Heights, near: float) -> Intervals:
