@@ -300,3 +300,25 @@ def test_a_large_table_has_the_values_of_a_small_one(pd7):
     axis = np.array(table.axes[0].levels)
     there = infer(pd7, e=axis[::7, None], ce=axis[None, ::7])["u"]
     assert np.abs(table.values[::7, ::7] - there).max() < 1e-12
+
+
+def test_a_table_of_many_inputs_is_compared_at_points_that_are_drawn():
+    # Three points along each of 16 inputs would be 43 million, with 65,536 corners each.
+    names = [f"x{i}" for i in range(16)]
+    rulebase = parse(
+        "rulebase many\n"
+        + "".join(f"input {name} 0 .. 1\n" for name in names)
+        + "output u 0 .. 1\n"
+        + f"terms {', '.join(names)}, u: triangles L H\n"
+        + "".join(f"rule if {n} is L then u is L\nrule if {n} is H then u is H\n" for n in names)
+        + "lookup\n  levels 0 .. 1 count 2\n"
+    ).rulebase
+    report = compile_with_report(rulebase)
+    for each in report.fidelities:
+        assert each.points == (6_103,)
+        point = dict(each.at)
+        direct = infer(rulebase, point)["u"]
+        assert abs(report.table.lookup(**point, mode=each.mode) - direct) == pytest.approx(
+            each.worst, abs=1e-12
+        )
+        assert 0.0 < each.rms < each.worst

@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from fuzzyarm.table.axis import MODES, Axis, PlainTable, TableError, TableHeader
+    from fuzzyarm.table.axis import MODES, SUFFIXES, Axis, PlainTable, TableError, TableHeader
     from fuzzyarm.table.compiler import compile_table
     from fuzzyarm.table.diff import TableDiff, compare_tables
     from fuzzyarm.table.fidelity import (
@@ -24,11 +24,9 @@ if TYPE_CHECKING:
     from fuzzyarm.table.text import ParsedTable, parse_lut, write_lut
 
 
-SUFFIXES = (".lut", ".csv", ".npz", ".json")
-"""The formats of files that are read back to an identical table."""
-
 _HOMES = {
     "MODES": "axis",
+    "SUFFIXES": "axis",
     "Axis": "axis",
     "CompileReport": "fidelity",
     "Fidelity": "fidelity",

@@ -14,6 +14,9 @@ from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
 
+SUFFIXES = (".lut", ".csv", ".npz", ".json")
+"""The formats of files that are read back to an identical table."""
+
 # --- An axis: its levels, its bins, and the cell that a number falls into ---
 
 MODES = ("bins", "nearest", "linear")

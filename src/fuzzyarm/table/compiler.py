@@ -189,7 +189,7 @@ def sample(
     engine = _engine(rulebase, values.size)
     for start in range(0, levels[0].size, rows):
         part = [levels[0][start : start + rows], *levels[1:]]
-        slab = evaluate(rulebase, output, [a.name for a in axes], part, engine)
+        slab = evaluate(rulebase, output, [a.name for a in axes], np.ix_(*part), engine)
         values[start : start + rows] = slab if rounding is None else round_to(slab, rounding)
     return values
 
@@ -208,20 +208,20 @@ def evaluate(
     points: Sequence[NDArray[np.float64]],
     engine: Engine | None = None,
 ) -> NDArray[np.float64]:
-    """Return the inference on the open mesh of `points`, one 1-D array for each of `names`.
+    """Return the inference at `points`, one array for each of `names`; they are broadcast.
 
     A TableError says where the output has no value (NaN), as a file may state for points
     where no rule fires.
     """
     evaluator = engine or _engine(rulebase, 0)
-    mesh = np.ix_(*points)
-    inputs: dict[str, NDArray[np.float64]] = dict(zip(names, mesh, strict=True))
+    inputs: dict[str, NDArray[np.float64]] = dict(zip(names, points, strict=True))
     result = np.asarray(evaluator(inputs)[output], dtype=np.float64)
-    values = np.broadcast_to(result, [array.size for array in points])
+    values = np.broadcast_to(result, np.broadcast_shapes(*(array.shape for array in points)))
     if not np.isfinite(values).all():
-        where = np.argwhere(~np.isfinite(values))[0]
-        coordinates = zip(names, points, where, strict=True)
-        point = ", ".join(f"{name} = {number_text(float(x[i]))}" for name, x, i in coordinates)
+        where = tuple(np.argwhere(~np.isfinite(values))[0])
+        spread = np.broadcast_arrays(*points)
+        coordinates = [(name, x[where]) for name, x in zip(names, spread, strict=True)]
+        point = ", ".join(f"{name} = {number_text(float(x))}" for name, x in coordinates)
         raise TableError(
             f"output '{output}' has no value at {point}",
             hint="a table needs one in every cell: say in the file what it is where no rule fires",

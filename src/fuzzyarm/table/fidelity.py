@@ -37,6 +37,9 @@ _FEW_POINTS = 4_096
 _SAMPLES = 320_000_000
 """Points times samples of a sampled centroid."""
 
+_CORNERS = 400_000_000
+"""Points times corners of a cell between which the table interpolates."""
+
 
 @dataclass(frozen=True, slots=True)
 class Fidelity:
@@ -92,17 +95,26 @@ def measure_fidelity(
         One for each mode.
     """
     chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
-    points, weights = _dense_grid(table.axes, even_points(rulebase))
     tallies = {mode: _Tally() for mode in chosen}
+    drawn = _drawn_points(table.axes)
+    if drawn is not None:
+        truth = evaluate(rulebase, table.output, table.names, drawn)
+        for mode in chosen:
+            difference = np.abs(table.lookup(*drawn, mode=mode) - truth)
+            tallies[mode].add_drawn(difference, drawn)
+        size = (drawn[0].size,)
+        return tuple(tallies[mode].result(mode, table.names, size) for mode in chosen)
+    points, weights = _dense_grid(table.axes, even_points(rulebase))
     rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
     for start in range(0, points[0].size, rows):
         part = [points[0][start : start + rows], *points[1:]]
         weight = np.ones(())
-        for mesh in np.ix_(weights[0][start : start + rows], *weights[1:]):
-            weight = weight * mesh
-        truth = evaluate(rulebase, table.output, table.names, part)
+        for share in np.ix_(weights[0][start : start + rows], *weights[1:]):
+            weight = weight * share
+        mesh = np.ix_(*part)
+        truth = evaluate(rulebase, table.output, table.names, mesh)
         for mode in chosen:
-            difference = np.abs(table.lookup(*np.ix_(*part), mode=mode) - truth)
+            difference = np.abs(table.lookup(*mesh, mode=mode) - truth)
             tallies[mode].add(difference, weight, part)
     sizes = tuple(x.size for x in points)
     return tuple(tallies[mode].result(mode, table.names, sizes) for mode in chosen)
@@ -123,6 +135,24 @@ def even_points(rulebase: RuleBase) -> int:
 
 
 _Points = list[NDArray[np.float64]]
+
+
+def _drawn_points(axes: Sequence[Axis]) -> _Points | None:
+    """Return points drawn at random where the corners of a grid alone would be too many.
+
+    Each coordinate is even in its range or one of those that a grid has besides. None where a
+    grid serves.
+    """
+    if 3 ** len(axes) <= _DENSE_POINTS:
+        return None
+    count = min(_DENSE_POINTS, max(256, _CORNERS >> len(axes)))
+    draw = np.random.default_rng(len(axes))
+    points = []
+    for axis in axes:
+        values = draw.uniform(*_ends(axis), count)
+        besides = draw.choice(_besides(axis)[0], count)
+        points.append(np.where(draw.random(count) < 0.5, values, besides))
+    return points
 
 
 def dense_points(axes: Sequence[Axis]) -> list[NDArray[np.float64]]:
@@ -188,6 +218,14 @@ class _Tally:
             self.worst = float(difference.flat[k])
             where = np.unravel_index(k, difference.shape)
             self.at = tuple(float(x[i]) for x, i in zip(points, where, strict=True))
+
+    def add_drawn(self, difference: NDArray[np.float64], points: _Points) -> None:
+        """Add points that have no grid, all of one weight."""
+        self.squares += float(np.sum(difference * difference))
+        self.weight += difference.size
+        k = int(np.argmax(difference))
+        self.worst = float(difference[k])
+        self.at = tuple(float(x[k]) for x in points)
 
     def result(self, mode: str, names: Sequence[str], sizes: tuple[int, ...]) -> Fidelity:
         rms = math.sqrt(self.squares / self.weight) if self.weight else 0.0

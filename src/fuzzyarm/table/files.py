@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.language.tokens import Cursor, Token
-from fuzzyarm.table import SUFFIXES
-from fuzzyarm.table.axis import Axis, PlainTable, TableError, TableHeader
+from fuzzyarm.table.axis import SUFFIXES, Axis, PlainTable, TableError, TableHeader
 from fuzzyarm.table.header import (
     FORMAT,
     KEYWORDS,
