@@ -23,12 +23,14 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm.controller import controller
-from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
 from fuzzyarm.inference.aggregate import positions
+from fuzzyarm.language import load_rulebase
 from fuzzyarm.loop import Options, simulate, simulate_batch
 from fuzzyarm.model.rulebase import RuleBase, propositions
 from fuzzyarm.model.shapes import membership
 from fuzzyarm.plant import reach_return
+from fuzzyarm.shipped_files import shipped
+from fuzzyarm.table import read_table
 
 ROUNDS = 7
 REPEATS = 15
@@ -93,8 +95,8 @@ def c_rules(name: str, rulebase: RuleBase) -> str:
 
 def write_data(folder: Path) -> None:
     """Write the rules and tables of the shipped files as C data."""
-    table = shipped_table("thesis-6.1.lut")
-    performance = shipped_table("performance-yamazaki.lut")
+    table = read_table(shipped("thesis-6.1.lut"))
+    performance = read_table(shipped("performance-yamazaki.lut"))
     text = (
         "struct rules { double e[7][4], ce[7][4]; int then[7][7]; "
         "double at[101], set[7][101]; int first[7], stop[7]; };\n"
@@ -102,8 +104,8 @@ def write_data(folder: Path) -> None:
         f"static const double control_table[13][13] = {c_array(table.values.tolist())};\n"
         f"static const double performance_table[13][13] = {c_array(performance.values.tolist())};\n"
     )
-    text += c_rules("control_rules", shipped_rulebase("pd7-study.frb"))
-    text += c_rules("alpha_rules", shipped_rulebase("alpha7-study.frb"))
+    text += c_rules("control_rules", load_rulebase(shipped("pd7-study.frb")))
+    text += c_rules("alpha_rules", load_rulebase(shipped("alpha7-study.frb")))
     (folder / "closed_loop_data.h").write_text(text)
 
 

@@ -8,18 +8,17 @@ import tempfile
 from pathlib import Path
 
 from fuzzyarm.controller import Sources, controller
-from fuzzyarm.controller.sources import JointTables, joint_tables, over_joints, shipped_table
 from fuzzyarm.learning.self_organizing import train
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place, reach_return
+from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table, write_table
 
-judge = shipped_table("performance-yamazaki.lut")
-grid = joint_tables(judge)  # its levels and bins; the control table gets the same
+judge = read_table(shipped("performance-yamazaki.lut"))  # the control table has its levels
 learner = controller("soc-zero").with_gains({"learning_rate": [0.01]})
 
 last = None
-for last in train(learner, pick_and_place(), (13, 13), passes=5, payload=True):
+for last in train(learner, pick_and_place(), passes=5, payload=True):
     used = (last.learned.visits > 0).sum(axis=(1, 2))
     print(
         f"pass {last.passage}: RMS error {last.rms[0]:.4f}° and {last.rms[1]:.4f}°, "
@@ -27,8 +26,7 @@ for last in train(learner, pick_and_place(), (13, 13), passes=5, payload=True):
     )
 assert last is not None
 
-tables = JointTables(grid.rows, grid.columns, last.learned.values, grid.mode)
-learned = over_joints(tables, judge)
+learned = last.learned.table(judge)
 with tempfile.TemporaryDirectory() as folder:
     file = Path(folder) / "learned.lut"  # an ordinary table: show it, diff it, compile it to C
     write_table(learned, file)

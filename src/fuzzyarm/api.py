@@ -7,10 +7,11 @@ import warnings
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language import Parsed, load_rulebase, parse, read_text
+from fuzzyarm.language import Parsed, parse, read_text
 from fuzzyarm.language.check import check
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
@@ -18,6 +19,7 @@ from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 if TYPE_CHECKING:
+    from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.table import LookupTable
 
 
@@ -53,14 +55,14 @@ class UnknownKindError(FuzzyarmError, ValueError):
         self.path = path
 
 
-def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
-    """Return the rule base or lookup table in the file at `path`, by its suffix.
+def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerText:
+    """Return the rule base, controller or lookup table in the file at `path`, by its suffix.
 
     Parameters
     ----------
     path : path-like
-        A rule base (``.frb``, ``.fll``, ``.fcl``, ``.fis``, ``.fml``) or a table (``.lut``,
-        ``.csv``, ``.npz``, ``.json``).
+        A rule base or a controller (``.frb``), a rule base of another program (``.fll``,
+        ``.fcl``, ``.fis``, ``.fml``) or a table (``.lut``, ``.csv``, ``.npz``, ``.json``).
 
     Warns
     -----
@@ -80,7 +82,14 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable:
     name = os.fspath(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix == ".frb":
-        return load_rulebase(path)
+        parsed = parse(read_text(path), name)
+        if parsed.controller is not None:
+            from fuzzyarm.controller.text import read_controller
+
+            return read_controller(path)
+        if parsed.rulebase is None:
+            raise RuleBaseError(parsed.diagnostics)
+        return parsed.rulebase
     if suffix in SUFFIXES:
         from fuzzyarm.table import read_table
 
@@ -160,11 +169,16 @@ def check_parsed(
     on_step : callable
         Called now and then; what it raises ends the check.
     """
+    found = list(parsed.diagnostics)
+    if parsed.controller is not None:
+        from fuzzyarm.controller.text import with_files
+
+        found += with_files(parsed.controller, Path(path).parent, path)[1]
     if parsed.rulebase is None:
-        return Review(text, parsed.diagnostics)
+        return Review(text, tuple(found))
     more = failed_expectations(parsed.rulebase, on_step) if failed is None else failed
     findings = check(parsed.rulebase, parsed.document, path=path, more=more, on_step=on_step)
-    merged = sorted((*parsed.diagnostics, *findings), key=lambda d: (d.span, d.name))
+    merged = sorted((*found, *findings), key=lambda d: (d.span, d.name))
     return Review(text, tuple(merged), parsed.rulebase)
 
 

@@ -10,16 +10,37 @@ import numpy as np
 import pytest
 
 from fuzzyarm.controller import Controller, SourceError, Sources, controller
-from fuzzyarm.controller.fuzzy import magnification
-from fuzzyarm.controller.sources import joined, joint_tables, shipped_rulebase, shipped_table
+from fuzzyarm.controller.catalogue import Choice, text_controller
+from fuzzyarm.controller.kernel import zoom
+from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.inference import prepare
-from fuzzyarm.language import load_rulebase
+from fuzzyarm.language import RuleBaseError, load_rulebase
 from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import PLAIN, STUDY_TABLES, Clock, Reference, State, pick_and_place
-from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.shipped_files import shipped
+from fuzzyarm.table import Axis, LookupTable, read_table
 
 SHORT = pick_and_place(segment=0.4)
 INTERPRETED = Options(compiled=False)
+
+
+def shipped_rulebase(name):
+    return load_rulebase(shipped(name))
+
+
+def shipped_table(name):
+    return read_table(shipped(name))
+
+
+def edited(name, folder, *changes):
+    """Return a shipped controller with some words of its text changed."""
+    text = shipped(name).read_text()
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    file = folder / name
+    file.write_text(text)
+    return text_controller(file, Choice())
 
 
 def motor(control, velocity, ratio):
@@ -62,15 +83,15 @@ def test_a_table_that_is_interpolated():
 
 def test_one_table_for_each_joint_and_any_order_of_its_axes():
     first, second = shipped_table("thesis-6.1.lut"), shipped_table("performance-yamazaki.lut")
-    both = joined(first, second)
-    assert both.names == ("joint", "e", "ce")
-    made = controller("fuzzy-lut", sources=Sources(table=both))
     tables = (first, second)
-    same(made, Written(lambda j, e, ce: tables[j].lookup(e, ce), 108.0), 1e-6)
+    joint = Axis("joint", (1, 2))
+    both = LookupTable((joint, *first.axes), "u", np.stack([first.values, second.values]))
     turned = LookupTable(
         (both.axes[2], both.axes[0], both.axes[1]), "u", np.transpose(both.values, (2, 0, 1))
     )
-    np.testing.assert_array_equal(joint_tables(turned).values, both.values)
+    written = Written(lambda j, e, ce: tables[j].lookup(e, ce), 108.0)
+    for given in (tables, both, turned):
+        same(controller("fuzzy-lut", sources=Sources(table=given)), written, 1e-6)
 
 
 def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(tmp_path):
@@ -97,7 +118,7 @@ def test_direct_control_of_one_rule_base_and_of_one_with_the_joint_as_an_input(t
 
 
 @pytest.mark.parametrize("smooth", [0.0, 1.0])
-def test_self_tuning_with_a_zoom(smooth):
+def test_self_tuning_with_a_zoom(smooth, tmp_path):
     rules = prepare(shipped_rulebase("pd7-study.frb"))
     factor = prepare(shipped_rulebase("alpha7-study.frb"))
 
@@ -109,7 +130,8 @@ def test_self_tuning_with_a_zoom(smooth):
         point = {"e": zoom * e, "ce": zoom * ce}
         return 3.0 * rules.evaluate(point)["u"] * factor.evaluate(point)["alpha"]
 
-    same(controller("cfaf").with_gains({"smooth": [smooth]}), Written(decide, 1080.0))
+    edge = ("inside window", "inside window, edge wait" if smooth else "inside window")
+    same(edited("cfaf.frb", tmp_path, edge), Written(decide, 1080.0))
 
 
 @pytest.mark.parametrize(
@@ -128,8 +150,8 @@ def test_the_window_of_the_zoom_includes_its_edge(e, ce, zoomed):
     factor = prepare(shipped_rulebase("alpha7-study.frb"))
     point = {"e": 2.0 * e, "ce": 2.0 * ce} if zoomed else {"e": e, "ce": ce}
     control = 3.0 * rules.evaluate(point)["u"] * factor.evaluate(point)["alpha"]
-    # Gains of π make the scaled errors exact.
-    made = controller("cfaf").with_gains({"G_e": [math.pi], "G_ce": [math.pi]})
+    # Gains of 1 make the scaled errors exact.
+    made = controller("cfaf").with_gains({"G_e": [1.0], "G_ce": [1.0]})
     reference = Reference((e, 0.0), (ce, 0.0), (0.0, 0.0))
     torque = made.torque(reference, State((0.0, 0.0), (0.0, 0.0)), Clock(0.0006, False, False))
     assert torque[0] == pytest.approx(motor(control, 0.0, 80.0), rel=1e-9)
@@ -137,10 +159,13 @@ def test_the_window_of_the_zoom_includes_its_edge(e, ce, zoomed):
 
 def test_smooth_zoom_has_no_jump_and_the_abrupt_one_has():
     sizes = np.linspace(0.0, 6.0, 6001)
-    seen = {
-        smooth: np.array([s * magnification(s, 2.0, 3.0, smooth) for s in sizes])
-        for smooth in (0.0, 1.0)
-    }
+
+    def zoomed(size, smooth):
+        cells = np.array([2.0, 3.0, size])
+        zoom(np.array([0, 1, int(smooth), 2]), cells, 0, 1)
+        return cells[2]
+
+    seen = {smooth: np.array([zoomed(s, smooth) for s in sizes]) for smooth in (0.0, 1.0)}
     assert np.abs(np.diff(seen[1.0])).max() < 0.0021
     assert (np.diff(seen[1.0]) >= -1e-12).all()
     assert np.diff(seen[0.0]).min() < -2.9
@@ -163,7 +188,7 @@ def test_an_edit_of_the_rule_base_shows(tmp_path):
         ("pd", {"table": "thesis-6.1.lut"}, "takes no table"),
         ("fuzzy-lut", {"rulebase": "pd7.frb"}, "takes no rulebase"),
         ("cdid+fuzzy-lut", {"performance": "performance-yamazaki.lut"}, "takes no performance"),
-        ("fuzzy-direct", {"rulebase": "thermostat.frb"}, "asks for 'error'|2 outputs|conjunction"),
+        ("fuzzy-direct", {"rulebase": "thermostat.frb"}, "is asked for"),
     ],
 )
 def test_sources_that_do_not_serve(name, sources, word):
@@ -178,16 +203,24 @@ def test_sources_that_do_not_serve(name, sources, word):
 def test_tables_that_do_not_serve():
     axes = (Axis("e", (-1, 0, 1)), Axis("rate", (-1, 0, 1)))
     odd = LookupTable(axes, "u", np.zeros((3, 3)))
-    with pytest.raises(SourceError, match="over e and ce"):
+    with pytest.raises(SourceError, match="is asked for 'rate'"):
         controller("fuzzy-lut", sources=Sources(table=odd))
     joints = LookupTable(
         (Axis("joint", (0, 1)), Axis("e", (-1, 1)), Axis("ce", (-1, 1))), "u", np.zeros((2, 2, 2))
     )
-    with pytest.raises(SourceError, match="levels 1 and 2"):
-        controller("fuzzy-lut", sources=Sources(table=joints))
-    small = LookupTable((Axis("e", (-1, 1)), Axis("ce", (-1, 1))), "u", np.zeros((2, 2)))
-    with pytest.raises(SourceError, match="differ in their levels"):
-        joined(small, shipped_table("thesis-6.1.lut"))
+    with pytest.raises(SourceError, match="levels 1, 2"):
+        controller("fuzzy-lut", sources=Sources(table=joints)).start()
+
+
+def test_a_text_and_files_that_do_not_fit(tmp_path):
+    for before, after, word in (
+        ("table F(e, ce)", "table F(e)", "has 2 inputs, the line gives 1"),
+        ("table F(e, ce)", "rules F(e, ce)", "'F' is a table"),
+        ("thesis-6.1.lut", "pd7.frb", "'F' is a rule base"),
+        ("thesis-6.1.lut", "nothing.lut", "cannot read 'nothing.lut'"),
+    ):
+        with pytest.raises(RuleBaseError, match=word):
+            edited("fuzzy-lut.frb", tmp_path, (before, after))
 
 
 def test_a_hybrid_is_the_ordinary_sum():
@@ -195,7 +228,7 @@ def test_a_hybrid_is_the_ordinary_sum():
     state, clock = State((0.29, -0.21), (0.12, 0.1)), Clock(0.0006, False, False)
     parts = [controller("cdid"), controller("fuzzy-lut"), controller("ie")]
     total = parts[0] + parts[1] + parts[2]
-    made = controller("cdid+fuzzy").with_gains({"whole_run": [0.0]})
+    made = controller("cdid+fuzzy")
     for each in (*parts, total, made):
         each.start()
     want = np.sum([each.torque(reference, state, clock) for each in parts], axis=0)
@@ -206,12 +239,14 @@ def test_a_hybrid_is_the_ordinary_sum():
 
 def test_the_constant_for_pi_of_a_run_scales_the_errors():
     made = controller("fuzzy-lut")
-    from fuzzyarm.controller.law import Arithmetic
-
-    study = made.block(Arithmetic(STUDY_TABLES.single, STUDY_TABLES.pi)).numbers
-    plain = made.block(Arithmetic(PLAIN.single, PLAIN.pi)).numbers
-    assert study[0] == float(np.float32(108.0 / 3.142857))
-    assert plain[0] == 108.0 / math.pi
+    law = made.law
+    for conventions, gain in (
+        (STUDY_TABLES, float(np.float32(108.0 / 3.142857))),
+        (PLAIN, 108.0 / math.pi),
+    ):
+        arithmetic = Arithmetic(conventions.single, conventions.pi)
+        cells = law.program(arithmetic).gains["G_e"]
+        assert [made.block(arithmetic).memory[cell] for cell in cells] == [gain, gain]
 
 
 C_LOOPS = ["fuzzy-lut", "cdid+fuzzy", "soc-zero", "fuzzy-direct", "stfc", "cfaf", "hfie", "mrac"]

@@ -5,13 +5,34 @@ import math
 import numpy as np
 import pytest
 
-from fuzzyarm.controller import Controller, SourceError, Sources, controller
-from fuzzyarm.controller.self_organizing import learned
-from fuzzyarm.controller.sources import shipped_table
+from fuzzyarm.controller import Controller, Sources, controller
+from fuzzyarm.controller.catalogue import CATALOGUE, Choice, text_controller
+from fuzzyarm.controller.law import Arithmetic
+from fuzzyarm.controller.on_arm import learned
+from fuzzyarm.controller.text import teaching
+from fuzzyarm.kernels import jit_wanted
+from fuzzyarm.language import RuleBaseError
 from fuzzyarm.learning.self_organizing import train
 from fuzzyarm.loop import Options, simulate, simulate_batch
 from fuzzyarm.plant import ArmError, pick_and_place, reach_return
-from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.shipped_files import shipped
+from fuzzyarm.table import Axis, LookupTable, read_table
+
+
+def shipped_table(name):
+    return read_table(shipped(name))
+
+
+def taught(name, rate=None, delay=None, **sources):
+    """Return a shipped controller that learns, at another rate or delay."""
+    choice = Choice(sources=Sources(**sources))
+    return text_controller(CATALOGUE[name].file(), choice, change=teaching(rate, delay))
+
+
+def kept_by(made, run):
+    """Return what it has learned in a run."""
+    return learned(made.law, Arithmetic(compiled=jit_wanted()), run.memory)
+
 
 SHORT = pick_and_place(segment=0.4)
 YAMAZAKI = shipped_table("performance-yamazaki.lut")
@@ -61,13 +82,12 @@ class Described(Controller):
 def test_runs_like_its_description(performance, start, rate, delay):
     table = shipped_table(start) if start else None
     begin = table.values if table else np.zeros((13, 13))
-    made = controller("soc-zero", sources=Sources(table=table, performance=performance))
-    made = made.with_gains({"learning_rate": [rate], "delay": [delay]})
+    made = taught("soc-zero", rate, delay, table=table, performance=performance)
     told = Described(performance, begin, rate, delay)
     ours, theirs = simulate(made, SHORT, payload=True), simulate(told, SHORT, payload=True)
     # The last bits differ by the order of multiplications, and the loop magnifies them.
     np.testing.assert_allclose(ours.errors[:300], theirs.errors[:300], atol=1e-5)
-    kept = learned(ours.memory, delay, (13, 13))
+    kept = kept_by(made, ours)
     assert np.abs(kept.values).max() <= 6.0
     assert kept.visits.sum() == 2 * 5 * len(ours.errors)
     untouched = kept.visits == 0
@@ -88,42 +108,42 @@ def test_the_bound_holds_and_a_performance_table_of_another_grid_serves():
         (Axis("e", (-1, 0, 1), (-0.5, 0.5)), Axis("ce", (0,))), "p", [[-2], [0], [2]]
     )
     made = controller("soc-table", sources=Sources(performance=coarse))
-    run = simulate(made.with_gains({"bound": [2.5]}), SHORT)
-    kept = learned(run.memory, 1, (13, 13))
+    made = made.with_gains({"bound": [2.5]})
+    kept = kept_by(made, simulate(made, SHORT))
     changed = kept.values != shipped_table("thesis-6.1.lut").values
     assert changed.any()
     assert np.abs(kept.values[changed]).max() == 2.5
 
 
-@pytest.mark.parametrize("delay", [-1.0, 0.5, 2000.0])
-def test_a_delay_out_of_sense_is_refused(delay):
-    with pytest.raises(SourceError, match="control periods"):
-        controller("soc-zero").with_gains({"delay": [delay]})
+@pytest.mark.parametrize("delay", ["-1", "0.5", "2000"])
+def test_a_delay_out_of_range_is_refused(delay, tmp_path):
+    file = tmp_path / "soc.frb"
+    file.write_text(CATALOGUE["soc-zero"].file().read_text().replace("delay 1", f"delay {delay}"))
+    with pytest.raises(RuleBaseError, match="periods is out of range"):
+        text_controller(file, Choice())
 
 
 def test_tables_that_cannot_be_corrected_are_refused():
     smooth = LookupTable(YAMAZAKI.axes, "u", np.zeros((13, 13)), mode="linear")
-    with pytest.raises(SourceError, match="no responsible cell"):
+    with pytest.raises(RuleBaseError, match="no responsible cell"):
         controller("soc-zero", sources=Sources(table=smooth))
 
 
 def test_training_in_stretches_is_one_run():
     made = controller("soc-zero")
     whole = simulate(made, SHORT, payload=True)
-    shots = list(train(made, SHORT, (13, 13), every=37, payload=True))
+    shots = list(train(made, SHORT, every=37, payload=True))
     assert shots[-1].complete
     assert not any(shot.complete for shot in shots[:-1])
     np.testing.assert_array_equal(shots[-1].errors, whole.errors)
-    np.testing.assert_array_equal(
-        shots[-1].learned.values, learned(whole.memory, 1, (13, 13)).values
-    )
+    np.testing.assert_array_equal(shots[-1].learned.values, kept_by(made, whole).values)
     growing = [int(shot.learned.visits.sum()) for shot in shots]
     assert growing == sorted(growing)
 
 
 def test_passes_go_on_from_what_was_learned():
     made = controller("soc-zero").with_gains({"learning_rate": [0.01]})
-    shots = list(train(made, pick_and_place(), (13, 13), passes=3, payload=True))
+    shots = list(train(made, pick_and_place(), passes=3, payload=True))
     assert [shot.passage for shot in shots] == [1, 2, 3]
     assert (shots[2].rms < 0.1 * shots[0].rms).all()
     assert shots[2].points == 3 * shots[0].points
@@ -131,7 +151,7 @@ def test_passes_go_on_from_what_was_learned():
 
 def test_a_training_that_diverges_ends_there():
     made = controller("soc-zero").with_gains({"supply": [1e6]})
-    *_, last = train(made, SHORT, (13, 13), passes=5)
+    *_, last = train(made, SHORT, passes=5)
     assert last.diverged is not None
     assert last.passage == 1
 
@@ -196,9 +216,8 @@ def test_an_error_on_the_edge_of_a_bin_belongs_to_the_lower_cell():
     judge = start.with_values(judgement)
     coarse = LookupTable((pinhole("e"), Axis("ce", (0,))), "p", judgement[:, 1:2])
     for performance in (judge, coarse):
-        made = controller("soc-table", sources=Sources(table=start, performance=performance))
-        run = simulate(made.with_gains({"delay": [0]}), SHORT)
-        kept = learned(run.memory, 0, (3, 3))
+        made = taught("soc-table", delay=0, table=start, performance=performance)
+        kept = kept_by(made, simulate(made, SHORT))
         assert kept.visits[:, 1, 1].min() >= 1
         # Without a delay the cell in use is the responsible one.
         assert kept.values[:, 1, 1].min() >= 2.0

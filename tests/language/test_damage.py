@@ -84,12 +84,17 @@ def assert_sound(text):
         assert diagnostic.name
         assert diagnostic.message
     render_all(parsed.diagnostics, text)
-    if parsed.rulebase is None:
-        assert any(d.is_error for d in parsed.diagnostics)
+    if any(d.is_error for d in parsed.diagnostics):
+        assert parsed.rulebase is None
+        assert parsed.controller is None
         return
-    check(parsed.rulebase, parsed.document)
+    assert parsed.rulebase is not None or parsed.controller is not None
+    if parsed.rulebase is not None:
+        check(parsed.rulebase, parsed.document)
     formatted = format_text(text)
-    assert parse(formatted).rulebase == parsed.rulebase
+    again = parse(formatted)
+    assert again.rulebase == parsed.rulebase
+    assert again.controller == parsed.controller
     assert format_text(formatted) == formatted
 
 

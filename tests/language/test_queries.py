@@ -474,3 +474,59 @@ def test_no_damage_stops_a_question() -> None:
         assert places == sorted(places)
         for finding in check_text(text).diagnostics:
             fixes(finding, text, [])
+
+
+CONTROLLER = """controller c "of one shaft"
+use pd from "pd7.frb"
+period 1 ms
+gain G_e = 2 "1/rad"
+axis shaft
+  e = error of position * G_e
+  ce = rate of e
+  u = rules pd(e, ce)
+  drive voltage = u * G_e
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "text", "wanted"),
+    [
+        (6, "  e = ", {"error", "integral", "rules", "G_e"}),
+        (6, "  e = error of ", {"position"}),
+        (6, "  e = error of position * ", {"G_e"}),
+        (8, "  u = rules ", {"pd"}),
+        (8, "  u = rules pd(", {"e", "ce", "G_e"}),
+        (3, "period 1 ", {"ms", "s", "h"}),
+        (9, "  drive ", {"voltage", "torque"}),
+        (9, "  drive voltage = ", {"u", "e", "G_e"}),
+        (10, "  ", {"zoom", "learn", "drive"}),
+        (10, "", {"use", "gain", "axis"}),
+        (7, "  ce = rate of e, filter 3 ", {"ms", "min"}),
+    ],
+)
+def test_a_controller_is_completed(line, text, wanted):
+    lines = CONTROLLER.split("\n")
+    lines[line - 1] = text
+    reading = read("\n".join(lines))
+    offered = {candidate.label for candidate in complete(reading, line, len(text) + 1)}
+    assert wanted <= offered
+    assert not offered & {"rulebase NAME", "terms", "e \\ ce"}
+
+
+def test_a_controller_is_explained_renamed_and_outlined():
+    reading = read(CONTROLLER)
+    assert "gain" in hover(reading, 6, 27).markdown
+    assert hover(reading, 9, 19).markdown.startswith("`u = rules pd(e, ce)`")
+    assert "used 1 time" in hover(reading, 9, 19).markdown
+    assert "port" in hover(reading, 9, 10).markdown
+    assert "how often" in hover(reading, 3, 2).markdown
+    edits = rename(reading, 7, 3, "rate_of_e")
+    assert [(edit.span.line, edit.text) for edit in edits] == [(7, "rate_of_e"), (8, "rate_of_e")]
+    names = [(symbol.kind, symbol.name) for symbol in symbols(reading)]
+    assert ("controller", "c") in names
+    assert ("gain", "G_e") in names
+    assert ("axis", "shaft") in names
+    colours = {(c.line, c.column): c.colour for c in coloured(reading)}
+    assert colours[(1, 1)] == "keyword"
+    assert colours[(6, 3)] == "variable"
+    assert colours[(9, 9)] == "property"

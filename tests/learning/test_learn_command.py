@@ -114,6 +114,9 @@ def test_every_shows_the_table_grow(capsys):
 def test_a_rate_out_of_range_is_told_with_the_range(capsys):
     status, _, err = run(capsys, "learn", "--rate", "-1")
     assert status == 1
+    assert "--rate takes 0 to 10, not -1" in err
+    status, _, err = run(capsys, "learn", "--set", "learning_rate=-1")
+    assert status == 1
     assert "gain learning_rate = -1.0 is out of range" in err
     assert "a number from 0 to 10" in err
 

@@ -172,7 +172,9 @@ import json, sys
 import numpy as np
 from fuzzyarm import compiled, kernels
 from fuzzyarm.controller import controller
-from fuzzyarm.controller.sources import shipped_rulebase, shipped_table
+from fuzzyarm.language import load_rulebase
+from fuzzyarm.shipped_files import shipped
+from fuzzyarm.table import read_table
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import reach
 from fuzzyarm.table import lookup
@@ -181,8 +183,8 @@ told = []
 kernels.watch_compiling(told.append)
 x = np.linspace(-6.0, 6.0, 7)
 run = simulate(controller("pd"), reach(segment=0.1, hold=0.1))
-control = compiled(shipped_rulebase("pd7.frb"))(e=x, ce=x[::-1])
-table = shipped_table("thesis-6.1.lut").lookup(x, x[::-1])
+control = compiled(load_rulebase(shipped("pd7.frb")))(e=x, ce=x[::-1])
+table = read_table(shipped("thesis-6.1.lut")).lookup(x, x[::-1])
 print(json.dumps([list(run.rms), control["u"].tolist(), table.tolist(), len(told)]))
 """
 """Runs a loop, a rule base and a table as machine code; tells how much was compiled."""
@@ -370,8 +372,8 @@ def test_damaged_files_of_numba_are_compiled_again(tmp_path):
 
 
 def test_digest_covers_every_kernel_file(monkeypatch):
-    from fuzzyarm.controller.law import law_at_address, summed_torque
-    from fuzzyarm.controller.self_organizing import self_organizing_torque
+    from fuzzyarm.controller.law import summed_torque
+    from fuzzyarm.controller.on_arm import text_torque
     from fuzzyarm.loop.loop import run_loop
 
     read = []
@@ -385,8 +387,8 @@ def test_digest_covers_every_kernel_file(monkeypatch):
     kernels._source_digest(run_loop, {"control": summed_torque})
     assert {"loop.py", "arm.py", "setting.py", "law.py", "kernels.py"} <= set(read)
     read.clear()
-    kernels._source_digest(law_at_address, {"law_kernel": self_organizing_torque})
-    assert {"law.py", "self_organizing.py", "sources.py", "arm.py", "setting.py"} <= set(read)
+    kernels._source_digest(text_torque, {})
+    assert {"on_arm.py", "kernel.py", "lookup.py", "arm.py", "setting.py"} <= set(read)
 
 
 @pytest.mark.slow

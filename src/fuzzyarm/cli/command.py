@@ -230,12 +230,29 @@ def require_suffix(path: str, known: Iterable[str]) -> str:
     return suffix
 
 
-def load_rulebase(path: str, option: str) -> RuleBase:
-    """Return the rule base in a file that was given for `option`."""
+def load_sheet(path: str) -> RuleBase | LookupTable:
+    """Return the rule base or table in a file; of a controller, the rule base beside it."""
     from fuzzyarm.api import load
     from fuzzyarm.model.rulebase import RuleBase
 
     model = load(path)
+    if isinstance(model, RuleBase):
+        return model
+    from fuzzyarm.table import LookupTable
+
+    if isinstance(model, LookupTable):
+        return model
+    if model.model.rulebases:
+        return model.model.rulebases[0]
+    hint = f"fuzzyarm simulate {path} runs it"
+    raise WordError(f"{path} is a controller, not a rule base or a table", hint=hint)
+
+
+def load_rulebase(path: str, option: str) -> RuleBase:
+    """Return the rule base in a file that was given for `option`."""
+    from fuzzyarm.model.rulebase import RuleBase
+
+    model = load_sheet(path)
     if not isinstance(model, RuleBase):
         raise WordError(f"{option} takes a rule base, and {path} is a table")
     return model
@@ -243,10 +260,9 @@ def load_rulebase(path: str, option: str) -> RuleBase:
 
 def load_table(path: str) -> LookupTable:
     """Return the table in a file; a rule base is compiled at the levels of its file."""
-    from fuzzyarm.api import load
     from fuzzyarm.model.rulebase import RuleBase
 
-    model = load(path)
+    model = load_sheet(path)
     if isinstance(model, RuleBase):
         from fuzzyarm.table import compile_table
 

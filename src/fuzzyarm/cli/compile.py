@@ -34,6 +34,7 @@ from fuzzyarm.cli.command import (
     flag,
     group,
     json_of,
+    load_sheet,
     out,
     print_json,
     read_number,
@@ -58,7 +59,6 @@ _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.api import load
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import SUFFIXES
 
@@ -66,7 +66,7 @@ def _run(arguments: argparse.Namespace) -> int:
     exports = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS)) in _EXPORTS
     if not exports:
         _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
-    model = load(arguments.file)
+    model = load_sheet(arguments.file)
     if not isinstance(model, RuleBase):
         _forbid(arguments, _RULES_ONLY, f"{arguments.file} is a table already")
         if arguments.output not in (None, model.output):

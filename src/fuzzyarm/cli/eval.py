@@ -22,6 +22,7 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     json_of,
+    load_sheet,
     print_json,
     read_assignments,
     read_point,
@@ -39,9 +40,8 @@ if TYPE_CHECKING:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.api import load
 
-    model = load(arguments.file)
+    model = load_sheet(arguments.file)
     if isinstance(model, RuleBase):
         _infer(model, arguments)
     else:

@@ -49,14 +49,14 @@ from fuzzyarm.cli.simulate import (
     read_control_table,
     read_performance,
 )
+from fuzzyarm.language.controller_meaning import MAX_DELAY
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from fuzzyarm.controller import Sources
-    from fuzzyarm.controller.self_organizing import Learned
+    from fuzzyarm.controller.on_arm import Learned
     from fuzzyarm.learning.self_organizing import Snapshot
-    from fuzzyarm.table import LookupTable
 
 
 _MOST_PASSES = 10_000
@@ -83,10 +83,7 @@ def _run(arguments: argparse.Namespace) -> int:
         return status
     report = {
         "passes": [training.data(snapshot) for snapshot in finished],
-        "levels": {
-            "e": list(start.rows.levels),
-            "ce": list(start.columns.levels),
-        },
+        "levels": {axis.name: list(axis.levels) for axis in start.axes},
         "tables": last.learned.values.tolist(),
         "visits": last.learned.visits.tolist(),
         "file": arguments.out,
@@ -98,6 +95,12 @@ def _run(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace) -> None:
     if not 1 <= arguments.passes <= _MOST_PASSES:
         raise WordError(f"--passes takes 1 to {_MOST_PASSES}, not {arguments.passes}")
+    from fuzzyarm.controller.on_arm import LARGEST_RATE
+
+    if arguments.rate is not None and not 0.0 <= arguments.rate <= LARGEST_RATE:
+        raise WordError(f"--rate takes 0 to {LARGEST_RATE:g}, not {arguments.rate:g}")
+    if arguments.delay is not None and not 0 <= arguments.delay <= MAX_DELAY:
+        raise WordError(f"--delay takes 0 to {MAX_DELAY} periods, not {arguments.delay}")
     if arguments.every is not None and arguments.every < 1:
         raise WordError(f"--every takes at least 1 set point, not {arguments.every}")
     if arguments.freeze and arguments.out:
@@ -115,39 +118,42 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def _sources(arguments: argparse.Namespace) -> Sources:
     from fuzzyarm.controller import Sources
-    from fuzzyarm.controller.catalogue import TABLE
-    from fuzzyarm.controller.sources import shipped_table
 
     table = None
-    if arguments.start == ["table"]:
-        table = shipped_table(TABLE)
-    elif arguments.start != ["zero"]:
+    if arguments.start not in (["zero"], ["table"]):
         table = read_control_table(arguments.start, "--start")
-    return Sources(table=table, performance=read_performance(arguments.performance))
+    judge = arguments.performance
+    return Sources(table=table, performance=read_performance(judge) if judge else None)
 
 
 class _Training:
     """A training as the arguments ask for it, and what is printed and written of it."""
 
     def __init__(self, arguments: argparse.Namespace) -> None:
-        from fuzzyarm.controller import controller
-        from fuzzyarm.controller.controller import CompiledController
-        from fuzzyarm.controller.self_organizing import starting_tables
-        from fuzzyarm.controller.sources import joint_tables
+        from fuzzyarm.controller.catalogue import CATALOGUE, Choice, TextEntry, text_controller
+        from fuzzyarm.controller.law import Arithmetic
+        from fuzzyarm.controller.on_arm import TextLaw, learned
+        from fuzzyarm.controller.text import teaching
+        from fuzzyarm.table import LookupTable
 
         self.arguments = arguments
-        self.sources = _sources(arguments)
-        made = controller("soc-zero", sources=self.sources).with_gains(
-            {
-                "learning_rate": [0.0 if arguments.freeze else arguments.rate],
-                "delay": [float(arguments.delay)],
-                **overrides(arguments.set),
-            }
+        self.name = arguments.controller or (
+            "soc-table" if arguments.start == ["table"] else "soc-zero"
         )
-        assert isinstance(made, CompiledController)
-        assert self.sources.performance is not None
-        self.controller = made
-        self.start = starting_tables(self.sources.table, joint_tables(self.sources.performance))
+        entry = CATALOGUE.get(self.name)
+        path = entry.file() if isinstance(entry, TextEntry) else self.name
+        change = teaching(0.0 if arguments.freeze else arguments.rate, arguments.delay)
+        made = text_controller(path, Choice(sources=_sources(arguments)), change=change)
+        assert isinstance(made.law, TextLaw)
+        learners = list(made.law.text.learners())
+        if not learners:
+            raise WordError(f"{self.name} has no table that learns")
+        self.text, self.learner = made.law.text, learners[0]
+        sheet = self.text.sheets[self.learner.table][0]
+        assert isinstance(sheet, LookupTable)
+        self.controller = made.with_gains(overrides(arguments.set))
+        self.start = learned(made.law, Arithmetic())
+        self.like = replace(sheet, output="u", description="control, normalised", provenance=())
 
     def snapshots(self) -> Iterator[Snapshot]:
         """Train, with a progress bar where a terminal shows it."""
@@ -155,9 +161,8 @@ class _Training:
         from fuzzyarm.plant.trajectory import sample
 
         arguments = self.arguments
-        trajectory, conventions, arms = experiment_of(arguments, "soc-zero")
+        trajectory, conventions, arms = experiment_of(arguments, self.name)
         points = len(sample(trajectory, conventions).time)
-        shape = len(self.start.rows.levels), len(self.start.columns.levels)
         done = 0
         # A bar and grids on one screen would be in each other's way.
         shown = not arguments.every or arguments.json
@@ -165,7 +170,6 @@ class _Training:
             for snapshot in train(
                 self.controller,
                 trajectory,
-                shape,
                 passes=arguments.passes,
                 every=arguments.every,
                 arms=arms,
@@ -177,29 +181,10 @@ class _Training:
                 learned = snapshot.learned.readable(single=conventions.single)
                 yield replace(snapshot, learned=learned)
 
-    def _tables(self, values: Any) -> list[LookupTable]:
-        """Return the table of each joint over e and ce."""
-        from fuzzyarm.table import LookupTable
-
-        like = self.sources.table or self.sources.performance
-        assert like is not None
-        return [
-            LookupTable(
-                (self.start.rows, self.start.columns),
-                "u",
-                values[joint],
-                low=like.low,
-                high=like.high,
-                description="control, normalised",
-                mode=self.start.mode if self.start.mode != "bins" else None,
-            )
-            for joint in (0, 1)
-        ]
-
     def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view
 
-        pairs = zip(self._tables(self.start.values), self._tables(learned.values), strict=True)
+        pairs = zip(self.start.tables(self.like), learned.tables(self.like), strict=True)
         for joint, (before, after) in enumerate(pairs):
             name, visits = f"joint {joint + 1}", learned.visits[joint]
             console.print(learned_view(before, after, visits, name, with_visits=with_visits))
@@ -239,16 +224,44 @@ class _Training:
 
     def write(self, learned: Learned) -> None:
         """Write the table of one joint, or one over both."""
-        from fuzzyarm.controller.sources import over_joints
         from fuzzyarm.table import write_table
 
-        tables = self._tables(learned.values)
         if self.arguments.joint:
-            table = tables[self.arguments.joint - 1]
+            table = learned.tables(self.like)[self.arguments.joint - 1]
         else:
-            table = over_joints(replace(self.start, values=learned.values), tables[0])
-        origin = tuple(_provenance(self.arguments).items())
+            table = learned.table(self.like)
+        origin = tuple(self._provenance().items())
         write_table(replace(table, provenance=origin), self.arguments.out)
+
+    def _provenance(self) -> dict[str, str]:
+        from fuzzyarm.version import __version__
+
+        arguments, line = self.arguments, self.learner
+        files = {use.name: " ".join(use.files) for use in self.text.model.uses}
+        rate = line.rate
+        if isinstance(rate, str):
+            rate = self.controller.gains[rate].value[0]
+        start = " ".join(Path(word).name for word in arguments.start)
+        judge = files[line.judge].removeprefix("performance-").removesuffix(".lut")
+        pairs = {
+            "made": "learned by self-organizing control",
+            "start": files[line.table] if arguments.controller and start == "zero" else start,
+            "performance": Path(arguments.performance or judge).name,
+            "trajectory": _trajectory_words(arguments),
+            "passes": str(arguments.passes),
+            "learning": f"rate {rate:g}, delay {line.delay}",
+            "conventions": arguments.conventions,
+            "engine": f"fuzzyarm {__version__}",
+        }
+        if arguments.controller:
+            pairs["controller"] = Path(arguments.controller).name
+        if arguments.set:
+            pairs["gains"] = " ".join(arguments.set)
+        if arguments.joint:
+            pairs["joint"] = str(arguments.joint)
+        if arguments.date:
+            pairs["date"] = datetime.now(UTC).date().isoformat()
+        return pairs
 
     def data(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the state of a training as JSON data."""
@@ -269,28 +282,6 @@ class _Training:
                 for joint in (0, 1)
             ],
         }
-
-
-def _provenance(arguments: argparse.Namespace) -> dict[str, str]:
-    from fuzzyarm.version import __version__
-
-    pairs = {
-        "made": "learned by self-organizing control",
-        "start": " ".join(Path(word).name for word in arguments.start),
-        "performance": Path(arguments.performance).name,
-        "trajectory": _trajectory_words(arguments),
-        "passes": str(arguments.passes),
-        "learning": f"rate {arguments.rate:g}, delay {arguments.delay}",
-        "conventions": arguments.conventions,
-        "engine": f"fuzzyarm {__version__}",
-    }
-    if arguments.set:
-        pairs["gains"] = " ".join(arguments.set)
-    if arguments.joint:
-        pairs["joint"] = str(arguments.joint)
-    if arguments.date:
-        pairs["date"] = datetime.now(UTC).date().isoformat()
-    return pairs
 
 
 def _trajectory_words(arguments: argparse.Namespace) -> str:
@@ -314,6 +305,11 @@ COMMANDS = (
         __doc__,
         _run,
         argument(
+            "controller CONTROLLER",
+            "a name or FILE.frb with a table that learns; soc-zero by default",
+            nargs="?",
+        ),
+        argument(
             "--start WORD",
             "zero (default), table (the shipped one), FILE, or a FILE for each joint",
             nargs="+",
@@ -321,17 +317,14 @@ COMMANDS = (
         ),
         argument(
             "--performance WORD",
-            "FILE, or yamazaki (default) or procyk-mamdani, which are shipped",
-            default="yamazaki",
+            "FILE, or yamazaki or procyk-mamdani, which are shipped; by default as the text says",
         ),
         *TRAJECTORY,
         *group(
             "training",
             argument("--passes N", "repeat the trajectory", type=int, default=1),
-            argument("--rate R", "learning rate, 0 to 10", type=float, default=1.0),
-            argument(
-                "--delay N", "control steps from a cell's use to its judgement", type=int, default=1
-            ),
+            argument("--rate R", "learning rate, 0 to 10", type=float),
+            argument("--delay N", "control steps from a cell's use to its judgement", type=int),
             flag("--freeze", "run with the table as it is"),
             SET,
             *CONVENTIONS,

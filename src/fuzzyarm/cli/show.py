@@ -14,6 +14,7 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     json_of,
+    load_sheet,
     out,
     print_json,
     read_assignments,
@@ -41,9 +42,8 @@ inference (or the cell) at one point is shown as well.
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.api import load
 
-    models = [load(path) for path in arguments.files]
+    models = [load_sheet(path) for path in arguments.files]
     if arguments.json:
         data = [_model_data(model) for model in models]
         print_json(data[0] if len(data) == 1 else data, 2, ascii_only=False)
@@ -112,11 +112,10 @@ others at the middle of their ranges or where --at says. A table gives its cells
 
 
 def _plot(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.api import load
     from fuzzyarm.show.figures.style import require_figure_suffix, save_figure
 
     require_figure_suffix(arguments.out)
-    save_figure(_figure(load(arguments.file), arguments), arguments.out)
+    save_figure(_figure(load_sheet(arguments.file), arguments), arguments.out)
     say(f"{arguments.out}: drawn from {arguments.file}")
     return 0
 
@@ -156,12 +155,11 @@ comments and layout do not count. The exit status is 0 whether or not they diffe
 
 
 def _diff(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.api import load
     from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
     from fuzzyarm.show.drawing import make_console
     from fuzzyarm.table.diff import compare_tables
 
-    before, after = load(arguments.before), load(arguments.after)
+    before, after = load_sheet(arguments.before), load_sheet(arguments.after)
     data: dict[str, Any]
     if isinstance(before, RuleBase) and isinstance(after, RuleBase):
         rules = compare_rulebases(before, after)

@@ -1,9 +1,9 @@
 """Run a controller on the two-link arm and report its errors.
 
-CONTROLLER is a name (--list shows all), several names with plus signs between, or a
-Python file of yours (FILE.py or FILE.py:CLASS) with a class derived from
-fuzzyarm.controller.Controller. Errors are degrees: root mean square, largest magnitude
-with its sign, and final. Exit status 3 if the run diverged.
+CONTROLLER is a name (--list shows all), a controller as text (FILE.frb), a Python file of
+yours (FILE.py or FILE.py:CLASS) with a class derived from fuzzyarm.controller.Controller,
+or several of these with plus signs between. Errors are degrees: root mean square, largest
+magnitude with its sign, and final. Exit status 3 if the run diverged.
 
 Examples
 --------
@@ -120,28 +120,23 @@ def _pair(text: str) -> tuple[float, float]:
     return first, second
 
 
-def read_control_table(paths: list[str], option: str) -> LookupTable:
+def read_control_table(paths: list[str], option: str) -> tuple[LookupTable, ...]:
     """Return the table in one file, or the tables of both joints in two.
 
     A rule base is compiled at the levels of its file.
     """
-    from fuzzyarm.controller.sources import joined
-
     if len(paths) > 2:
         raise WordError(f"{option} takes one file, or one for each of the two joints")
-    tables = [load_table(path) for path in paths]
-    return tables[0] if len(tables) == 1 else joined(tables[0], tables[1])
+    return tuple(load_table(path) for path in paths)
 
 
 def read_performance(word: str) -> LookupTable:
     """Return a performance table: of a file, or a shipped one by its author."""
-    from fuzzyarm.controller.sources import shipped_table
-    from fuzzyarm.shipped_files import shipped_names
+    from fuzzyarm.shipped_files import shipped, shipped_names
 
     name = f"performance-{word}.lut"
-    if not Path(word).exists() and name in shipped_names():
-        return shipped_table(name)
-    return load_table(word)
+    known = not Path(word).exists() and name in shipped_names()
+    return load_table(str(shipped(name)) if known else word)
 
 
 # --- The run ---

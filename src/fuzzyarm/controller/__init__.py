@@ -12,11 +12,11 @@
 
 from __future__ import annotations
 
-from fuzzyarm.controller.catalogue import CATALOGUE, UnknownControllerError, controller
+from fuzzyarm.controller.catalogue import CATALOGUE, Sources, UnknownControllerError, controller
 from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.controller.law import Gain, GainError
 from fuzzyarm.controller.own import OwnControllerError, find_controller
-from fuzzyarm.controller.sources import SourceError, Sources
+from fuzzyarm.controller.program import SourceError
 
 __all__ = [
     "CATALOGUE",

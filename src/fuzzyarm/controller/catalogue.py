@@ -8,8 +8,10 @@ default, ``as-described`` follows the text.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
 from typing import Literal
 
 from fuzzyarm.controller.adaptive import (
@@ -26,22 +28,55 @@ from fuzzyarm.controller.conventional import (
     PD_LAW,
     PURE_FEED_FORWARD_LAW,
 )
-from fuzzyarm.controller.fuzzy import coarse_fine_law, direct_law, fuzzy_table_law, self_tuning_law
 from fuzzyarm.controller.law import Law, Origin
-from fuzzyarm.controller.self_organizing import self_organizing_law
-from fuzzyarm.controller.sources import (
-    NONE_GIVEN,
-    SourceError,
-    Sources,
-    shipped_rulebase,
-    shipped_table,
-)
+from fuzzyarm.controller.on_arm import arm_law
+from fuzzyarm.controller.program import Sheet, SourceError
+from fuzzyarm.controller.text import Change, by_name, read_controller
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.reading import parse, read_text
+from fuzzyarm.model.controller import ControllerModel, Learn, Signal
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import STUDY_CONVENTIONAL, STUDY_DIRECT, STUDY_TABLES, Conventions
+from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import LookupTable
 
 # --- What an entry of the catalogue is, and what its maker is asked for ---
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Rule bases and tables in place of those that a controller names.
+
+    Parameters
+    ----------
+    rulebase : RuleBase, optional
+        Of the control.
+    alpha : RuleBase, optional
+        Of the factor on the control.
+    table : LookupTable or tuple of LookupTable, optional
+        Of the control; one for all axes, one with an input ``joint``, or one for each axis.
+        SOC starts from it.
+    performance : LookupTable, optional
+        By which SOC judges.
+    """
+
+    rulebase: RuleBase | None = None
+    alpha: RuleBase | None = None
+    table: LookupTable | tuple[LookupTable, ...] | None = None
+    performance: LookupTable | None = None
+
+    def given(self) -> tuple[str, ...]:
+        """Return the names of those that are given."""
+        return tuple(each.name for each in fields(self) if getattr(self, each.name) is not None)
+
+    def sheets(self, role: str) -> tuple[Sheet, ...]:
+        """Return what is given for a role, one for all axes or one for each."""
+        found = getattr(self, role)
+        return found if isinstance(found, tuple) else (found,)
+
+
+NONE_GIVEN = Sources()
+"""Everything as the text says."""
 
 Start = Literal["warm", "cold"]
 Variant = Literal["as-printed", "as-described"]
@@ -91,7 +126,7 @@ class Entry:
     adaptive : bool
         Whether warm and cold start differ.
     takes : tuple of str
-        Which of the :class:`Sources` it reads.
+        Which of the :class:`Sources` it reads; none.
     """
 
     name: str
@@ -228,236 +263,149 @@ CONVENTIONAL = (
 """Their entries, in the order of the list."""
 
 
-# --- The fuzzy controllers of the catalogue, alone and in sums with others ---
+# --- The fuzzy controllers of the catalogue: shipped texts ---
 #
-# Rules and tables come from files: shipped ones, or those of the caller. Where text and
-# figures of the study disagree, `as-printed` has what gives the figures: sets and a
-# transposed table that follow from them, an inexact model, an integral that the text does
-# not mention. `as-described` has evenly spread sets and the tables as they are printed.
-
-TABLE = "thesis-6.1.lut"
-PERFORMANCE = "performance-yamazaki.lut"
-
-FINE_ERROR = {"G_e": 1080.0}
-"""Error gain from section 6.3 on, ten times that of 6.1."""
-
-PROGRAM_A3 = {"supply": 24.0, "full_scale": 5.6}
-"""Supply and full scale in the one hybrid program that is printed."""
+# Where text and figures of the study disagree, `NAME.frb` has what gives the figures and
+# `NAME-as-described.frb` follows the text.
 
 
-def table_of(choice: Choice) -> LookupTable:
-    """Return the table of the control."""
-    return choice.sources.table or shipped_table(TABLE)
+@dataclass(frozen=True)
+class TextEntry:
+    """A controller of the catalogue that is a shipped file; its file is read when it is asked for.
+
+    Parameters
+    ----------
+    name : str
+        As commands take it, and of the file.
+    conventions : Conventions
+        How the study counted where it used this controller.
+    adaptive : bool
+        Whether warm and cold start differ.
+    """
+
+    name: str
+    conventions: Conventions
+    adaptive: bool = False
+
+    def file(self, variant: Variant = "as-printed") -> Path:
+        """Return the file of a variant."""
+        described = f"{self.name}-as-described.frb"
+        if variant == "as-described" and described in shipped_names():
+            return shipped(described)
+        return shipped(f"{self.name}.frb")
+
+    @property
+    def summary(self) -> str:
+        """One line."""
+        return self._model().description
+
+    @property
+    def takes(self) -> tuple[str, ...]:
+        """Which of the :class:`Sources` it reads."""
+        return tuple(roles(self._model()))
+
+    def _model(self) -> ControllerModel:
+        model = parse(read_text(self.file())).controller
+        assert model is not None
+        return model
+
+    def make(self, choice: Choice) -> Controller:
+        """Make the controller."""
+        return text_controller(self.file(choice.variant), choice, self.name)
 
 
-def rules_of(choice: Choice) -> RuleBase:
-    """Return the rule base of the control."""
-    shipped = "pd7.frb" if choice.described else "pd7-study.frb"
-    return choice.sources.rulebase or shipped_rulebase(shipped)
+def text_controller(
+    path: str | os.PathLike[str],
+    choice: Choice,
+    name: str = "",
+    change: Change | None = None,
+) -> CompiledController:
+    """Make the controller in a file, for the arm.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    RuleBaseError
+        If it has mistakes; `diagnostics` has all of them.
+    SourceError
+        If nothing reads a given source, or the arm does not have what it drives or measures.
+    """
+    parsed = parse(read_text(path), os.fspath(path))
+    instead: dict[str, tuple[Sheet, ...]] = {}
+    if parsed.controller is not None:
+        known = roles(parsed.controller)
+        for role in choice.sources.given():
+            if role not in known:
+                hint = f"it takes {', '.join(known)}" if known else ""
+                raise SourceError(f"{name or path} takes no {role} from a file", hint=hint)
+            sheets = choice.sources.sheets(role)
+            instead[known[role]] = sheets
+            change = _both(change, by_name(known[role], sheets[0]))
+    text = read_controller(path, instead, change)
+
+    def find_law(law: str) -> CompiledController:
+        found = CATALOGUE.get(law)
+        made = None
+        if isinstance(found, Entry):
+            made = found.make(replace(choice, variant="as-printed", sources=NONE_GIVEN))
+        if not isinstance(made, CompiledController):
+            laws = ", ".join(each.name for each in CONVENTIONAL if "+" not in each.name)
+            raise SourceError(
+                f"no law of the catalogue is called '{law}'", hint=f"there are {laws}"
+            )
+        return made
+
+    made = CompiledController(arm_law(text, find_law))
+    made.name = name or made.name
+    return made
 
 
-def alpha_of(choice: Choice) -> RuleBase:
-    """Return the rule base of the factor on the control."""
-    shipped = "alpha7.frb" if choice.described else "alpha7-study.frb"
-    return choice.sources.alpha or shipped_rulebase(shipped)
+def _both(first: Change | None, second: Change) -> Change:
+    return second if first is None else lambda model: second(first(model))
 
 
-def fuzzy_table(choice: Choice, values: dict[str, float] | None = None) -> CompiledController:
-    """Make control by a table, with some gains set."""
-    return changed(fuzzy_table_law(table_of(choice)), values or {})
+def roles(model: ControllerModel) -> dict[str, str]:
+    """Return which name of a controller a given rule base or table stands for.
 
-
-def _fuzzy_lut(choice: Choice) -> Controller:
-    return fuzzy_table(choice)
-
-
-def _fuzzy_lut_x10(choice: Choice) -> Controller:
-    return _renamed(fuzzy_table(choice, FINE_ERROR), "fuzzy-lut-x10")
-
-
-def _renamed(made: CompiledController, name: str) -> CompiledController:
-    return CompiledController(replace(made.law, name=name), made.gains)
-
-
-def _with_table(
-    name: str, base: Maker, printed: dict[str, float], whole_run: float | None = None
-) -> Maker:
-    """Add control by a table; as described always with the gains of the printed program."""
-
-    def make(choice: Choice) -> Controller:
-        values = PROGRAM_A3 if choice.described else printed
-        addends: list[Controller] = [base(choice), fuzzy_table(choice, values)]
-        if whole_run is not None and not choice.described:
-            addends.append(integral_action(whole_run, whole_run=True, origin="identified"))
-        return Sum(addends, name)
-
-    return make
-
-
-def _ffid(choice: Choice) -> Controller:
-    # The figures need the model of the rows with wrong masses.
-    wrong = {"model.m_1": 1.8, "model.m_2": 1.8}
-    return changed(FEED_FORWARD_INVERSE_LAW, {} if choice.described else wrong, "identified")
-
-
-def _cdid(_choice: Choice) -> Controller:
-    return CompiledController(CRITICALLY_DAMPED_LAW)
-
-
-def _mrac_without_gravity(choice: Choice) -> Controller:
-    if choice.described:
-        return mrac(choice)
-    gone = {"gravity": 0.0, "acceleration_in_v": 0.0}
-    made = mrac(choice)
-    return made.with_origin(
-        **{name: made.gains[name].with_value([value], "identified") for name, value in gone.items()}
-    )
-
-
-def _dac(_choice: Choice) -> Controller:
-    return CompiledController(DECENTRALISED_LAW)
-
-
-def _soc(name: str, *, from_table: bool) -> Maker:
-    def make(choice: Choice) -> Controller:
-        start = choice.sources.table
-        if start is None and from_table:
-            start = shipped_table(TABLE)
-        performance = choice.sources.performance or shipped_table(PERFORMANCE)
-        law = self_organizing_law(start, performance)
-        return _renamed(changed(law, FINE_ERROR), name)
-
-    return make
-
-
-def _direct(choice: Choice) -> Controller:
-    return CompiledController(direct_law(rules_of(choice)))
-
-
-def _fine(choice: Choice) -> Controller:
-    rules = choice.sources.rulebase or shipped_rulebase("fine7.frb")
-    return _renamed(CompiledController(direct_law(rules)), "fuzzy-fine")
-
-
-def _hfie(choice: Choice) -> Controller:
-    # The printed program has 6000; the figures were made with 1500.
-    gain = 6000.0 if choice.described else 1500.0
-    term = integral_action(gain, origin="printed" if choice.described else "identified")
-    return Sum([CompiledController(direct_law(rules_of(choice))), term], "hfie")
-
-
-def _ruled(law: Law) -> Controller:
-    return CompiledController(law)
+    ``alpha`` is a rule base whose name begins so, ``rulebase`` the first other one,
+    ``performance`` the table that judges, ``table`` the first other one.
+    """
+    judges = {line.judge for _, line in model.lines() if isinstance(line, Learn)}
+    called = {
+        line.source.name: line.source.kind
+        for _, line in model.lines()
+        if isinstance(line, Signal) and line.source is not None and line.source.inputs
+    }
+    found: dict[str, str] = {}
+    for use in model.uses:
+        if use.name in judges:
+            found.setdefault("performance", use.name)
+        elif called.get(use.name) == "table":
+            found.setdefault("table", use.name)
+        elif use.name.startswith("alpha"):
+            found.setdefault("alpha", use.name)
+        else:
+            found.setdefault("rulebase", use.name)
+    return found
 
 
 FUZZY = (
-    Entry(
-        "fuzzy-lut",
-        "fuzzy control by a lookup table, through motors with back-EMF",
-        _fuzzy_lut,
-        STUDY_TABLES,
-        takes=("table",),
-    ),
-    Entry(
-        "fuzzy-lut-x10",
-        "fuzzy-lut with ten times the error gain",
-        _fuzzy_lut_x10,
-        STUDY_TABLES,
-        takes=("table",),
-    ),
-    Entry(
-        "fuzzy-direct",
-        "direct fuzzy control: the rules evaluated at every step",
-        _direct,
-        STUDY_DIRECT,
-        takes=("rulebase",),
-    ),
-    Entry(
-        "ct+fuzzy",
-        "ct plus fuzzy-lut",
-        _with_table("ct+fuzzy", computed_torque_of, PROGRAM_A3),
-        STUDY_TABLES,
-        takes=("table",),
-    ),
-    Entry(
-        "ffid+fuzzy",
-        "ffid plus fuzzy-lut",
-        _with_table("ffid+fuzzy", _ffid, {}),
-        STUDY_TABLES,
-        takes=("table",),
-    ),
-    Entry(
-        "cdid+fuzzy",
-        "cdid plus fuzzy-lut",
-        _with_table("cdid+fuzzy", _cdid, {}, whole_run=50.0),
-        STUDY_TABLES,
-        takes=("table",),
-    ),
-    Entry(
-        "acdid+fuzzy",
-        "acdid plus fuzzy-lut",
-        _with_table("acdid+fuzzy", acdid, PROGRAM_A3),
-        STUDY_TABLES,
-        adaptive=True,
-        takes=("table",),
-    ),
-    Entry(
-        "mrac+fuzzy",
-        "mrac plus fuzzy-lut",
-        _with_table("mrac+fuzzy", _mrac_without_gravity, {}),
-        STUDY_TABLES,
-        adaptive=True,
-        takes=("table",),
-    ),
-    Entry(
-        "dac+fuzzy",
-        "dac plus fuzzy-lut",
-        _with_table("dac+fuzzy", _dac, PROGRAM_A3),
-        STUDY_TABLES,
-        takes=("table",),
-    ),
-    Entry(
-        "soc-zero",
-        "self-organizing control from a table of zeros",
-        _soc("soc-zero", from_table=False),
-        STUDY_TABLES,
-        takes=("table", "performance"),
-    ),
-    Entry(
-        "soc-table",
-        "self-organizing control from the table of fuzzy-lut",
-        _soc("soc-table", from_table=True),
-        STUDY_TABLES,
-        takes=("table", "performance"),
-    ),
-    Entry(
-        "stfc",
-        "self-tuning fuzzy control: a second rule base scales the output",
-        lambda choice: _ruled(self_tuning_law(rules_of(choice), alpha_of(choice))),
-        STUDY_DIRECT,
-        takes=("rulebase", "alpha"),
-    ),
-    Entry(
-        "hfie",
-        "fuzzy-direct plus integral of the error",
-        _hfie,
-        STUDY_DIRECT,
-        takes=("rulebase",),
-    ),
-    Entry(
-        "cfaf",
-        "coarse/fine fuzzy control: stfc with small errors magnified",
-        lambda choice: _ruled(coarse_fine_law(rules_of(choice), alpha_of(choice))),
-        STUDY_DIRECT,
-        takes=("rulebase", "alpha"),
-    ),
-    Entry(
-        "fuzzy-fine",
-        "fuzzy-direct with narrow sets; not of the study",
-        _fine,
-        STUDY_TABLES,
-        takes=("rulebase",),
-    ),
+    TextEntry("fuzzy-lut", STUDY_TABLES),
+    TextEntry("fuzzy-lut-x10", STUDY_TABLES),
+    TextEntry("fuzzy-direct", STUDY_DIRECT),
+    TextEntry("ct+fuzzy", STUDY_TABLES),
+    TextEntry("ffid+fuzzy", STUDY_TABLES),
+    TextEntry("cdid+fuzzy", STUDY_TABLES),
+    TextEntry("acdid+fuzzy", STUDY_TABLES, adaptive=True),
+    TextEntry("mrac+fuzzy", STUDY_TABLES, adaptive=True),
+    TextEntry("dac+fuzzy", STUDY_TABLES),
+    TextEntry("soc-zero", STUDY_TABLES),
+    TextEntry("soc-table", STUDY_TABLES),
+    TextEntry("stfc", STUDY_DIRECT),
+    TextEntry("hfie", STUDY_DIRECT),
+    TextEntry("cfaf", STUDY_DIRECT),
+    TextEntry("fuzzy-fine", STUDY_TABLES),
 )
 """Their entries, in the order of the list."""
 
@@ -513,7 +461,7 @@ def controller(
     return Sum([entry.make(choice) for entry in entries], "+".join(e.name for e in entries))
 
 
-def require_taken(name: str, entries: Sequence[Entry], sources: Sources) -> None:
+def require_taken(name: str, entries: Sequence[Entry | TextEntry], sources: Sources) -> None:
     """Raise SourceError if nothing in `entries`, which make up `name`, reads a given source."""
     for given in sources.given():
         if not any(given in entry.takes for entry in entries):
@@ -522,7 +470,7 @@ def require_taken(name: str, entries: Sequence[Entry], sources: Sources) -> None
             raise SourceError(f"{name} takes no {given} from a file", hint=hint)
 
 
-def entries_of(name: str) -> list[Entry]:
+def entries_of(name: str) -> list[Entry | TextEntry]:
     """Return the entry of a name, or those of the addends of a sum.
 
     Raises
@@ -549,15 +497,16 @@ def near_names(name: str) -> list[str]:
 
 
 def study_conventions(name: str) -> Conventions:
-    """Return how the study counted for a controller, or for the first part of a sum."""
+    """Return how the study counted for a controller, a file of that name, or the first addend."""
     for part in (name, *name.split("+")):
-        if part.strip() in CATALOGUE:
-            return CATALOGUE[part.strip()].conventions
-    return STUDY_CONVENTIONAL
+        stem = Path(part.strip()).stem if part.endswith(".frb") else part.strip()
+        if stem in CATALOGUE:
+            return CATALOGUE[stem].conventions
+    return STUDY_DIRECT if name.endswith(".frb") else STUDY_CONVENTIONAL
 
 
 ADDENDS = {"fuzzy": "fuzzy-lut"}
 """Short names in a sum, as the hybrids of the study have them (``cdid+fuzzy``)."""
 
-CATALOGUE: dict[str, Entry] = {entry.name: entry for entry in (*CONVENTIONAL, *FUZZY)}
+CATALOGUE: dict[str, Entry | TextEntry] = {entry.name: entry for entry in (*CONVENTIONAL, *FUZZY)}
 """Every controller by its name."""

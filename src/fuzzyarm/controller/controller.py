@@ -14,6 +14,7 @@ It adds to every other controller with ``+``.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -89,7 +90,7 @@ class CompiledController(Controller):
         self.law = law
         self.name = law.name
         self._gains = dict(gains) if gains is not None else collect(law.gains)
-        self.prepare(Arithmetic())
+        self._lists: tuple[Any, ...] | None = None
 
     @property
     def gains(self) -> Mapping[str, Gain]:
@@ -130,7 +131,11 @@ class CompiledController(Controller):
     def torque(self, reference: Reference, state: State, clock: Clock) -> Pair:
         """Run the kernel as plain Python."""
         now = Moment(reference, state, pose_of(state.position), clock)
-        return self.law.kernel(now, *self._lists)
+        if self._lists is None:
+            self.prepare(Arithmetic())
+        assert self._lists is not None
+        first, second = self.law.kernel(now, *self._lists)
+        return first, second
 
 
 class Sum(Controller):

@@ -107,7 +107,7 @@ def collect(gains: Iterable[Gain]) -> dict[str, Gain]:
 
 # --- A control law: its kernel, its gains and how they go into arrays ---
 
-Kernel = Callable[[Moment, list[float], list[float], list[int]], Pair]
+Kernel = Callable[..., Any]
 """From what a law is told, its constants, its memory and its links to the torque, N m."""
 
 
@@ -196,6 +196,8 @@ class Law:
         integers; none by default.
     remembers : bool, optional
         Whether the memory at the end of a run says something, or is room to work in.
+    at_signals : callable, optional
+        A kernel that takes the signals of :func:`tell` in place of `kernel`, which takes a moment.
     """
 
     name: str
@@ -206,6 +208,7 @@ class Law:
     remember: Pack = field(default=zeros(0))
     links: Callable[[Arithmetic], list[int]] = field(default=lambda _arithmetic: [])
     remembers: bool = True
+    at_signals: Kernel | None = None
 
 
 def model_gains(model: ArmParameters, origin: Origin = "printed") -> tuple[Gain, ...]:
@@ -239,10 +242,10 @@ def model_constants(gains: Gains, arithmetic: Arithmetic) -> list[float]:
 # The loop knows laws by their addresses, so only those in use are compiled, each apart. What
 # a law is told crosses over in one array, in this order:
 #
-#   0 … 5    desired position, velocity and acceleration, joint 1 and joint 2 each
-#   6 … 9    position and velocity
-#   10 … 13  cos θ1, sin θ2, cos θ2, cos(θ1 + θ2)
-#   14 … 16  time step, whether it is the last iteration, whether values are rounded
+#   0 … 2    time step, whether it is the last iteration, whether values are rounded
+#   3 … 8    desired position, velocity and acceleration, joint 1 and joint 2 each
+#   9 … 12   position and velocity
+#   13 … 16  cos θ1, sin θ2, cos θ2, cos(θ1 + θ2)
 #   17, 18   back: the torque of both joints
 
 SIGNALS = 19
@@ -257,6 +260,21 @@ LAW_HEAD = 7
 
 
 @kernel
+def tell(now: Moment, signals: list[float]) -> None:
+    """Write down what a law is told."""
+    reference, state, pose, clock = now
+    signals[0] = clock.step
+    signals[1] = 1.0 if clock.last else 0.0
+    signals[2] = 1.0 if clock.single else 0.0
+    signals[3], signals[4] = reference.position
+    signals[5], signals[6] = reference.velocity
+    signals[7], signals[8] = reference.acceleration
+    signals[9], signals[10] = state.position
+    signals[11], signals[12] = state.velocity
+    signals[13], signals[14], signals[15], signals[16] = pose
+
+
+@kernel
 def summed_torque(
     now: Moment,
     laws: list[int],
@@ -267,16 +285,7 @@ def summed_torque(
     """Return the sum of the torques of all laws, called one after the other."""
     # Only arrays cross an address, so the moment is written down once for all laws; they read
     # 0 … 16 and write 17 and 18.
-    reference, state, pose, clock = now
-    signals[0], signals[1] = reference.position
-    signals[2], signals[3] = reference.velocity
-    signals[4], signals[5] = reference.acceleration
-    signals[6], signals[7] = state.position
-    signals[8], signals[9] = state.velocity
-    signals[10], signals[11], signals[12], signals[13] = pose
-    signals[14] = clock.step
-    signals[15] = 1.0 if clock.last else 0.0
-    signals[16] = 1.0 if clock.single else 0.0
+    tell(now, signals)
     # In the order of the sum as it is written: the order of additions is part of the bits.
     first = 0.0
     second = 0.0
@@ -300,7 +309,7 @@ def law_integers(laws: Sequence[Law], blocks: Sequence[Block], arithmetic: Arith
     first_link = 1 + LAW_HEAD * len(laws)
     number = cell = 0
     for law, block in zip(laws, blocks, strict=True):
-        heads += [law_address(law.kernel, arithmetic)]
+        heads += [law_address(law, arithmetic)]
         heads += [number, number + len(block.numbers), cell, cell + len(block.memory)]
         heads += [first_link + len(links), first_link + len(links) + len(block.links)]
         number += len(block.numbers)
@@ -323,21 +332,26 @@ def law_at_address(
     # Back into named tuples, which cost nothing: in machine code they are registers, and the
     # law, inlined here, uses what it needs of them.
     reference = Reference(
-        (signals[0], signals[1]), (signals[2], signals[3]), (signals[4], signals[5])
+        (signals[3], signals[4]), (signals[5], signals[6]), (signals[7], signals[8])
     )
-    state = State((signals[6], signals[7]), (signals[8], signals[9]))
-    pose = Pose(signals[10], signals[11], signals[12], signals[13])
-    clock = Clock(signals[14], signals[15] != 0.0, signals[16] != 0.0)
+    state = State((signals[9], signals[10]), (signals[11], signals[12]))
+    pose = Pose(signals[13], signals[14], signals[15], signals[16])
+    clock = Clock(signals[0], signals[1] != 0.0, signals[2] != 0.0)
     torque = law_kernel(Moment(reference, state, pose, clock), numbers, memory, links)
     signals[17], signals[18] = torque
 
 
-def law_address(law: Kernel, arithmetic: Arithmetic) -> int:
+def law_address(law: Law, arithmetic: Arithmetic) -> int:
     """Return where the loop finds a law; each precision has its own.
 
     What is stored then need not be asked whether to be rounded.
     """
-    storing = stored_single if arithmetic.single else stored_double
-    bindings: dict[str, Callable[..., object]] = {"law_kernel": law, "stored": storing}
+    bindings: dict[str, Callable[..., object]] = {
+        "stored": stored_single if arithmetic.single else stored_double
+    }
+    kernel = law.at_signals
+    if kernel is None:
+        kernel = law_at_address
+        bindings["law_kernel"] = law.kernel
     compiled = arithmetic.compiled
-    return address_of(law_at_address, "fffi", bindings, compiled=compiled, inline=True)
+    return address_of(kernel, "fffi", bindings, compiled=compiled, inline=True)

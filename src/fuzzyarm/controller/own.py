@@ -9,15 +9,17 @@ from types import ModuleType
 
 from fuzzyarm.controller.catalogue import (
     CATALOGUE,
+    NONE_GIVEN,
     Choice,
+    Sources,
     Start,
     Variant,
     controller,
     entries_of,
     require_taken,
+    text_controller,
 )
 from fuzzyarm.controller.controller import Controller, Sum
-from fuzzyarm.controller.sources import NONE_GIVEN, Sources
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.plant.setting import Clock, Pair, Reference, State
 
@@ -42,7 +44,8 @@ def find_controller(
     Parameters
     ----------
     name : str
-        Names of the catalogue, ``FILE.py`` or ``FILE.py:CLASS``, with plus signs between.
+        Names of the catalogue, ``FILE.frb``, ``FILE.py`` or ``FILE.py:CLASS``, with plus signs
+        between.
     start, variant, sources
         See :func:`fuzzyarm.controller.catalogue.controller`.
 
@@ -55,16 +58,27 @@ def find_controller(
     OwnControllerError
         For a file without a usable controller.
     """
-    if name in CATALOGUE or ".py" not in name:
+    choice = Choice(start, variant, sources)
+    if name.endswith(".frb"):
+        return text_controller(name, choice)
+    if name in CATALOGUE or not _is_file(name):
         return controller(name, start=start, variant=variant, sources=sources)
     words = [part.strip() for part in name.split("+")]
-    known = [entry for word in words if ".py" not in word for entry in entries_of(word)]
-    require_taken(name, known, sources)
-    choice = Choice(start, variant, sources)
-    parts = [
-        load_own(word) if ".py" in word else entries_of(word)[0].make(choice) for word in words
-    ]
+    known = [entry for word in words if not _is_file(word) for entry in entries_of(word)]
+    if not any(word.endswith(".frb") for word in words):
+        require_taken(name, known, sources)
+    parts = [_part(word, choice) for word in words]
     return parts[0] if len(parts) == 1 else Sum(parts)
+
+
+def _is_file(word: str) -> bool:
+    return ".py" in word or ".frb" in word
+
+
+def _part(word: str, choice: Choice) -> Controller:
+    if word.endswith(".frb"):
+        return text_controller(word, choice)
+    return load_own(word) if ".py" in word else entries_of(word)[0].make(choice)
 
 
 def load_own(place: str) -> Controller:

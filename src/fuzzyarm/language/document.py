@@ -7,12 +7,21 @@ next statement. A memory of the last reading keeps an editor quick.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Mapping
+from collections import ChainMap
+from collections.abc import Hashable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES
-from fuzzyarm.language.statements import STATEMENTS, BlockNode, Broken, StatementNode, aligned
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+from fuzzyarm.language.statements import (
+    STATEMENTS,
+    BlockNode,
+    Broken,
+    StatementKind,
+    StatementNode,
+    aligned,
+)
 from fuzzyarm.language.tokens import BlockLine, Cursor, Fault, Line, Token, Trivia, tokenize_line
 from fuzzyarm.model.rulebase import Rule
 from fuzzyarm.text.diagnostic import (
@@ -60,16 +69,39 @@ class Document(NamedTuple):
 _ALLOW = re.compile(r"#\s*allow\s+([\w-]+(?:\s*,\s*[\w-]+)*)")
 
 
+Records = Mapping[str, StatementKind]
+
+SECTIONS: Mapping[str, Records] = {
+    "rulebase": ChainMap(STATEMENTS, {"controller": CONTROLLER_STATEMENTS["controller"]}),
+    "controller": {
+        **{word: record for word, record in CONTROLLER_STATEMENTS.items() if word != SIGNAL},
+        "rulebase": STATEMENTS["rulebase"],
+    },
+}
+"""The words that start a statement below each heading; without one a file is a rule base."""
+
+
+def section_at(lines: Sequence[Line], number: int) -> str:
+    """Return the heading, a key of :data:`SECTIONS`, that a line stands below."""
+    for line in reversed(lines[: number - 1]):
+        word = line.tokens[0].text if line.tokens and line.tokens[0].kind == "name" else ""
+        if word in SECTIONS:
+            return word
+    return "rulebase"
+
+
 class _Group:
     """The tokens of one statement and the lines below it, if it takes any."""
 
-    def __init__(self, tokens: tuple[Token, ...], before: tuple[str, ...], behind: str) -> None:
+    def __init__(
+        self, record: StatementKind, tokens: tuple[Token, ...], before: tuple[str, ...], behind: str
+    ) -> None:
+        self.record = record
         self.tokens = list(tokens)
         self.before = before
         self.behind = behind
         self.lines: list[BlockLine] = []
-        self.keyword = tokens[0].text
-        self.takes_lines = STATEMENTS[self.keyword].takes_lines
+        self.takes_lines = record.takes_lines
 
     def takes(self, line: Line) -> bool:
         """Whether `line` belongs here: if indented, or below a grid if it looks like a row."""
@@ -97,6 +129,8 @@ def _group_lines(
     """
     groups: list[_Group] = []
     waiting: list[str] = []
+    records = SECTIONS["rulebase"]
+    in_axis = False  # a line with an equals sign is a signal there
     for line in lines:
         if len(diagnostics) > MAX_DIAGNOSTICS:
             break
@@ -105,18 +139,23 @@ def _group_lines(
                 waiting.append(line.comment)
             continue
         first = line.tokens[0]
-        if first.kind == "name" and first.text in STATEMENTS:
-            groups.append(_Group(line.tokens, tuple(waiting), line.comment))
+        record = records.get(first.text) if first.kind == "name" else None
+        if in_axis and _is_signal(line, known=record is not None):
+            record = CONTROLLER_STATEMENTS[SIGNAL]
+        if record is not None:
+            groups.append(_Group(record, line.tokens, tuple(waiting), line.comment))
+            records = SECTIONS.get(record.word, records)
+            in_axis = record.word == "axis" or (in_axis and record.word not in SECTIONS)
         elif groups and groups[-1].takes(line):
             groups[-1].extend(line, waiting)
         else:
-            hint, replacement = near_hint(first.text, STATEMENTS)
+            hint, replacement = near_hint(first.text, records)
             diagnostics.append(
                 Diagnostic(
                     "unknown-statement",
                     f"no statement starts with '{first.text}'",
                     first.span,
-                    hint=hint or "statements start with " + ", ".join(STATEMENTS),
+                    hint=hint or "statements start with " + ", ".join(records),
                     replacement=replacement,
                 )
             )
@@ -124,11 +163,18 @@ def _group_lines(
                 continue
             # Read on as what was probably meant, so that one slip does not look like many.
             meant = first._replace(kind="name", text=replacement)
-            groups.append(_Group((meant, *line.tokens[1:]), tuple(waiting), line.comment))
+            tokens = (meant, *line.tokens[1:])
+            groups.append(_Group(records[replacement], tokens, tuple(waiting), line.comment))
         waiting = []
     while waiting and waiting[-1] == "":
         waiting.pop()
     return groups, tuple(waiting)
+
+
+def _is_signal(line: Line, *, known: bool) -> bool:
+    """Whether a line below ``axis`` defines signals; `known` if it begins like another line."""
+    marks = [token.text for token in line.tokens if token.kind == "mark"]
+    return "=" in marks and (not known or line.tokens[1].text in ("=", ","))
 
 
 def _allowances(lines: list[Line]) -> dict[int, frozenset[str]]:
@@ -229,7 +275,7 @@ def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
     groups, ending = _group_lines(lines, diagnostics)
     statements = []
     for group in groups:
-        node: StatementNode = Broken(group.keyword, group.tokens[0].span)
+        node: StatementNode = Broken(group.record.word, group.tokens[0].span)
         if len(diagnostics) <= MAX_DIAGNOSTICS:
             node, found = memory.read(group)
             diagnostics += found
@@ -249,15 +295,15 @@ def _read_group(group: _Group) -> tuple[StatementNode, Found]:
     cursor = Cursor(group.tokens, group.lines)
     # A token that the lexer has already complained of needs no second complaint.
     if any(token.kind == "bad" for token in group.tokens):
-        return Broken(group.keyword, cursor.whole), ()
+        return Broken(group.record.word, cursor.whole), ()
     hedges = len(HEDGES.words)
     try:
-        node: StatementNode = STATEMENTS[group.keyword].node.read(cursor)
+        node: StatementNode = group.record.node.read(cursor)
         cursor.finish()
     except Fault as fault:
         if len(HEDGES.words) > hedges:
             return _read_group(group)  # another package has brought the hedge that was missing
-        return Broken(group.keyword, cursor.whole), (fault.diagnostic,)
+        return Broken(group.record.word, cursor.whole), (fault.diagnostic,)
     return node, tuple(cursor.forgiven)
 
 
@@ -340,5 +386,8 @@ def _aligned_lines(document: Document) -> dict[int, str]:
     for run in runs:
         nodes: list[Any] = [document.statements[index].node for index in run]
         rows = [node.in_columns() for node in nodes]
-        lines.update(zip(run, (line.strip() for line in aligned(rows)), strict=True))
+        # A node says how its line is indented and its columns are parted where not as usual.
+        indent, gap = getattr(nodes[0], "indent", ""), getattr(nodes[0], "gap", "  ")
+        texts = (indent + line.strip() for line in aligned(rows, gap))
+        lines.update(zip(run, texts, strict=True))
     return lines

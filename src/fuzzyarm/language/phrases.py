@@ -28,6 +28,11 @@ class Kind(StrEnum):
     VARIABLE = "variable"
     TERM = "term"
     BLOCK = "block"
+    CONTROLLER = "controller"
+    USE = "use"
+    SIGNAL = "signal"
+    AXIS = "axis"
+    PORT = "port"
 
 
 class Occurrence(NamedTuple):

@@ -7,8 +7,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from fuzzyarm.expression.records import failures
+from fuzzyarm.language.controller_meaning import elaborate_controller
+from fuzzyarm.language.controllers import ControllerHeading
 from fuzzyarm.language.document import Document, ParseMemory, parse_document, print_document
-from fuzzyarm.language.meaning import elaborate
+from fuzzyarm.language.meaning import UNNAMED, elaborate
+from fuzzyarm.language.statements import Heading
+from fuzzyarm.model.controller import ControllerModel
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import (
     MAX_CHARACTERS,
@@ -29,19 +33,28 @@ class Parsed(NamedTuple):
     document : Document
         The syntax tree.
     partial : RuleBase
-        What the sound statements mean, whatever the others are like.
+        What the sound statements of a rule base mean, whatever the others are like.
     diagnostics : tuple of Diagnostic
         Every mistake, in the order of the text.
+    whole : ControllerModel or None
+        What the sound statements of a controller mean, in a file that has one.
     """
 
     document: Document
     partial: RuleBase
     diagnostics: tuple[Diagnostic, ...]
+    whole: ControllerModel | None = None
 
     @property
     def rulebase(self) -> RuleBase | None:
-        """The rule base, or None if any diagnostic is an error."""
-        return None if any(d.is_error for d in self.diagnostics) else self.partial
+        """The rule base, or None if any diagnostic is an error or there is none."""
+        sound = not any(d.is_error for d in self.diagnostics)
+        return self.partial if sound and (self.whole is None or self.whole.rulebases) else None
+
+    @property
+    def controller(self) -> ControllerModel | None:
+        """The controller, or None if any diagnostic is an error or there is none."""
+        return None if any(d.is_error for d in self.diagnostics) else self.whole
 
 
 def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) -> Parsed:
@@ -64,20 +77,28 @@ def parse(text: str, path: str = "<text>", memory: ParseMemory | None = None) ->
     document = parse_document(text, memory)
     too_large = any(d.name in ("file-too-large", "line-too-long") for d in document.diagnostics)
     meant, mended = document, frozenset[int]()
-    if document.diagnostics and not too_large:
+    heads = {type(statement.node) for statement in document.statements}
+    if document.diagnostics and not too_large and ControllerHeading not in heads:
         from fuzzyarm.language.slips import as_meant
 
         meant, mended = as_meant(text, document)
         document = document._replace(diagnostics=meant.diagnostics)
-    partial, findings = elaborate(meant, memory)
-    findings = [finding for finding in findings if finding.line not in mended]
+    whole: ControllerModel | None = None
+    partial, findings = RuleBase(UNNAMED, (), (), ()), list[Diagnostic]()
+    if ControllerHeading not in heads or Heading in heads:
+        partial, findings = elaborate(meant, memory)
+        findings = [finding for finding in findings if finding.line not in mended]
+    if ControllerHeading in heads:
+        nodes = [statement.node for statement in document.statements]
+        whole, more = elaborate_controller(nodes, partial if Heading in heads else None)
+        findings += more
     found = list(document.diagnostics) if too_large else [*document.diagnostics, *findings]
     if failures:
         found = list(map(_with_failure, found))
     # One slip in a line shared by several variables is one finding.
     once = {(diagnostic.name, diagnostic.span): diagnostic for diagnostic in reversed(found)}
     found = sorted(once.values(), key=lambda diagnostic: diagnostic.span)
-    return Parsed(document, partial, tuple(_limited(found, path)))
+    return Parsed(document, partial, tuple(_limited(found, path)), whole)
 
 
 def _with_failure(diagnostic: Diagnostic) -> Diagnostic:
@@ -165,8 +186,16 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
     """
     parsed = parse(read_text(path), os.fspath(path))
     if parsed.rulebase is None:
-        raise RuleBaseError(parsed.diagnostics)
+        raise RuleBaseError(parsed.diagnostics or [_not_a_rulebase(parsed, os.fspath(path))])
     return parsed.rulebase
+
+
+def _not_a_rulebase(parsed: Parsed, path: str) -> Diagnostic:
+    """Describe a file that has a controller and no rule base."""
+    span = parsed.document.statements[0].node.span
+    hint = "fuzzyarm simulate runs it; its rule bases stand in its use lines"
+    message = "this is a controller, not a rule base"
+    return Diagnostic("not-a-rule-base", message, span, hint=hint, path=path)
 
 
 # --- Formatting ---
@@ -188,6 +217,6 @@ def format_text(text: str, path: str = "<text>") -> str:
         If `text` has mistakes: what is not understood is not rewritten.
     """
     parsed = parse(text, path)
-    if parsed.rulebase is None:
+    if any(diagnostic.is_error for diagnostic in parsed.diagnostics):
         raise RuleBaseError(parsed.diagnostics)
     return print_document(parsed.document)

@@ -735,8 +735,8 @@ class Broken(NamedTuple):
         return iter(())
 
 
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return `rows` as lines indented by two, columns two spaces apart and left-aligned."""
+def aligned(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
+    """Return `rows` as lines indented by two, columns a gap apart and left-aligned."""
     widths = [0] * max(map(len, rows), default=0)
     for row in rows:
         for i, text in enumerate(row):
@@ -745,7 +745,7 @@ def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
     for row in rows:
         # Columns as a terminal shows them: a wide character takes two.
         padded = (text + " " * (widths[i] - display_width(text)) for i, text in enumerate(row))
-        lines.append("  " + "  ".join(padded).rstrip())
+        lines.append("  " + gap.join(padded).rstrip())
     return lines
 
 

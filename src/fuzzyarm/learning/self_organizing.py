@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController
-from fuzzyarm.controller.self_organizing import Learned, learned
+from fuzzyarm.controller.on_arm import Learned, TextLaw, learned
 from fuzzyarm.loop.loop import rms
 from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
 from fuzzyarm.plant.setting import PLAIN, Conventions
@@ -57,7 +57,6 @@ class Snapshot:
 def train(
     controller: CompiledController,
     trajectory: Trajectory,
-    shape: tuple[int, int],
     *,
     passes: int = 1,
     every: int | None = None,
@@ -71,11 +70,9 @@ def train(
     Parameters
     ----------
     controller : CompiledController
-        Of the law of self-organizing control.
+        Of a text with a table that learns.
     trajectory : Trajectory
         What to follow.
-    shape : tuple of int
-        Rows and columns of its tables.
     passes : int, optional
         How often.
     every : int, optional
@@ -90,17 +87,20 @@ def train(
     """
     options = options or Options()
     arms = checked_arms(trajectory, arms, payload=payload, conventions=conventions)
-    program = Program(controller, options.arithmetic(conventions))
+    arithmetic = options.arithmetic(conventions)
+    program = Program(controller, arithmetic)
+    law = controller.law
+    assert isinstance(law, TextLaw)
+    rings = law.program(arithmetic).rings
     loop, own = program.loop(options), program.inputs()
     course = Course(trajectory, arms, conventions, options, as_array=program.compiled)
-    delay = int(controller.gains["delay"].value[0])
     memory = program.memory
     count = len(course.points.time)
     step = every or count
     for passage in range(1, passes + 1):
         record = Record(course, memory)
-        for place in range(1 + 2 * delay):
-            record.memory[place] = program.memory[place]  # no cell is responsible yet
+        for begin, end in rings:
+            record.memory[begin:end] = program.memory[begin:end]  # no cell is responsible yet
         errors = np.zeros((0, 2))
         for begin in range(0, count, step):
             end = min(begin + step, count)
@@ -113,7 +113,7 @@ def train(
                 passage,
                 float(course.points.time[end - 1]),
                 end + count * (passage - 1),
-                learned([float(each) for each in record.memory], delay, shape),
+                learned(law, arithmetic, record.memory),
                 errors,
                 end == count or stopped,
                 float(course.points.time[begin + int(record.progress[1])]) if stopped else None,

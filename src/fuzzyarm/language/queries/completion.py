@@ -14,7 +14,9 @@ from types import MappingProxyType
 from typing import Any, NoReturn
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
-from fuzzyarm.language.phrases import SETTINGS, Setting, parameter_names
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+from fuzzyarm.language.document import SECTIONS, section_at
+from fuzzyarm.language.phrases import SETTINGS, Kind, Setting, parameter_names
 from fuzzyarm.language.queries.reading import Reading, asked_variable
 from fuzzyarm.language.statements import STATEMENTS, GridNode, LookupItem, RowNode
 from fuzzyarm.language.tokens import (
@@ -28,6 +30,7 @@ from fuzzyarm.language.tokens import (
     name_text,
     tokenize_line,
 )
+from fuzzyarm.model.controller import SOURCES, TIMES
 from fuzzyarm.model.rulebase import RuleBase, Variable
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Diagnostic, Span
@@ -130,9 +133,12 @@ class _AskingCursor(Cursor):
     come (``expect``, a name, a word, a number) is noted last.
     """
 
-    def __init__(self, tokens: Sequence[Token], model: RuleBase) -> None:
+    def __init__(
+        self, tokens: Sequence[Token], model: RuleBase, names: Mapping[Kind, Sequence[str]]
+    ) -> None:
         super().__init__(tuple(tokens))
         self.model = model
+        self.names = names
         self.offered: list[Candidate] = []
         self._stalled = -1
 
@@ -275,6 +281,26 @@ class _AskingCursor(Cursor):
             self._last(_words((",",)))
         return []
 
+    # In the lines of a controller.
+
+    def _suggest_sources(self) -> list[Candidate]:
+        return [Candidate(word, "keyword", word, kind.doc) for word, kind in SOURCES.items()]
+
+    def _suggest_signals(self) -> list[Candidate]:
+        return self._named(Kind.SIGNAL)
+
+    def _suggest_sheets(self) -> list[Candidate]:
+        return self._named(Kind.USE)
+
+    def _suggest_ports(self) -> list[Candidate]:
+        return self._named(Kind.PORT)
+
+    def _suggest_times(self) -> list[Candidate]:
+        return _words(TIMES, "value")
+
+    def _named(self, kind: Kind) -> list[Candidate]:
+        return [Candidate(n, "variable", name_text(n), kind) for n in self.names.get(kind, ())]
+
     # In the lines of a grid.
 
     def _suggest_headers(self) -> list[Candidate]:
@@ -319,9 +345,15 @@ def _names(variable: Variable) -> str:
     return "  ".join(name_text(term.name) for term in variable.terms)
 
 
-def _asked(read: Any, tokens: Sequence[Token], model: RuleBase, *about: Any) -> list[Candidate]:
+def _asked(
+    read: Any,
+    tokens: Sequence[Token],
+    model: RuleBase,
+    *about: Any,
+    names: Mapping[Kind, Sequence[str]] = MappingProxyType({}),
+) -> list[Candidate]:
     """Return what `read` asks for behind `tokens`."""
-    cursor = _AskingCursor(tokens, model)
+    cursor = _AskingCursor(tokens, model, names)
     try:
         read(cursor, *about)
     except (_Nothing, Fault):
@@ -389,6 +421,8 @@ def _in_comment(text: str, line: int, column: int) -> list[Candidate] | None:
 def _offered(
     reading: Reading, line: int, tokens: tuple[Token, ...], *, indented: bool
 ) -> list[Candidate]:
+    if section_at(reading.lines, line) == "controller":
+        return _in_controller(reading, line, tokens, indented=indented)
     if not tokens and not indented:
         return [Candidate(r.word, "keyword", r.word, r.doc) for r in STATEMENTS.values()]
     if not indented or _starts_statement(tokens):
@@ -409,6 +443,26 @@ def _offered(
             joined = [token for part in above for token in part]
             return _asked(record.node.read, (*joined, *tokens), reading.model)
     return []
+
+
+_ARM_PORTS = ("position", "velocity", "acceleration", "voltage", "torque")
+
+
+def _in_controller(
+    reading: Reading, line: int, tokens: tuple[Token, ...], *, indented: bool
+) -> list[Candidate]:
+    records = SECTIONS["controller"]
+    if not tokens:
+        wanted = ("zoom", "learn", "drive") if indented else tuple(records)
+        return [Candidate(word, "keyword", word, records[word].doc) for word in wanted]
+    names: dict[Kind, list[str]] = {Kind.PORT: list(_ARM_PORTS)}
+    for each in reading.occurrences:
+        above = each.span.line < line and each.is_definition
+        if above or (each.kind is Kind.PORT and each.span.line != line):
+            names.setdefault(each.kind, []).append(each.name)
+    once = {kind: tuple(dict.fromkeys(found)) for kind, found in names.items()}
+    record = records.get(tokens[0].text) or CONTROLLER_STATEMENTS[SIGNAL]
+    return _asked(record.node.read, tokens, reading.model, names=once)
 
 
 def _starts_statement(tokens: Sequence[Token]) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.check.coverage import gaps_of
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
 from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_names
 from fuzzyarm.language.queries.completion import term_detail
 from fuzzyarm.language.queries.reading import Reading, contains
@@ -174,9 +175,23 @@ def _of_occurrence(reading: Reading, occurrence: Occurrence) -> str:
             f"block **{name}**: {len(block.rules)} rules, and {block.conjunction}, "
             f"or {block.disjunction}, implication {block.implication}"
         )
+    if occurrence.kind is not Kind.RULEBASE:
+        return _of_line(reading, occurrence)
     model = reading.model
     sizes = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {len(model.rules)} rules"
     return f"**{name}** {plain(model.description)}\n\n{sizes}".strip()
+
+
+def _of_line(reading: Reading, occurrence: Occurrence) -> str:
+    """Return the lines of a controller that define a name, and how often it is used."""
+    found = references(reading, occurrence)
+    lines = [
+        " ".join(reading.raw_line(each.span.line).split()) for each in found if each.is_definition
+    ]
+    if occurrence.kind is Kind.PORT:
+        return f"port {code(occurrence.name)} of the plant"
+    uses = sum(not each.is_definition for each in found)
+    return "\n\n".join([*map(code, lines), f"used {uses} time{'s' if uses != 1 else ''}"])
 
 
 def _term_markdown(variable: Variable, name: str) -> str:
@@ -223,6 +238,8 @@ def _help(text: str, *, first: bool) -> str:
     """Return what a word of the language means; empty where nobody needs to be told."""
     if first and text in STATEMENTS:
         return STATEMENTS[text].doc
+    if first and text in CONTROLLER_STATEMENTS:
+        return CONTROLLER_STATEMENTS[text].doc
     if text in SHAPES.words:
         numbers = " ".join(parameter_names(text))
         return f"`{text} {numbers}`  \n{SHAPES[text].doc}" if numbers else SHAPES[text].doc
@@ -232,7 +249,7 @@ def _help(text: str, *, first: bool) -> str:
         return f"evenly spread terms: {EVEN_SHAPES[text]}"
     norms = [f"{sort}: {kinds[text].doc}" for sort, kinds in _NORMS if text in kinds.words]
     setting = SETTINGS[text].doc if text in SETTINGS else ""
-    return setting or WORDS.get(text, "") or "; ".join(norms)
+    return setting or WORDS.get(text, "") or CONTROLLER_WORDS.get(text, "") or "; ".join(norms)
 
 
 _NORMS = (("T-norm", TNORMS), ("S-norm", SNORMS))

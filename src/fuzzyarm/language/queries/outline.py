@@ -6,6 +6,7 @@ from collections.abc import Container
 from dataclasses import dataclass, replace
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
 from fuzzyarm.language.phrases import SETTINGS, Kind
 from fuzzyarm.language.queries.completion import variable_detail
 from fuzzyarm.language.queries.reading import Reading
@@ -36,6 +37,11 @@ _NAMES = {
     Kind.BLOCK: "namespace",
     Kind.VARIABLE: "variable",
     Kind.TERM: "enumMember",
+    Kind.CONTROLLER: "namespace",
+    Kind.USE: "namespace",
+    Kind.SIGNAL: "variable",
+    Kind.AXIS: "enumMember",
+    Kind.PORT: "property",
 }
 _VALUES = {*EVEN_SHAPES, *DEFUZZIFIERS, *SAMPLINGS, *SETTINGS["outside"].values, "exact", "hold"}
 _WORDS: tuple[tuple[Container[str], str], ...] = (
@@ -43,7 +49,7 @@ _WORDS: tuple[tuple[Container[str], str], ...] = (
     (("inf", "nan"), "number"),
     *((words, "type") for words in (_VALUES, SHAPES.words, TNORMS.words, SNORMS.words)),
     (SETTINGS.keys() - RESERVED, "property"),
-    ({*RESERVED, *WORDS}, "keyword"),
+    ({*RESERVED, *WORDS, *CONTROLLER_WORDS}, "keyword"),
 )
 """What a word that is not a name is coloured as: the first that has it."""
 
@@ -91,7 +97,7 @@ def _of_token(token: Token, *, first: bool) -> str | None:
 
 
 def _of_word(word: str, *, first: bool) -> str | None:
-    if first and word in STATEMENTS:
+    if first and (word in STATEMENTS or word in CONTROLLER_STATEMENTS):
         return "keyword"
     for words, colour in _WORDS:
         if word in words:
@@ -177,7 +183,8 @@ def symbols(reading: Reading) -> list[Symbol]:
     """Return the parts of a file in its order; the terms of a variable below it."""
     found: list[Symbol] = []
     for node, first, last in reading.extents:
-        record = STATEMENTS.get(reading.tokens_of(first)[0].text)
+        word = reading.tokens_of(first)[0].text
+        record = STATEMENTS.get(word) or CONTROLLER_STATEMENTS.get(word)
         if record is None or not record.outline or not isinstance(node, record.node):
             continue
         whole = Span(first, node.span.column, last, len(reading.raw_line(last)) + 1)

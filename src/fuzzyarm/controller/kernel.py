@@ -1,0 +1,405 @@
+"""The kernel of controllers as text: one program for all of them, a controller is data to it.
+
+Two arrays hold everything. The **cells** ``s`` are numbers:
+
+=============  ==========================================================================
+signals        what the plant and the clock say, written by the loop; see `program`
+numbers        gains and written numbers
+signals        of every axis, and intermediate values
+states         what sources remember (below), rings of learners
+tables         grids and values; visits of tables that learn
+rule bases     a block each, see :mod:`fuzzyarm.inference.kernel`
+=============  ==========================================================================
+
+The **code** ``k`` is the number of instructions, then six whole numbers for each: what to do, the
+cell that receives, up to three more (cells as a rule), and whether the result is rounded as a
+stored value is. Behind them lie the lists of instructions that name more cells than three.
+
+An instruction does what one source, factor or limit of the text says; the axes follow one
+another. So an edited text compiles nothing, and the program that is exported as C is a walk over
+the same instructions (:mod:`fuzzyarm.export`). What a source remembers is NaN where it has seen
+nothing yet.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fuzzyarm.kernels import call, kernel
+from fuzzyarm.plant.setting import stored
+from fuzzyarm.table.lookup import blend, clamp, count_smaller, share_of_way
+
+# The clock stands in the first cells: the period, s; whether this is the last period of a set
+# point; whether what is stored is rounded to single precision.
+PERIOD, LAST, SINGLE = range(3)
+CLOCK = 3
+
+INSTRUCTION = 6
+"""Whole numbers of an instruction."""
+
+(
+    COPY,  # of a
+    ADD,  # a and b; and so on
+    SUBTRACT,
+    MULTIPLY,
+    DIVIDE,
+    MULTIPLY_BOTH,  # a by b, and that by c
+    MULTIPLY_DIVIDE,
+    SUBTRACT_MULTIPLY,
+    CHANGE,  # of a; state
+    RATE,
+    INTEGRATE,
+    SUM,
+    LAG,
+    LIMIT,
+    SLEW,
+    ZOOM,  # list of cells, their number
+    LOOK_UP,  # list, grid
+    LOOK_UP_CELL,  # the cell that holds the index, first value
+    LEARN,  # list; receives the index of the cell in use
+    INFER,  # list, address of the inference
+    PARTNER,  # list
+) = range(21)
+
+# What sources remember, from their state on.
+BEFORE, FILTERED, FILTER_TIME = range(3)  # of CHANGE and RATE
+TOTAL, LOWEST, HIGHEST, WINDUP, EXCESS = range(5)  # of INTEGRATE; WINDUP: 0 none, -1 hold, else s
+CLEARED = 1  # of SUM, behind TOTAL
+LAGGED, LAG_TIME = range(2)  # of LAG
+LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
+LAST_DRIVE, STEEPEST = range(2)  # of SLEW
+
+# The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. Of
+# LOOK_UP: values, room, then the inputs. Of LEARN: values, visits, the ring (its index in front)
+# and its length, rate, bound, grid of the table, grid and values of the performance table,
+# whether both grids are alike, then the inputs.
+BY, INSIDE, WAIT, ZOOMED = range(4)
+VALUES, ROOM, INPUTS = range(3)
+VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE, LEARN_INPUTS = range(1, 11)
+
+# The list of INFER: where the block begins and ends; where in it the first input and the first
+# result are, and how far apart results lie; how many of each; then their cells.
+BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS = range(7)
+
+# The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
+ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
+
+
+@kernel
+def step(k: Any, s: Any) -> None:
+    """Run a controller for one period.
+
+    Parameters
+    ----------
+    k : ndarray of int64
+        The code.
+    s : ndarray of float64
+        The cells: reference and measured values and the clock are read, drives are written.
+    """
+    at = 1
+    single = s[SINGLE] != 0.0
+    for _ in range(k[0]):
+        what, into, a, b, c = k[at], k[at + 1], k[at + 2], k[at + 3], k[at + 4]
+        if what <= SUBTRACT_MULTIPLY:
+            value = combined(what, s[a], s[b], s[c])
+        elif what <= SLEW:
+            value = remembered(what, s, s[a], b, single)
+        else:
+            value = consulted(k, s, what, a, b, single)
+        s[into] = stored(value, single) if k[at + 5] != 0 else value
+        at += INSTRUCTION
+
+
+@kernel
+def combined(what: int, a: float, b: float, c: float) -> float:
+    """Return what arithmetic makes of two or three numbers."""
+    value = a
+    if what == SUBTRACT_MULTIPLY:
+        value = (a - b) * c
+    elif what == MULTIPLY:
+        value = a * b
+    elif what == MULTIPLY_DIVIDE:
+        value = a * b / c
+    elif what == MULTIPLY_BOTH:
+        value = a * b * c
+    elif what == ADD:
+        value = a + b
+    elif what == SUBTRACT:
+        value = a - b
+    elif what == DIVIDE:
+        value = a / b
+    return value
+
+
+@kernel
+def remembered(what: int, s: Any, x: float, state: int, single: bool) -> float:
+    """Return what a source or a limit makes of x and of what it remembers."""
+    if what == SUM:
+        value = summed(s, x, state, single)
+    elif what == LIMIT:
+        value = limited(s, x, state)
+    elif what == SLEW:
+        value = slewed(s, x, state)
+    elif what == INTEGRATE:
+        value = integral(s, x, state)
+    elif what == CHANGE:
+        value = change(s, x, state)
+    elif what == RATE:
+        value = rate(s, x, state)
+    else:
+        value = lagged(s, x, state)
+    return value
+
+
+@kernel
+def consulted(k: Any, s: Any, what: int, a: int, b: int, single: bool) -> float:
+    """Return what a table says; or ask a rule base or a partner, or zoom, and return 0."""
+    value = 0.0
+    if what == LOOK_UP:
+        value = looked_up(k, s, a, b)
+    elif what == LOOK_UP_CELL:
+        value = s[b + int(s[a])]
+    elif what == LEARN:
+        value = float(learn(k, s, a, single))
+    elif what == INFER:
+        infer(k, s, a, b)
+    elif what == ZOOM:
+        zoom(k, s, a, b)
+    elif what == PARTNER:
+        call(
+            k[a + ADDRESS],
+            s[0 : s.shape[0]],
+            s[k[a + NUMBERS] : k[a + NUMBERS_END]],
+            s[k[a + MEMORY] : k[a + MEMORY_END]],
+            k[k[a + LINKS] : k[a + LINKS_END]],
+        )
+    return value
+
+
+# --- Sources that remember ---
+
+
+@kernel
+def change(s: Any, x: float, state: int) -> float:
+    """Return x minus what it was; 0 at first."""
+    before: float = s[state + BEFORE]
+    s[state + BEFORE] = x
+    return 0.0 if math.isnan(before) else x - before
+
+
+@kernel
+def rate(s: Any, x: float, state: int) -> float:
+    """Return ``y + (d - y) Δ / (T + Δ)`` with the slope ``d = (x - before) / Δ``; 0 at first."""
+    period = s[PERIOD]
+    slope = change(s, x, state) / period
+    share = period / (s[state + FILTER_TIME] + period)
+    filtered: float = s[state + FILTERED] + (slope - s[state + FILTERED]) * share
+    s[state + FILTERED] = filtered
+    return filtered
+
+
+@kernel
+def lagged(s: Any, x: float, state: int) -> float:
+    """Return ``y + (x - y) Δ / (T + Δ)``, the implicit Euler step; x at first."""
+    period = s[PERIOD]
+    before: float = s[state + LAGGED]
+    y: float = (
+        x if math.isnan(before) else before + (x - before) * period / (s[state + LAG_TIME] + period)
+    )
+    s[state + LAGGED] = y
+    return y
+
+
+@kernel
+def integral(s: Any, x: float, state: int) -> float:
+    """Return the integral of x, this period included.
+
+    Where its drive was at a limit in the last period it holds, if x would drive on, or goes
+    back by ``excess Δ / T``; the drive grows with the integral.
+    """
+    period = s[PERIOD]
+    total = s[state + TOTAL]
+    step_by = x * period
+    if s[state + WINDUP] != 0.0:
+        excess = s[int(s[state + EXCESS]) + OVER]
+        if s[state + WINDUP] > 0.0:
+            step_by += excess * period / s[state + WINDUP]
+        elif excess * x < 0.0:
+            step_by = 0.0
+    total = float(clamp(total + step_by, s[state + LOWEST], s[state + HIGHEST]))
+    s[state + TOTAL] = total
+    return total
+
+
+@kernel
+def summed(s: Any, error: float, state: int, single: bool) -> float:
+    """Return the sum of the errors; it begins again after the last period of a set point."""
+    total = stored(s[state + TOTAL] + error, single)
+    s[state + TOTAL] = 0.0 if s[state + CLEARED] != 0.0 and s[LAST] != 0.0 else total
+    return total
+
+
+# --- Limits of a drive ---
+
+
+@kernel
+def limited(s: Any, x: float, state: int) -> float:
+    """Return x within its limits; remember by how much they changed it."""
+    y: float = min(max(x, s[state + LOW]), s[state + HIGH])
+    s[state + OVER] = y - x
+    return y
+
+
+@kernel
+def slewed(s: Any, x: float, state: int) -> float:
+    """Return x, or as near to it as the rate of change allows; a drive begins at 0."""
+    before = s[state + LAST_DRIVE]
+    most = s[state + STEEPEST] * s[PERIOD]
+    y: float = min(max(x, before - most), before + most)
+    s[state + LAST_DRIVE] = y
+    return y
+
+
+# --- Coarse and fine control ---
+
+
+@kernel
+def zoom(k: Any, s: Any, at: int, count: int) -> None:
+    """Magnify signals while all lie inside the window (section 6.6: "within [-3 3]").
+
+    Abruptly, or so that they wait at the edge of the window until the unmagnified ones come.
+    """
+    first = at + ZOOMED
+    size = 0.0
+    for i in range(first, first + count):
+        size = max(size, abs(s[k[i]]))
+    inside = s[k[at + INSIDE]]
+    if size <= inside:
+        factor = s[k[at + BY]]
+        if k[at + WAIT] != 0 and size * factor > inside:
+            factor = inside / size
+        for i in range(first, first + count):
+            s[k[i]] = factor * s[k[i]]
+
+
+# --- Rule bases ---
+
+
+@kernel
+def infer(k: Any, s: Any, at: int, address: int) -> None:
+    """Evaluate a rule base: inputs into its block, results out of it."""
+    block = s[k[at + BEGIN] : k[at + END]]
+    inputs = k[at + COUNT_INPUTS]
+    cell = at + INFER_CELLS
+    for i in range(inputs):
+        block[k[at + FIRST_INPUT] + i] = s[k[cell + i]]
+    call(address, block)
+    for i in range(k[at + COUNT_RESULTS]):
+        s[k[cell + inputs + i]] = block[k[at + FIRST_RESULT] + i]
+
+
+# --- Tables ---
+#
+# A grid in the cells: the number of inputs, whether it interpolates, and for each input how many
+# levels it has, the thresholds between them (one less) and the levels. What a look-up means is
+# defined in :mod:`fuzzyarm.table.lookup`.
+
+GRID_HEAD = 2
+
+
+@kernel
+def cell_index(k: Any, s: Any, inputs: int, grid: int) -> int:
+    """Return the number of the cell that the inputs name, the last input fastest."""
+    cell = 0
+    at = grid + GRID_HEAD
+    for i in range(int(s[grid])):
+        count = int(s[at])
+        cell = cell * count + count_smaller(s, at + 1, count - 1, s[k[inputs + i]])
+        at += 2 * count
+    return cell
+
+
+@kernel
+def looked_up(k: Any, s: Any, at: int, grid: int) -> float:
+    """Return the value of a table, by cell or between the neighbouring levels."""
+    values = k[at + VALUES]
+    if s[grid + 1] == 0.0:
+        value: float = s[values + cell_index(k, s, at + INPUTS, grid)]
+    else:
+        value = interpolated(k, s, at, grid)
+    return value
+
+
+@kernel
+def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
+    """Blend the corners of the cell around the inputs pairwise, the last input first.
+
+    Room: the share of the way along each input, then the corners.
+    """
+    inputs = int(s[grid])
+    room = k[at + ROOM]
+    corners = room + inputs
+    # The corners' numbers are built up input by input: each doubles the list.
+    s[corners] = 0.0
+    found = 1
+    axis = grid + GRID_HEAD
+    for i in range(inputs):
+        count = int(s[axis])
+        levels = axis + count
+        lower, share = neighbour(s, levels, count, s[k[at + INPUTS + i]])
+        s[room + i] = share
+        upper = lower + (1 if count > 1 else 0)
+        for j in range(found - 1, -1, -1):
+            cell = s[corners + j] * count
+            s[corners + 2 * j] = cell + lower
+            s[corners + 2 * j + 1] = cell + upper
+        found *= 2
+        axis += 2 * count
+    for j in range(found):
+        s[corners + j] = s[k[at + VALUES] + int(s[corners + j])]
+    for i in range(inputs - 1, -1, -1):
+        found //= 2
+        for j in range(found):
+            s[corners + j] = blend(s[corners + 2 * j], s[corners + 2 * j + 1], s[room + i])
+    value: float = s[corners]
+    return value
+
+
+@kernel
+def neighbour(s: Any, levels: int, count: int, x: float) -> tuple[int, float]:
+    """Return the lower neighbour of x among some levels, and the share of the way to the upper."""
+    if count == 1:
+        return 0, 0.0
+    inside = clamp(x, s[levels], s[levels + count - 1])
+    inner, room = levels + 1, count - 2
+    lower = count_smaller(s, inner, room, inside)
+    if lower < room and s[inner + lower] == inside:
+        lower += 1  # on a level: it is the lower neighbour
+    return lower, share_of_way(inside, s[levels + lower], s[levels + lower + 1])
+
+
+@kernel
+def learn(k: Any, s: Any, at: int, single: bool) -> int:
+    """Correct the cell of a table that was in use some periods ago; return the one of now.
+
+    Section 6.3: the whole performance value, times a rate, is added, and the cell bounded.
+    """
+    cell = cell_index(k, s, at + LEARN_INPUTS, k[at + GRID])
+    judged = cell
+    if k[at + ALIKE] == 0:
+        judged = cell_index(k, s, at + LEARN_INPUTS, k[at + JUDGE_GRID])
+    delay = k[at + DELAY]
+    head = k[at + RING]
+    oldest = head + 1 + int(s[head])
+    responsible = float(cell) if delay == 0 else s[oldest]
+    gain, bound = s[k[at + GAIN]], s[k[at + BOUND]]
+    if responsible >= 0.0 and gain != 0.0:  # none is, before the first delay is over
+        corrected = k[at + VALUES] + int(responsible)
+        value = stored(s[corrected] + gain * s[k[at + JUDGE] + judged], single)
+        s[corrected] = min(max(value, -bound), bound)
+    s[k[at + VISITS] + cell] += 1.0
+    if delay > 0:
+        s[oldest] = float(cell)
+        s[head] = float((int(s[head]) + 1) % delay)
+    return cell

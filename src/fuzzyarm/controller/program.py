@@ -1,0 +1,574 @@
+"""A controller as text, written down for its kernel: cells and instructions.
+
+The layout of both is told in :mod:`fuzzyarm.controller.kernel`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller import kernel as to
+from fuzzyarm.controller.law import Arithmetic, Block
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference import kernel as block_of
+from fuzzyarm.inference.layout import NotCoveredError, lay_out, make_block
+from fuzzyarm.inference.plan import plan
+from fuzzyarm.kernels import address_of
+from fuzzyarm.model.controller import (
+    Axes,
+    ControllerModel,
+    Drive,
+    Factor,
+    Learn,
+    Line,
+    Product,
+    Signal,
+    Source,
+    Zoom,
+)
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import Axis, LookupTable
+
+Sheet = RuleBase | LookupTable
+"""What a controller looks up: a rule base or a table."""
+
+AXIS = "joint"
+"""Name of the input that tells the tables of the axes apart, with levels 1, 2 …"""
+
+
+class SourceError(FuzzyarmError, ValueError):
+    """A rule base, a table or a port does not serve a controller."""
+
+    def __init__(self, message: str, *, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """Where the ports of a plant are among the first cells.
+
+    Attributes
+    ----------
+    references, measured, drives : dict
+        The cell of each axis and port.
+    partners : tuple of int
+        Where a partner leaves its torque, one cell for each axis.
+    size : int
+        Number of cells, the clock included.
+    """
+
+    references: Mapping[tuple[str, str], int]
+    measured: Mapping[tuple[str, str], int]
+    drives: Mapping[tuple[str, str], int]
+    partners: tuple[int, ...]
+    size: int
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a table that learns stands among the cells."""
+
+    values: int
+    visits: int
+    count: int
+
+
+@dataclass(frozen=True)
+class Program:
+    """A controller as its kernel takes it.
+
+    Attributes
+    ----------
+    code : list of int
+        The instructions and their lists.
+    cells : ndarray of float64
+        As they are before the first period.
+    signals : dict
+        The cell of each axis and signal.
+    learned : dict
+        Of each axis and each table that learns, where it stands.
+    rings : tuple of (int, int)
+        The rings of learners, to be emptied before another run with the same tables.
+    gains : dict
+        The cells of each gain, one for each axis.
+    """
+
+    code: list[int]
+    cells: NDArray[np.float64]
+    signals: Mapping[tuple[str, str], int]
+    learned: Mapping[tuple[str, str], Place]
+    rings: tuple[tuple[int, int], ...]
+    gains: Mapping[str, tuple[int, ...]]
+
+    def cells_with(
+        self, values: Mapping[str, Sequence[float]], arithmetic: Arithmetic
+    ) -> NDArray[np.float64]:
+        """Return the cells with other values of gains, one for all axes or one for each."""
+        cells = self.cells.copy()
+        for name, numbers in values.items():
+            held = [arithmetic.hold(number) for number in numbers]
+            for index, cell in enumerate(self.gains[name]):
+                cells[cell] = held[index if len(held) > 1 else 0]
+        return cells
+
+
+def write_down(
+    model: ControllerModel,
+    sheets: Mapping[str, Sequence[Sheet]],
+    partners: Mapping[str, tuple[int, Block]],
+    wiring: Wiring,
+    arithmetic: Arithmetic,
+    inference: int,
+) -> Program:
+    """Write a controller down.
+
+    Parameters
+    ----------
+    model : ControllerModel
+        Without mistakes.
+    sheets : mapping
+        The rule bases and tables that it uses, one for all axes or one for each.
+    partners : mapping
+        Address and arrays of the laws that it names.
+    wiring : Wiring
+        Of the plant.
+    arithmetic : Arithmetic
+        Of the run.
+    inference : int
+        Address of the inference.
+
+    Raises
+    ------
+    SourceError
+        If a rule base or a table does not serve.
+    """
+    return _Writer(model, sheets, partners, wiring, arithmetic, inference).program()
+
+
+_FUSED = {
+    (to.SUBTRACT, to.MULTIPLY): to.SUBTRACT_MULTIPLY,
+    (to.MULTIPLY, to.MULTIPLY): to.MULTIPLY_BOTH,
+    (to.MULTIPLY, to.DIVIDE): to.MULTIPLY_DIVIDE,
+}
+"""Instructions that are one where the second takes what the first has made."""
+
+
+class _Writer:
+    """Cells and code under construction; `axis` is the one that is written."""
+
+    def __init__(
+        self,
+        model: ControllerModel,
+        sheets: Mapping[str, Sequence[Sheet]],
+        partners: Mapping[str, tuple[int, Block]],
+        wiring: Wiring,
+        arithmetic: Arithmetic,
+        inference: int,
+    ) -> None:
+        self.model = model
+        self.sheets = sheets
+        self.partners = partners
+        self.wiring = wiring
+        self.arithmetic = arithmetic
+        self.inference = inference
+        self.code: list[int] = []
+        self.lists: list[int] = []
+        self.list_fields: list[int] = []  # where in the code the begin of a list stands
+        self.cells: list[float] = [0.0] * wiring.size
+        self.parts: list[NDArray[np.float64]] = []  # blocks, behind the cells
+        self.parts_size = 0
+        self.part_fields: list[int] = []  # where in the lists a cell of a part stands
+        self.numbers: dict[float, int] = {}
+        self.known: dict[tuple[str, str], int] = {}  # signals of the axes
+        self.gains: dict[str, tuple[int, ...]] = {}
+        self.tables: dict[tuple[str, int], Place] = {}
+        self.grids: dict[str, tuple[int, list[Axis]]] = {}
+        self.learned: dict[tuple[str, str], Place] = {}
+        self.rings: list[tuple[int, int]] = []
+        self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
+        self.limits: dict[int, int] = {}  # state of the limit of a drive, by its identity
+        self.scratch = self._cell(0.0)  # of values that have no name
+        self.axis = ""
+        self.index = 0
+
+    def program(self) -> Program:
+        """Write everything down."""
+        self._write_gains()
+        self._write_partners()
+        first: set[int] = set()
+        for axes in self.model.axes:
+            for name in axes.names:
+                self.axis = name
+                self.limits = {}
+                for line in axes.lines:
+                    self._write_line(axes, line, first)
+                self.index += 1
+        return self._finished()
+
+    def _finished(self) -> Program:
+        begin = 1 + len(self.code)
+        for field in self.list_fields:
+            self.code[field] += begin
+        for field in self.part_fields:
+            self.lists[field] += len(self.cells)
+        code = [len(self.code) // to.INSTRUCTION, *self.code, *self.lists]
+        cells = np.concatenate([np.array(self.cells), *self.parts])
+        return Program(
+            code, cells, dict(self.known), dict(self.learned), tuple(self.rings), self.gains
+        )
+
+    # --- Cells, instructions, lists ---
+
+    def _cell(self, *values: float) -> int:
+        """Add cells; return the first."""
+        at = len(self.cells)
+        self.cells += values
+        return at
+
+    def _number(self, value: float) -> int:
+        """Return the cell of a constant."""
+        if value not in self.numbers:
+            self.numbers[value] = self._cell(value)
+        return self.numbers[value]
+
+    def _do(self, what: int, into: int, a: int, b: int = 0, c: int = 0) -> int:
+        """Add an instruction, or make it one with that before it; return the cell it fills."""
+        before = self.code[-to.INSTRUCTION :]
+        both = _FUSED.get((before[0], what)) if before else None
+        if both is not None and into == before[1] == a == self.scratch and not before[5]:
+            self.code[-to.INSTRUCTION :] = [both, into, before[2], before[3], b, 0]
+        else:
+            self.code += [what, into, a, b, c, 0]
+        return into
+
+    def _move(self, into: int, cell: int, *, rounded: bool) -> None:
+        """Have a value in another cell: where it was made last, it is made there at once."""
+        if cell != self.scratch or self.code[-5] != cell:
+            self._do(to.COPY, into, cell)
+        self.code[-5] = into
+        self.code[-1] = int(rounded)
+
+    def _list(self, field: int, items: Sequence[int]) -> None:
+        """Add a list; it begins where operand `field` of the last instruction says."""
+        position = len(self.code) - to.INSTRUCTION + field
+        self.code[position] = len(self.lists)
+        self.list_fields.append(position)
+        self.lists += items
+
+    # --- Names ---
+
+    def _write_gains(self) -> None:
+        count = len(self.model.axis_names)
+        for gain in self.model.gains:
+            values = [amount.value(self.arithmetic.pi) for amount in gain.values]
+            held = [self.arithmetic.hold(value) for value in values]
+            held = held * count if len(held) == 1 else held
+            self.gains[gain.name] = tuple(self._cell(value) for value in held)
+
+    def _write_partners(self) -> None:
+        """Run each law once; both axes read what it leaves."""
+        for name, (address, block) in self.partners.items():
+            numbers = self._cell(*map(float, block.numbers))
+            memory = self._cell(*map(float, block.memory))
+            self._do(to.PARTNER, self.scratch, 0)
+            ends = [numbers, numbers + len(block.numbers), memory, memory + len(block.memory)]
+            self._list(2, [address, *ends, 0, 0])
+            links = len(self.lists)
+            self.lists += block.links
+            self.lists[links - 2], self.lists[links - 1] = links, links + len(block.links)
+            for axis, cell in zip(self.model.axis_names, self.wiring.partners, strict=False):
+                self.known[axis, name] = self._do(to.COPY, self._cell(0.0), cell)
+
+    def _operand(self, value: str | float) -> int:
+        """Return the cell of a number, a signal or a gain."""
+        if not isinstance(value, str):
+            return self._number(float(value))
+        if value in self.gains:
+            return self.gains[value][self.index]
+        return self.known[self.axis, value]
+
+    # --- Lines ---
+
+    def _write_line(self, axes: Axes, line: Line, first: set[int]) -> None:
+        if isinstance(line, Signal):
+            self._write_signal(axes, line)
+        elif isinstance(line, Zoom):
+            self._write_zoom(line)
+        elif isinstance(line, Learn):
+            self._write_learn(line)
+        else:
+            self._write_drive(line, first)
+
+    def _write_signal(self, axes: Axes, line: Signal) -> None:
+        source = line.source
+        if source is None:
+            self._store(line.names[0], self._sum(line.products))
+        elif source.kind == "rules":
+            self._write_rules(line, source)
+        else:
+            found = self._source(axes, line, source)
+            (product,) = line.products or (Product(()),)
+            self._store(line.names[0], self._factors(found, product.factors))
+
+    def _store(self, name: str, cell: int) -> None:
+        into = self.known.setdefault((self.axis, name), self._cell(0.0))
+        self._move(into, cell, rounded=True)
+
+    def _factors(self, cell: int, factors: Sequence[Factor]) -> int:
+        for factor in factors:
+            what = to.DIVIDE if factor.divides else to.MULTIPLY
+            cell = self._do(what, self.scratch, cell, self._operand(factor.value))
+        return cell
+
+    def _sum(self, products: Sequence[Product]) -> int:
+        total = -1
+        for product in products:
+            first, *others = product.factors
+            cell = self._factors(self._operand(first.value), others)
+            if total < 0 and not product.negative:
+                # A product that is begun next must not overwrite this one.
+                total = cell if len(products) == 1 else self._copy(cell)
+                continue
+            before = self._number(0.0) if total < 0 else total
+            what = to.SUBTRACT if product.negative else to.ADD
+            total = self._do(what, self._cell(0.0), before, cell)
+        return total
+
+    def _copy(self, cell: int) -> int:
+        return self._do(to.COPY, self._cell(0.0), cell)
+
+    def _source(self, axes: Axes, line: Signal, source: Source) -> int:
+        """Write the instructions of a source; return the cell of its value."""
+        of = (self.axis, source.name)
+        if source.kind == "reference":
+            return self.wiring.references[of]
+        if source.kind == "measured":
+            return self.wiring.measured[of]
+        if source.kind == "table":
+            return self._look_up(source)
+        if source.kind in ("error", "sum"):
+            return self._error(source)
+        what, state = {
+            "change": lambda: (to.CHANGE, self._cell(math.nan)),
+            "lag": lambda: (to.LAG, self._cell(math.nan, self._time(source))),
+            "rate": lambda: (to.RATE, self._cell(math.nan, 0.0, self._time(source, "filter"))),
+            "integral": lambda: (to.INTEGRATE, self._integral_state(axes, line, source)),
+        }[source.kind]()
+        return self._do(what, self.scratch, self.known[of], state)
+
+    def _error(self, source: Source) -> int:
+        """Write reference minus measured value, or its sum."""
+        of, scratch = (self.axis, source.name), self.scratch
+        wanted = self.wiring.references[of]
+        weight = source.option("weight")
+        if isinstance(weight, str | float):
+            wanted = self._do(to.MULTIPLY, scratch, wanted, self._operand(weight))
+        error = self._do(to.SUBTRACT, scratch, wanted, self.wiring.measured[of])
+        if source.kind == "error":
+            return error
+        state = self._cell(0.0, float(source.option("cleared") is not None))
+        return self._do(to.SUM, scratch, error, state)
+
+    @staticmethod
+    def _time(source: Source, word: str = "time") -> float:
+        value = source.option(word)
+        return float(value) if isinstance(value, float) else 0.0
+
+    def _integral_state(self, axes: Axes, line: Signal, source: Source) -> int:
+        within = source.option("within")
+        low, high = within if isinstance(within, tuple) else (-math.inf, math.inf)
+        start = source.option("start")
+        total = start if isinstance(start, float) else 0.0
+        windup = source.option("anti-windup")
+        kind = -1.0 if windup == "hold" else float(windup) if isinstance(windup, float) else 0.0
+        state = 0
+        if kind:
+            drive = axes.driven_by(line.names[0])
+            if drive is not None:
+                state = self._limit_state(drive)
+        return self._cell(total, low, high, kind if state else 0.0, float(state))
+
+    def _write_zoom(self, line: Zoom) -> None:
+        self._do(to.ZOOM, self.scratch, 0, len(line.signals))
+        numbers = [self._operand(line.by), self._operand(line.inside), int(line.wait)]
+        self._list(2, [*numbers, *(self.known[self.axis, name] for name in line.signals)])
+
+    def _write_drive(self, line: Drive, first: set[int]) -> None:
+        cell = self._sum(line.products)
+        if line.within is not None:
+            cell = self._do(to.LIMIT, self.scratch, cell, self._limit_state(line))
+        if line.slew is not None:
+            cell = self._do(to.SLEW, self.scratch, cell, self._cell(0.0, line.slew))
+        port = self.wiring.drives[self.axis, line.port]
+        # The first drive of a port sets it, the others add to it, in the order of the text.
+        if port in first:
+            self._do(to.ADD, port, port, cell)
+        else:
+            self._move(port, cell, rounded=False)
+        first.add(port)
+
+    def _limit_state(self, drive: Drive) -> int:
+        low, high = drive.within or (-math.inf, math.inf)
+        if id(drive) not in self.limits:
+            self.limits[id(drive)] = self._cell(low, high, 0.0)
+        return self.limits[id(drive)]
+
+    # --- Rule bases and tables ---
+
+    def _sheet(self, name: str) -> Sheet:
+        sheets = self.sheets[name]
+        return sheets[self.index if len(sheets) > 1 else 0]
+
+    def _write_rules(self, line: Signal, source: Source) -> None:
+        rulebase = self._sheet(source.name)
+        if not isinstance(rulebase, RuleBase):
+            raise SourceError(f"'{source.name}' is a table: write table {source.name}(…)")
+        numbers, first_input, first_result = rule_block(rulebase, compiled=self.arithmetic.compiled)
+        begin = self.parts_size
+        self.parts.append(numbers)
+        self.parts_size += len(numbers)
+        results = [self._cell(0.0) for _ in line.names]
+        inputs = self._inputs(rulebase, source.inputs)
+        self._do(to.INFER, self.scratch, 0, self.inference)
+        at = len(self.lists)
+        self._list(
+            2,
+            [
+                begin,
+                self.parts_size,
+                first_input,
+                first_result,
+                len(inputs),
+                len(results),
+                *inputs,
+                *results,
+            ],
+        )
+        self.part_fields += [at + to.BEGIN, at + to.END]
+        (product,) = line.products or (Product(()),)
+        for name, cell in zip(line.names, results, strict=True):
+            self._store(name, self._factors(cell, product.factors))
+
+    def _inputs(self, rulebase: RuleBase, names: Sequence[str]) -> list[int]:
+        """Return the cells of a rule base's inputs; one called `AXIS` has the axis' number."""
+        waiting = iter(names)
+        cells = []
+        for variable in rulebase.inputs:
+            if variable.name == AXIS and AXIS not in names:
+                cells.append(self._number(self.index + 1.0))
+            else:
+                cells.append(self.known[self.axis, next(waiting)])
+        return cells
+
+    def _look_up(self, source: Source) -> int:
+        inputs = tuple(self.known[self.axis, name] for name in source.inputs)
+        place = self._place(source.name)
+        grid, axes = self.grids[source.name]
+        known = self.cell_signal.get((source.name, self.index))
+        if known is not None and known[0] == inputs:
+            return self._do(to.LOOK_UP_CELL, self.scratch, known[1], place.values)
+        room = 0
+        if self.cells[grid + 1] != 0.0:
+            room = self._cell(*[0.0] * (len(axes) + 2 ** len(axes)))
+        self._do(to.LOOK_UP, self.scratch, 0, grid)
+        self._list(2, [place.values, room, *inputs])
+        return self.scratch
+
+    def _write_learn(self, line: Learn) -> None:
+        place = self._place(line.table)
+        grid, axes = self.grids[line.table]
+        if self.cells[grid + 1] != 0.0:
+            raise SourceError("a table that is interpolated has no responsible cell to correct")
+        judge = self._place(line.judge)
+        judge_grid, judge_axes = self.grids[line.judge]
+        alike = [(a.levels, a.thresholds("nearest")) for a in axes] == [
+            (a.levels, a.thresholds("nearest")) for a in judge_axes
+        ]
+        ring = self._cell(0.0, *[-1.0] * line.delay)
+        self.rings.append((ring, ring + 1 + line.delay))
+        visits = self._cell(*[0.0] * place.count)
+        inputs = tuple(self.known[self.axis, name] for name in line.inputs)
+        cell = self._do(to.LEARN, self._cell(0.0), 0)
+        tables = [grid, judge_grid, judge.values, int(alike)]
+        numbers = [self._operand(line.rate), self._operand(line.bound)]
+        self._list(2, [place.values, visits, ring, line.delay, *numbers, *tables, *inputs])
+        self.cell_signal[line.table, self.index] = (inputs, cell)
+        self.learned[self.axis, line.table] = Place(place.values, visits, place.count)
+
+    def _place(self, name: str) -> Place:
+        """Write a table down, once for each axis."""
+        key = (name, self.index)
+        if key not in self.tables:
+            table = self._sheet(name)
+            if isinstance(table, RuleBase):
+                raise SourceError(f"'{name}' is a rule base: write rules {name}(…)")
+            axes, values = of_axis(table, self.index)
+            if name not in self.grids or len(self.sheets[name]) > 1:
+                self.grids[name] = (self._cell(*pack_grid(axes, table.default_mode)), axes)
+            held = [self.arithmetic.hold(value) for value in values.ravel().tolist()]
+            self.tables[key] = Place(self._cell(*held), 0, len(held))
+        return self.tables[key]
+
+
+class RuleBlock(NamedTuple):
+    """A rule base for the inference kernel at one point: numbers, where inputs and results are."""
+
+    numbers: NDArray[np.float64]
+    first_input: int
+    first_result: int
+
+
+def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
+    """Write down a rule base for :func:`inference_address`.
+
+    Raises
+    ------
+    SourceError
+        If the kernel cannot evaluate it; it says why.
+    """
+    try:
+        layout = lay_out(plan(rulebase), compiled=compiled)
+    except NotCoveredError as error:
+        raise SourceError(
+            f"a controller cannot evaluate '{rulebase.name}' at every step: {error}",
+            hint="compile it to a table and look it up in that",
+        ) from None
+    numbers = make_block(layout, 1).numbers
+    whole = numbers.view(np.int64)
+    return RuleBlock(numbers, int(whole[block_of.COLUMNS]), int(whole[block_of.RESULTS]))
+
+
+def evaluate_view(block: Any) -> None:
+    """Evaluate a rule base as plain Python, its block a view as an interpreted loop has it."""
+    block_of.evaluate(np.asarray(block))
+
+
+def inference_address(*, compiled: bool) -> int:
+    """Return where controllers find the inference kernel."""
+    return address_of(block_of.evaluate if compiled else evaluate_view, 1, compiled=compiled)
+
+
+def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
+    """Write a grid down as :func:`fuzzyarm.controller.kernel.cell_index` reads it."""
+    numbers = [float(len(axes)), float(mode == "linear")]
+    for axis in axes:
+        numbers += [len(axis.levels), *axis.thresholds(mode), *axis.levels]
+    return numbers
+
+
+def of_axis(table: LookupTable, index: int) -> tuple[list[Axis], NDArray[np.float64]]:
+    """Return axes and values of a table; of one over all axes the part of one axis."""
+    axes = [table.axis(name) for name in table.names]
+    if AXIS not in table.names:
+        return axes, np.asarray(table.values)
+    at = table.names.index(AXIS)
+    levels = axes[at].levels
+    if index >= len(levels) or levels != tuple(float(i + 1) for i in range(len(levels))):
+        raise SourceError(f"the input {AXIS} of a table has the levels 1, 2 … for the axes")
+    return [*axes[:at], *axes[at + 1 :]], np.take(table.values, index, axis=at)

@@ -1,0 +1,484 @@
+"""Controllers as text: their files, what does not fit, and one step at a time."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.controller.kernel import CLOCK, LAST, PERIOD, SINGLE, step
+from fuzzyarm.controller.law import Arithmetic, view
+from fuzzyarm.controller.program import (
+    AXIS,
+    Program,
+    Sheet,
+    SourceError,
+    Wiring,
+    inference_address,
+    write_down,
+)
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.kernels import jit_wanted, routine
+from fuzzyarm.language.reading import load_rulebase, parse, read_text
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Line, Signal, Use
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.plant.setting import stored_double, stored_single
+from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.table import LookupTable, read_table
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
+from fuzzyarm.text.names import near_hint
+
+Change = Callable[[ControllerModel], ControllerModel]
+
+ZERO = "zero"
+"""In place of a file: a table of zeros on the grid of the performance table."""
+
+
+@dataclass(frozen=True)
+class ControllerText:
+    """A controller as text, with the rule bases and tables that it uses.
+
+    Attributes
+    ----------
+    model : ControllerModel
+        What the text says.
+    sheets : mapping of str to tuple of RuleBase or LookupTable
+        By the names of the text, one for all axes or one for each.
+    path : str
+        Of the file, empty where there is none.
+    """
+
+    model: ControllerModel
+    sheets: Mapping[str, tuple[Sheet, ...]] = field(default_factory=dict)
+    path: str = ""
+
+    def run(self, **options: Any) -> ControllerRun:
+        """Start it, for a loop of one's own; see :class:`ControllerRun`."""
+        return ControllerRun(self, **options)
+
+    def learners(self) -> Iterator[Learn]:
+        """Iterate over the lines that teach a table."""
+        return (line for _, line in self.model.lines() if isinstance(line, Learn))
+
+
+def read_controller(
+    path: str | os.PathLike[str],
+    instead: Mapping[str, tuple[Sheet, ...]] | None = None,
+    change: Change | None = None,
+) -> ControllerText:
+    """Read a controller and the files that it uses.
+
+    Parameters
+    ----------
+    path : path-like
+        A ``.frb`` file with a line ``controller``.
+    instead : mapping, optional
+        Rule bases and tables in place of those that its ``use`` lines name.
+    change : callable, optional
+        From what the text says to what is to be read instead.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    RuleBaseError
+        If it has mistakes, or something does not fit; `diagnostics` has all of them.
+    """
+    name = os.fspath(path)
+    parsed = parse(read_text(path), name)
+    if parsed.controller is None:
+        raise RuleBaseError(parsed.diagnostics)
+    model = change(parsed.controller) if change is not None else parsed.controller
+    text, faults = with_files(model, Path(name).parent, name, instead)
+    if faults:
+        raise RuleBaseError(faults)
+    return text
+
+
+def with_files(
+    model: ControllerModel,
+    folder: Path,
+    path: str = "",
+    instead: Mapping[str, tuple[Sheet, ...]] | None = None,
+) -> tuple[ControllerText, list[Diagnostic]]:
+    """Read the files that a controller uses: beside it, or among the shipped ones.
+
+    Returns
+    -------
+    ControllerText
+        With what could be read.
+    list of Diagnostic
+        What could not, and what does not fit.
+    """
+    sheets: dict[str, tuple[Sheet, ...]] = {each.name: (each,) for each in model.rulebases}
+    sheets.update(instead or {})
+    faults: list[Diagnostic] = []
+    for use in model.uses:
+        if use.name in sheets or use.files == (ZERO,):
+            continue
+        try:
+            sheets[use.name] = tuple(read_sheet(file, folder) for file in use.files)
+        except (OSError, RuleBaseError) as error:
+            faults.append(_unreadable(use, error, path))
+    for use in model.uses:
+        if use.name not in sheets and use.files == (ZERO,):
+            judge = judge_of(model, use.name, sheets)
+            if judge is not None:
+                sheets[use.name] = (zeros_like(judge),)
+            elif not faults:
+                message = f"nothing teaches '{use.name}', which begins at zero"
+                hint = f"add a line like  learn {use.name} by P(e, ce)"
+                faults.append(Diagnostic("no-learner", message, use.span, hint=hint, path=path))
+    text = ControllerText(model, sheets, path)
+    return text, [*faults, *misfits(text)]
+
+
+def _unreadable(use: Use, error: OSError | RuleBaseError, path: str) -> Diagnostic:
+    files = " or ".join(f"'{file}'" for file in use.files)
+    if isinstance(error, RuleBaseError):
+        message = f"{files} has mistakes: {error.diagnostics[0].message}"
+        return Diagnostic("faulty-file", message, use.span, path=path)
+    message = f"cannot read {files}: {error.strerror or error}"
+    hint = "a file stands beside the controller, or is a shipped one"
+    return Diagnostic("missing-file", message, use.span, hint=hint, path=path)
+
+
+def read_sheet(file: str, folder: Path) -> Sheet:
+    """Read a rule base or a table: beside the controller, or a shipped one."""
+    path = folder / file
+    if not path.exists() and file in shipped_names():
+        path = shipped(file)
+    # Keyed by the time of the last change, so that an edited file counts in a long process.
+    return _read_sheet(path, path.stat().st_mtime_ns)
+
+
+@cache
+def _read_sheet(path: Path, _changed: int) -> Sheet:
+    return read_table(path) if path.suffix == ".lut" else load_rulebase(path)
+
+
+def judge_of(
+    model: ControllerModel, name: str, sheets: Mapping[str, tuple[Sheet, ...]]
+) -> LookupTable | None:
+    """Return the performance table of a table that begins at zero."""
+    for _, line in model.lines():
+        if isinstance(line, Learn) and line.table == name and line.judge in sheets:
+            judge = sheets[line.judge][0]
+            if isinstance(judge, LookupTable):
+                return judge
+    return None
+
+
+def zeros_like(table: LookupTable) -> LookupTable:
+    """Return a table of zeros on the same grid."""
+    return replace(
+        table, values=np.zeros_like(table.values), output="u", rounding=None, provenance=()
+    )
+
+
+def by_name(name: str, sheet: Sheet) -> Change:
+    """Return what asks a rule base or a table in another's place for its inputs by name.
+
+    Raises
+    ------
+    SourceError
+        When it is called: if an input is not a signal of the axis.
+    """
+    wanted = tuple(each for each in input_names(sheet) if each != AXIS)
+
+    def change(model: ControllerModel) -> ControllerModel:
+        def asked(axes: Axes, line: Line) -> Line:
+            if isinstance(line, Learn) and name in (line.table, line.judge):
+                return replace(line, inputs=wanted) if name == line.table else line
+            if not isinstance(line, Signal) or line.source is None or line.source.name != name:
+                return line
+            signals = [other for other in axes.lines if isinstance(other, Signal)]
+            made = [each for other in signals for each in other.names]
+            for each in wanted:
+                if each not in made:
+                    known = ", ".join(dict.fromkeys(line.source.inputs))
+                    raise SourceError(
+                        f"'{name}' is asked for '{each}', which the controller does not have",
+                        hint=f"its inputs may be called {known}, {AXIS}",
+                    )
+            return replace(line, source=replace(line.source, inputs=wanted))
+
+        axes = tuple(
+            replace(each, lines=tuple(asked(each, line) for line in each.lines))
+            for each in model.axes
+        )
+        return replace(model, axes=axes)
+
+    return change
+
+
+def input_names(sheet: Sheet) -> tuple[str, ...]:
+    """Return the inputs of a rule base or a table, in their order."""
+    if isinstance(sheet, RuleBase):
+        return tuple(variable.name for variable in sheet.inputs)
+    return sheet.names
+
+
+def teaching(rate: float | None = None, delay: int | None = None) -> Change:
+    """Return what gives the learners of a controller another rate and delay."""
+
+    def change(model: ControllerModel) -> ControllerModel:
+        def taught(line: Line) -> Line:
+            if not isinstance(line, Learn):
+                return line
+            return replace(
+                line,
+                rate=line.rate if rate is None else rate,
+                delay=line.delay if delay is None else delay,
+            )
+
+        axes = tuple(replace(each, lines=tuple(map(taught, each.lines))) for each in model.axes)
+        return replace(model, axes=axes)
+
+    return change
+
+
+# --- What does not fit ---
+
+
+def misfits(text: ControllerText) -> Iterator[Diagnostic]:
+    """Yield what does not fit between a controller and its rule bases and tables."""
+    for _, line in text.model.lines():
+        if isinstance(line, Signal) and line.source is not None and line.source.inputs:
+            source = line.source
+            for sheet in text.sheets.get(source.name, ()):
+                yield from _misfit(text, line, sheet, source.kind, source.name, source.inputs)
+        elif isinstance(line, Learn):
+            for name in (line.table, line.judge):
+                for sheet in text.sheets.get(name, ()):
+                    yield from _misfit(text, line, sheet, "table", name, line.inputs)
+            table = next(iter(text.sheets.get(line.table, ())), None)
+            if isinstance(table, LookupTable) and table.default_mode == "linear":
+                message = "a table that is interpolated has no responsible cell to correct"
+                yield Diagnostic("no-cells", message, line.span, path=text.path)
+
+
+def _misfit(
+    text: ControllerText,
+    line: Signal | Learn,
+    sheet: Sheet,
+    kind: str,
+    name: str,
+    inputs: Sequence[str],
+) -> Iterator[Diagnostic]:
+    is_rules = isinstance(sheet, RuleBase)
+    if is_rules != (kind == "rules"):
+        what, word = ("rule base", "rules") if is_rules else ("table", "table")
+        message = f"'{name}' is a {what}"
+        hint = f"write {word} {name}({', '.join(inputs)})"
+        yield Diagnostic("wrong-source", message, line.span, hint=hint, path=text.path)
+        return
+    if isinstance(sheet, RuleBase):
+        assert isinstance(line, Signal)
+        if len(line.names) != len(sheet.outputs):
+            outputs = ", ".join(variable.name for variable in sheet.outputs)
+            yield Diagnostic(
+                "wrong-count",
+                f"'{name}' has {len(sheet.outputs)} outputs, the line names {len(line.names)}",
+                line.span,
+                hint=f"its outputs are {outputs}",
+                path=text.path,
+            )
+    names = [each for each in input_names(sheet) if each != AXIS or each in inputs]
+    if len(names) != len(inputs):
+        yield Diagnostic(
+            "wrong-count",
+            f"'{name}' has {len(names)} inputs, the line gives {len(inputs)}",
+            line.span,
+            hint=f"its inputs are {', '.join(names)}",
+            path=text.path,
+        )
+
+
+# --- One step at a time, in a loop of anybody's own ---
+
+
+class PortError(FuzzyarmError, KeyError):
+    """A value is missing, unknown or not a number; `port` is where."""
+
+    def __init__(self, message: str, *, port: str, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+        self.port = port
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+def ports_of(model: ControllerModel, kind: str) -> Iterator[tuple[str, str]]:
+    """Yield axis and port of what a controller asks for.
+
+    Parameters
+    ----------
+    model : ControllerModel
+        Without mistakes.
+    kind : str
+        ``reference``, ``measured`` or ``drive``.
+    """
+    found: dict[tuple[str, str], None] = {}
+    for axes, line in model.lines():
+        port = ""
+        if isinstance(line, Drive):
+            port = line.port if kind == "drive" else ""
+        elif isinstance(line, Signal) and line.source is not None:
+            asked = line.source.kind
+            if asked == kind or (asked in ("error", "sum") and kind != "drive"):
+                port = line.source.name
+        if port:
+            found.update(dict.fromkeys((axis, port) for axis in axes.names))
+    yield from found
+
+
+def wiring_of(model: ControllerModel) -> Wiring:
+    """Give each port that a controller asks for a cell of its own, behind the clock."""
+    at = CLOCK
+    cells: list[dict[tuple[str, str], int]] = []
+    for kind in ("reference", "measured", "drive"):
+        ports = list(ports_of(model, kind))
+        cells.append({port: at + index for index, port in enumerate(ports)})
+        at += len(ports)
+    references, measured, drives = cells
+    return Wiring(references, measured, drives, (), at)
+
+
+class ControllerRun:
+    """A controller as it runs: what it remembers, and a step for each period.
+
+    Parameters
+    ----------
+    text : ControllerText
+        Which.
+    gains : mapping of str to float or sequence of float, optional
+        In place of those of the text.
+    single : bool, optional
+        Whether signals and gains are stored in single precision.
+    compiled : bool, optional
+        Whether it runs as machine code; by default as the environment wants it.
+
+    Raises
+    ------
+    SourceError
+        If it has a partner, which knows the arm only, or a rule base that cannot be evaluated.
+
+    Examples
+    --------
+    >>> from fuzzyarm import load, shipped
+    >>> run = load(shipped("fuzzy-direct.frb")).run(compiled=False)
+    >>> run.inputs
+    ('joint1.position', 'joint1.velocity', 'joint2.position', 'joint2.velocity')
+    >>> still = dict.fromkeys(run.inputs, 0.0)
+    >>> drives = run.step(still, still | {"joint1.position": 0.001})
+    >>> round(drives["joint1.voltage"], 3), drives["joint2.voltage"]
+    (0.586, 0.0)
+    """
+
+    def __init__(
+        self,
+        text: ControllerText,
+        *,
+        gains: Mapping[str, Any] | None = None,
+        single: bool = False,
+        compiled: bool | None = None,
+    ) -> None:
+        model = text.model
+        if model.partners:
+            name = model.partners[0].name
+            raise SourceError(f"the partner '{name}' is a law of the arm and runs there only")
+        compiled = jit_wanted() if compiled is None else compiled
+        self.text = text
+        self.arithmetic = Arithmetic(single, math.pi, compiled)
+        self._wiring = wiring_of(model)
+        self.program: Program = write_down(
+            model,
+            text.sheets,
+            {},
+            self._wiring,
+            self.arithmetic,
+            inference_address(compiled=compiled),
+        )
+        self._gains = {name: np.atleast_1d(value).tolist() for name, value in (gains or {}).items()}
+        for name in self._gains:
+            if name not in self.program.gains:
+                hint = near_hint(name, self.program.gains)[0]
+                raise PortError(f"{model.name} has no gain '{name}'", port=name, hint=hint)
+        binding = {"stored": stored_single if single else stored_double}
+        self._step: Callable[..., None] = routine(step, "if", binding, compiled=compiled)
+        code = np.array(self.program.code, np.int64)
+        self._code = code if compiled else view(code)
+        one = len(model.axis_names) == 1
+        self._names = [
+            {port if one else f"{axis}.{port}": cell for (axis, port), cell in cells.items()}
+            for cells in (self._wiring.references, self._wiring.measured, self._wiring.drives)
+        ]
+        self.start()
+
+    def start(self) -> None:
+        """Forget everything."""
+        cells = self.program.cells_with(self._gains, self.arithmetic)
+        cells[PERIOD] = self.text.model.period
+        cells[SINGLE] = float(self.arithmetic.single)
+        self._cells = cells if self.arithmetic.compiled else view(cells)
+        self._periods = 0
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What it measures: ``port`` of one axis, ``axis.port`` of several."""
+        return tuple(self._names[1])
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What it needs a reference of."""
+        return tuple(self._names[0])
+
+    @property
+    def drives(self) -> tuple[str, ...]:
+        """What it drives."""
+        return tuple(self._names[2])
+
+    def step(
+        self, measured: Mapping[str, float], reference: Mapping[str, float]
+    ) -> dict[str, float]:
+        """Run one period.
+
+        Parameters
+        ----------
+        measured, reference : mapping of str to float
+            By port; names that it does not ask for are left alone.
+
+        Returns
+        -------
+        dict of str to float
+            The drives, by port.
+
+        Raises
+        ------
+        PortError
+            If a value is missing.
+        """
+        cells = self._cells
+        for names, given, what in (
+            (self._names[0], reference, "reference of"),
+            (self._names[1], measured, "measured value of"),
+        ):
+            for name, cell in names.items():
+                if name not in given:
+                    raise PortError(f"no {what} '{name}'", port=name)
+                cells[cell] = given[name]
+        self._periods += 1
+        cells[LAST] = float(self._periods % self.text.model.every == 0)
+        self._step(self._code, cells)
+        return {name: float(cells[cell]) for name, cell in self._names[2].items()}
+
+    def signal(self, axis: str, name: str) -> float:
+        """Return a signal of the last step."""
+        return float(self._cells[self.program.signals[axis, name]])

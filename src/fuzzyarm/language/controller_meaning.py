@@ -1,0 +1,523 @@
+"""Turn the statements of a controller into a ControllerModel, as far as they are sound."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+
+from fuzzyarm.language.controllers import (
+    AxisNode,
+    ControllerHeading,
+    DriveNode,
+    GainNode,
+    LearnNode,
+    OptionNode,
+    PartnerNode,
+    PeriodNode,
+    ProductNode,
+    SetPointNode,
+    SignalNode,
+    UseNode,
+    ZoomNode,
+)
+from fuzzyarm.language.declarations import Scope
+from fuzzyarm.language.statements import Broken, StatementNode
+from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.model.controller import (
+    SOURCES,
+    Amount,
+    Axes,
+    ControllerModel,
+    Drive,
+    Factor,
+    GainModel,
+    Learn,
+    Line,
+    Partner,
+    Product,
+    Signal,
+    Source,
+    Tune,
+    Use,
+    Zoom,
+)
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity, Span
+from fuzzyarm.text.names import near_hint
+
+__all__ = ["elaborate_controller"]
+
+MAX_DELAY = 1000
+MAX_EVERY = 100_000
+
+
+def elaborate_controller(
+    nodes: Sequence[StatementNode], rulebase: RuleBase | None
+) -> tuple[ControllerModel, list[Diagnostic]]:
+    """Return the controller that statements mean, and what is wrong with it.
+
+    Parameters
+    ----------
+    nodes : sequence of StatementNode
+        Of a file with a line ``controller``, those of a rule base among them.
+    rulebase : RuleBase or None
+        The one that stands in the same file.
+    """
+    return _Reader(nodes, rulebase).controller()
+
+
+class _Reader:
+    """Names in scope, and the findings so far."""
+
+    def __init__(self, nodes: Sequence[StatementNode], rulebase: RuleBase | None) -> None:
+        self.nodes = nodes
+        self.rulebase = rulebase
+        self.scope = Scope()
+        self.broken = {node.keyword for node in nodes if isinstance(node, Broken)}
+        self.numbers: dict[str, Word] = {}  # gains and partners
+        self.sheets: dict[str, Word] = {}
+        self.used: set[str] = set()
+        self.axes: dict[str, Word] = {}
+
+        self.later: dict[str, Span] = {}
+
+    def controller(self) -> tuple[ControllerModel, list[Diagnostic]]:
+        """Read everything."""
+        heading = next(node for node in self.nodes if isinstance(node, ControllerHeading))
+        self._report_repeated(ControllerHeading, "controller line")
+        own = () if self.rulebase is None else (self.rulebase,)
+        for each in own:
+            self.sheets[each.name] = Word(each.name, heading.name.span)
+            self.used.add(each.name)
+        uses = tuple(self._use(node) for node in self.nodes if isinstance(node, UseNode))
+        self._declare_gains()
+        axes = self._axes()
+        count = max(1, sum(len(each.names) for each in axes))
+        gains = [self._gain(node, count) for node in self.nodes if isinstance(node, GainNode)]
+        partners = [
+            Partner(
+                node.name.text,
+                node.law.text,
+                tuple((word.text, figure.value) for word, figure in node.gains),
+                node.span,
+            )
+            for node in self.nodes
+            if isinstance(node, PartnerNode)
+        ]
+        self._judge_files(uses, count)
+        self._judge_unused()
+        model = ControllerModel(
+            heading.name.text,
+            self._period(heading),
+            tuple(axes),
+            tuple(gain for gain in gains if gain is not None),
+            uses,
+            tuple(partners),
+            self._every(),
+            heading.description or "",
+            own,
+        )
+        self._judge_whole(heading, axes)
+        for section in axes:
+            self._judge_windup(section)
+        return model, self.scope.diagnostics
+
+    # --- Head ---
+
+    def _report_repeated(self, kind: type, what: str) -> None:
+        found = [node for node in self.nodes if isinstance(node, kind)]
+        for extra in found[1:]:
+            self.scope.report(
+                "duplicate-statement",
+                f"a controller has one {what} only",
+                extra.span,
+                related=(Related("first here", found[0].span),),
+            )
+
+    def _period(self, heading: ControllerHeading) -> float:
+        self._report_repeated(PeriodNode, "period")
+        node = next((node for node in self.nodes if isinstance(node, PeriodNode)), None)
+        if node is None:
+            if "period" not in self.broken:
+                self.scope.report(
+                    "missing-period",
+                    "the controller does not say how often it runs",
+                    heading.span,
+                    hint="add a line like  period 1 ms",
+                )
+            return math.nan
+        if not 0.0 < node.time.seconds <= 3600.0:
+            self.scope.report(
+                "bad-period",
+                f"a period of {node.time} is out of range",
+                node.time.figure.span,
+                hint="above 0 and at most 1 h",
+            )
+        return node.time.seconds
+
+    def _every(self) -> int:
+        self._report_repeated(SetPointNode, "set-point line")
+        node = next((node for node in self.nodes if isinstance(node, SetPointNode)), None)
+        if node is None:
+            return 1
+        value = node.every.value
+        if value != int(value) or not 1 <= value <= MAX_EVERY:
+            self.scope.report(
+                "bad-set-point",
+                f"a set point lasts a whole number of periods, not {node.every}",
+                node.every.span,
+            )
+            return 1
+        return int(value)
+
+    def _use(self, node: UseNode) -> Use:
+        self._declare(node.name, self.sheets)
+        return Use(node.name.text, tuple(word.text for word in node.files), node.span)
+
+    def _declare(self, word: Word, names: dict[str, Word]) -> None:
+        if word.text in names:
+            self.scope.report(
+                "duplicate-name",
+                f"'{word.text}' is declared twice",
+                word.span,
+                related=(Related("first here", names[word.text].span),),
+            )
+        names.setdefault(word.text, word)
+
+    def _declare_gains(self) -> None:
+        for node in self.nodes:
+            if isinstance(node, GainNode | PartnerNode):
+                self._declare(node.name, self.numbers)
+
+    def _gain(self, node: GainNode, count: int) -> GainModel | None:
+        values = tuple(
+            Amount(tuple((f.value if f else None, divides) for f, divides in amount.factors))
+            for amount in node.values
+        )
+        try:
+            numbers = [value.value(math.pi) for value in values]
+        except ZeroDivisionError:
+            self.scope.report("bad-number", "a gain divided by zero", node.values[0].span)
+            return None
+        if len(values) not in (1, count):
+            self.scope.report(
+                "wrong-count",
+                f"gain {node.name.text} has {len(values)} values, the controller {count} axes",
+                node.values[-1].span,
+                hint="one value for all axes, or one for each",
+            )
+            return None
+        tune = None
+        if node.low is not None and node.high is not None:
+            tune = Tune(node.low.value, node.high.value, node.log)
+            if not tune.low < tune.high or (tune.log and tune.low <= 0.0):
+                message = "the range of tune goes from a lower to a higher number"
+                if tune.low < tune.high:
+                    message = "a range in steps of the logarithm begins above 0"
+                self.scope.report("bad-range", message, node.low.span.to(node.high.span))
+            elif not all(tune.low <= number <= tune.high for number in numbers):
+                self.scope.report(
+                    "outside-tune",
+                    f"gain {node.name.text} = {numbers[0]:g} lies outside what tune allows,"
+                    f" {tune.low:g} .. {tune.high:g}",
+                    node.values[0].span,
+                    severity=Severity.WARNING,
+                )
+        return GainModel(node.name.text, values, node.unit or "", tune, node.span)
+
+    # --- Axes ---
+
+    def _axes(self) -> list[Axes]:
+        found: list[Axes] = []
+        lines: list[Line] = []
+        signals: dict[str, Word] = {}
+        current: AxisNode | None = None
+
+        def close() -> None:
+            if current is not None:
+                names = tuple(word.text for word in current.names)
+                found.append(Axes(names, tuple(lines), current.span))
+                self._judge_signals(signals)
+
+        for index, node in enumerate(self.nodes):
+            if isinstance(node, AxisNode):
+                close()
+                current, lines, signals = node, [], {}
+                for word in node.names:
+                    self._declare(word, self.axes)
+                self.later = _signals_behind(self.nodes[index + 1 :])
+            elif isinstance(node, SignalNode):
+                lines += self._signal(node, signals)
+            elif isinstance(node, ZoomNode):
+                lines.append(self._zoom(node, signals))
+            elif isinstance(node, LearnNode):
+                lines.append(self._learn(node, signals))
+            elif isinstance(node, DriveNode):
+                lines.append(self._drive(node, signals))
+        close()
+        return found
+
+    def _signal(self, node: SignalNode, signals: dict[str, Word]) -> list[Line]:
+        products = self._products(node.products, signals)
+        source = None
+        if node.source is not None:
+            kind = node.source.kind.text
+            of = SOURCES[kind].of
+            name = node.source.name
+            inputs: tuple[str, ...] = ()
+            if of == "signal":
+                self._need(name, signals)
+            elif of == "call":
+                self._need_sheet(name)
+                inputs = self._inputs(node.source.call.inputs if node.source.call else (), signals)
+            options = tuple(self._option(option) for option in node.options)
+            self._judge_options(node.options)
+            source = Source(kind, name.text, inputs, options)
+        if len(node.names) > 1 and (source is None or source.kind != "rules"):
+            self.scope.report(
+                "several-signals",
+                "only rules give several signals at once",
+                node.names[0].span.to(node.names[-1].span),
+            )
+        for word in node.names:
+            if word.text in self.numbers:
+                self.scope.report(
+                    "duplicate-name",
+                    f"'{word.text}' is a gain or a partner already",
+                    word.span,
+                    related=(Related("declared here", self.numbers[word.text].span),),
+                )
+            self._declare(word, signals)
+        return [Signal(tuple(word.text for word in node.names), source, products, node.span)]
+
+    def _products(
+        self, nodes: Sequence[ProductNode], signals: dict[str, Word]
+    ) -> tuple[Product, ...]:
+        products = []
+        for node in nodes:
+            factors = []
+            for each in node.factors:
+                if isinstance(each.value, Figure):
+                    factors.append(Factor(each.value.value, each.divides))
+                    if each.divides and each.value.value == 0.0:
+                        self.scope.report("bad-number", "a division by zero", each.value.span)
+                else:
+                    self._need(each.value, signals)
+                    factors.append(Factor(each.value.text, each.divides))
+            products.append(Product(tuple(factors), node.negative))
+        return tuple(products)
+
+    def _need(self, word: Word, signals: dict[str, Word]) -> None:
+        """Demand a signal that has been made, a gain or a partner."""
+        self.used.add(word.text)
+        if word.text in signals or word.text in self.numbers:
+            return
+        if word.text in self.later:
+            self.scope.report(
+                "signal-before-made",
+                f"'{word.text}' is read here, but made below",
+                word.span,
+                hint="a signal is made above the lines that read it",
+                related=(Related("made here", self.later[word.text]),),
+            )
+            return
+        self._unknown("unknown-signal", "signal or gain", word, [*signals, *self.numbers])
+
+    def _unknown(self, name: str, what: str, word: Word, choices: Collection[str]) -> None:
+        hint, replacement = near_hint(word.text, choices)
+        if not hint and choices:
+            hint = "there are " + ", ".join(list(choices)[:10])
+        self.scope.report(
+            name,
+            f"no {what} is called '{word.text}'",
+            word.span,
+            hint=hint,
+            replacement=None if replacement is None else name_text(replacement),
+        )
+
+    def _need_sheet(self, word: Word) -> None:
+        self.used.add(word.text)
+        if word.text not in self.sheets:
+            self._unknown("unknown-use", "rule base or table", word, list(self.sheets))
+
+    def _inputs(self, words: Sequence[Word], signals: dict[str, Word]) -> tuple[str, ...]:
+        for word in words:
+            self._need(word, signals)
+        return tuple(word.text for word in words)
+
+    def _option(self, node: OptionNode) -> tuple[str, str | float | tuple[float, float] | bool]:
+        word = node.word.text
+        if isinstance(node.value, Figure) and node.high is not None:
+            low, high = node.value.value, node.high.value
+            if not low < high:
+                span = node.value.span.to(node.high.span)
+                self.scope.report("bad-range", "limits go from a lower to a higher number", span)
+            return word, (low, high)
+        if isinstance(node.value, Figure):
+            return word, node.value.value
+        if isinstance(node.value, Word):
+            self._need_gain(node.value)
+            return word, node.value.text
+        if node.value is not None:
+            if not node.value.seconds > 0.0:
+                span = node.value.figure.span
+                self.scope.report("bad-time", f"the time of {word} must be above 0", span)
+            return word, node.value.seconds
+        return word, "hold" if node.rest == ("hold",) else True
+
+    def _need_gain(self, word: Word) -> None:
+        self.used.add(word.text)
+        if word.text not in self.numbers:
+            self._unknown("unknown-signal", "gain", word, list(self.numbers))
+
+    def _judge_options(self, options: Sequence[OptionNode]) -> None:
+        seen: dict[str, Span] = {}
+        for option in options:
+            if option.word.text in seen:
+                self.scope.report(
+                    "duplicate-setting", f"'{option.word.text}' is set twice", option.word.span
+                )
+            seen[option.word.text] = option.word.span
+
+    def _amount(self, value: Figure | Word) -> str | float:
+        if isinstance(value, Figure):
+            return value.value
+        self._need_gain(value)
+        return value.text
+
+    def _zoom(self, node: ZoomNode, signals: dict[str, Word]) -> Zoom:
+        names = self._inputs(node.signals, signals)
+        by, inside = self._amount(node.by), self._amount(node.inside)
+        for value, span in ((by, node.by.span), (inside, node.inside.span)):
+            if isinstance(value, float) and not value > 0.0:
+                self.scope.report("bad-number", "a number above 0 is wanted", span)
+        return Zoom(names, by, inside, node.wait, node.span)
+
+    def _learn(self, node: LearnNode, signals: dict[str, Word]) -> Learn:
+        self._need_sheet(node.table)
+        self._need_sheet(node.judge)
+        self._judge_options(node.options)
+        inputs = self._inputs(node.call.inputs, signals)
+        given: dict[str, str | float] = {}
+        for option in node.options:
+            if isinstance(option.value, Figure | Word):
+                given[option.word.text] = self._amount(option.value)
+        delay = given.get("delay", 1.0)
+        if isinstance(delay, str) or delay != int(delay) or not 0 <= delay <= MAX_DELAY:
+            self.scope.report(
+                "bad-delay",
+                f"a delay of {delay} periods is out of range",
+                node.span,
+                hint=f"a whole number from 0 to {MAX_DELAY}",
+            )
+            delay = 1.0
+        return Learn(
+            node.table.text,
+            node.judge.text,
+            inputs,
+            int(delay),
+            given.get("rate", 1.0),
+            given.get("bound", 6.0),
+            node.span,
+        )
+
+    def _drive(self, node: DriveNode, signals: dict[str, Word]) -> Drive:
+        within = None
+        if node.low is not None and node.high is not None:
+            within = (node.low.value, node.high.value)
+            if not within[0] < within[1]:
+                span = node.low.span.to(node.high.span)
+                self.scope.report("bad-range", "limits go from a lower to a higher number", span)
+        if node.slew is not None and not node.slew.value > 0.0:
+            self.scope.report("bad-number", "a number above 0 is wanted", node.slew.span)
+        slew = node.slew.value if node.slew is not None else None
+        return Drive(
+            node.port.text, self._products(node.products, signals), within, slew, node.span
+        )
+
+    # --- The whole ---
+
+    def _judge_files(self, uses: Sequence[Use], count: int) -> None:
+        for use in uses:
+            if len(use.files) not in (1, count):
+                self.scope.report(
+                    "wrong-count",
+                    f"'{use.name}' names {len(use.files)} files, the controller has {count} axes",
+                    use.span,
+                    hint="one file for all axes, or one for each",
+                )
+
+    def _judge_signals(self, signals: dict[str, Word]) -> None:
+        for name, word in signals.items():
+            if name not in self.used:
+                self.scope.report(
+                    "unused-signal",
+                    f"nothing reads the signal '{name}'",
+                    word.span,
+                    severity=Severity.WARNING,
+                )
+
+    def _judge_unused(self) -> None:
+        if self.broken:
+            return  # what reads it may be what could not be read
+        for what, words in (("gain or partner", self.numbers), ("rule base or table", self.sheets)):
+            for name, word in words.items():
+                if name not in self.used:
+                    self.scope.report(
+                        "unused-name",
+                        f"nothing reads the {what} '{name}'",
+                        word.span,
+                        severity=Severity.WARNING,
+                    )
+
+    def _judge_windup(self, axes: Axes) -> None:
+        """Doubt an integral that nothing bounds while its drive has a limit."""
+        signals = [line for line in axes.lines if isinstance(line, Signal)]
+        for line in signals:
+            if line.source is None or line.source.kind != "integral":
+                continue
+            options = dict(line.source.options)
+            drive = axes.driven_by(line.names[0])
+            if drive is None or drive.within is None or options.keys() & {"within", "anti-windup"}:
+                continue
+            low, high = drive.within
+            self.scope.report(
+                "windup",
+                f"the integral '{line.names[0]}' goes on growing while {drive.port} is at"
+                f" {low:g} or {high:g}",
+                line.span,
+                hint="add  , anti-windup hold  or  , within A .. B",
+                severity=Severity.WARNING,
+            )
+
+    def _judge_whole(self, heading: ControllerHeading, axes: Sequence[Axes]) -> None:
+        if not axes:
+            if "axis" not in self.broken:
+                self.scope.report(
+                    "no-axes",
+                    "the controller has no axis",
+                    heading.span,
+                    hint="add a line like  axis joint1, joint2  and signals below it",
+                )
+            return
+        for each in axes:
+            driven = any(isinstance(line, Drive) for line in each.lines)
+            if not driven and "drive" not in self.broken:
+                self.scope.report(
+                    "no-drives",
+                    f"axis {', '.join(each.names)} drives nothing",
+                    each.span,
+                    hint="add a line like  drive voltage = u",
+                )
+
+
+def _signals_behind(nodes: Sequence[StatementNode]) -> dict[str, Span]:
+    """Return the signals that are made before the next axis."""
+    found: dict[str, Span] = {}
+    for node in nodes:
+        if isinstance(node, AxisNode):
+            break
+        if isinstance(node, SignalNode):
+            for word in node.names:
+                found.setdefault(word.text, word.span)
+    return found

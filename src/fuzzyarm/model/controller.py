@@ -1,0 +1,367 @@
+"""What a controller as text means: uses, gains, signals and drives. Plain frozen data.
+
+A controller is a straight line of definitions, done once in each control period for each of its
+axes, in the order of the text. What a signal may come from is the table :data:`SOURCES`; the
+reader, the checks, the kernel and the exported program know no other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import NOWHERE, Span
+
+__all__ = [
+    "SOURCES",
+    "TIMES",
+    "Amount",
+    "Axes",
+    "ControllerModel",
+    "Drive",
+    "Factor",
+    "GainModel",
+    "Learn",
+    "Line",
+    "OptionKind",
+    "Partner",
+    "Product",
+    "Signal",
+    "Source",
+    "SourceKind",
+    "Tune",
+    "Use",
+    "Zoom",
+]
+
+TIMES = {
+    "us": (1.0, 1e6),
+    "ms": (1.0, 1e3),
+    "s": (1.0, 1.0),
+    "min": (60.0, 1.0),
+    "h": (3600.0, 1.0),
+}
+"""Units of time: so many seconds, divided by so many, that 0.6 ms is the float nearest to it."""
+
+# --- What a signal may come from ---
+
+
+class OptionKind(NamedTuple):
+    """A record: a word behind a comma, what follows it, and what it means.
+
+    Attributes
+    ----------
+    takes : str
+        ``number`` (or the name of a gain), ``time`` (with a unit), ``range`` (``A .. B``),
+        ``words`` (nothing but the words in `rest`), or ``windup``: ``hold``, or ``back TIME``.
+    doc : str
+        One line.
+    rest : tuple of str
+        Words that stand behind it.
+    """
+
+    takes: str
+    doc: str
+    rest: tuple[str, ...] = ()
+
+
+class SourceKind(NamedTuple):
+    """A record: a source of signals.
+
+    Attributes
+    ----------
+    of : str
+        What it is taken of: a ``port`` of the plant, a ``signal``, the ``error`` of a port;
+        ``call``: a rule base or a table, with its inputs in parentheses.
+    doc : str
+        One line.
+    options : dict of str to OptionKind
+        What may stand behind a comma.
+    """
+
+    of: Literal["port", "signal", "error", "call"]
+    doc: str
+    options: dict[str, OptionKind]
+
+
+SOURCES: dict[str, SourceKind] = {
+    "error": SourceKind(
+        "port",
+        "reference minus measured value of a port",
+        {"weight": OptionKind("number", "share of the reference that counts (set-point weight)")},
+    ),
+    "reference": SourceKind("port", "what a port is to be", {}),
+    "measured": SourceKind("port", "what a port is", {}),
+    "rate": SourceKind(
+        "signal",
+        "change of a signal per second; 0 in the first period",
+        {"filter": OptionKind("time", "time constant of a first-order low-pass behind it")},
+    ),
+    "change": SourceKind("signal", "change of a signal since the last period; 0 at first", {}),
+    "integral": SourceKind(
+        "signal",
+        "sum of a signal times the period, that of this period included",
+        {
+            "within": OptionKind("range", "bounds of the integral"),
+            "anti-windup": OptionKind(
+                "windup", "what it does while its drive is at a limit: hold, or go back in a time"
+            ),
+            "start": OptionKind("number", "its value before the first period"),
+        },
+    ),
+    "sum": SourceKind(
+        "error",
+        "sum of the errors of a port, without the period",
+        {"cleared": OptionKind("words", "begin again at each set point", ("each", "set-point"))},
+    ),
+    "lag": SourceKind(
+        "signal",
+        "first-order low-pass of a signal; begins at its first value",
+        {"time": OptionKind("time", "its time constant")},
+    ),
+    "rules": SourceKind("call", "what a rule base concludes; one signal for each output", {}),
+    "table": SourceKind("call", "the value of a lookup table", {}),
+}
+"""Every source by its word. Each has a textbook structure behind it; the list is closed."""
+
+
+# --- Numbers by name ---
+
+
+@dataclass(frozen=True, slots=True)
+class Amount:
+    """A number as it is written: numbers and π between ``*`` and ``/``.
+
+    Parameters
+    ----------
+    factors : tuple of (float or None, bool)
+        From left to right; None stands for π, true for what divides.
+    """
+
+    factors: tuple[tuple[float | None, bool], ...]
+
+    def value(self, pi: float) -> float:
+        """Return the number, with the π that a run counts with."""
+        (first, _), *rest = self.factors
+        value = pi if first is None else first
+        for number, divides in rest:
+            factor = pi if number is None else number
+            value = value / factor if divides else value * factor
+        return value
+
+
+class Tune(NamedTuple):
+    """Between what a gain may move when it is tuned, and whether in steps of its logarithm."""
+
+    low: float
+    high: float
+    log: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class GainModel:
+    """``gain NAME = VALUE "unit"``: one number for all axes, or one for each."""
+
+    name: str
+    values: tuple[Amount, ...]
+    unit: str = ""
+    tune: Tune | None = None
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Use:
+    """``use NAME from "FILE"``: a rule base or a table, for all axes or one for each."""
+
+    name: str
+    files: tuple[str, ...]
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Partner:
+    """``partner NAME = LAW``: a law of the catalogue, with some of its gains set."""
+
+    name: str
+    law: str
+    gains: tuple[tuple[str, float], ...] = ()
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+# --- The lines of an axis ---
+
+
+class Factor(NamedTuple):
+    """A signal, a gain or a partner by name, or a number; whether it divides."""
+
+    value: str | float
+    divides: bool = False
+
+
+class Product(NamedTuple):
+    """Factors from left to right; subtracted where it is negative."""
+
+    factors: tuple[Factor, ...]
+    negative: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where a signal comes from.
+
+    Parameters
+    ----------
+    kind : str
+        A key of :data:`SOURCES`.
+    name : str
+        The port, the signal, the rule base or the table.
+    inputs : tuple of str
+        Of a call: its signals, in the order of the text.
+    options : dict
+        By their words: a number or the name of a gain; s; a pair; true; ``"hold"`` or s.
+    """
+
+    kind: str
+    name: str
+    inputs: tuple[str, ...] = ()
+    options: tuple[tuple[str, str | float | tuple[float, float] | bool], ...] = ()
+
+    def option(self, word: str) -> str | float | tuple[float, float] | bool | None:
+        """Return an option; None where it is not given."""
+        return dict(self.options).get(word)
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """``NAME = SOURCE * FACTOR …``, or a sum of products.
+
+    Each signal is stored once, in the precision of the run. `names` has more than one where a
+    rule base has several outputs. With a source there is one product: its factors.
+    """
+
+    names: tuple[str, ...]
+    source: Source | None
+    products: tuple[Product, ...]
+    span: Span = field(default=NOWHERE, compare=False)
+
+    def reads(self) -> Iterator[str]:
+        """Yield the signals, gains and partners that it is made of."""
+        yield from _names_in(self.products)
+        if self.source is not None:
+            yield from self.source.inputs
+            if SOURCES[self.source.kind].of == "signal":
+                yield self.source.name
+
+
+@dataclass(frozen=True, slots=True)
+class Zoom:
+    """``zoom e, ce by 2 inside 3 [, edge wait]``: signals magnified while all are small."""
+
+    signals: tuple[str, ...]
+    by: str | float
+    inside: str | float
+    wait: bool = False
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Learn:
+    """``learn F by P(e, ce), delay 1, rate 1, bound 6``: a table that corrects itself.
+
+    The cell of F that was in use `delay` periods ago is changed by `rate` times what the
+    performance table P says of now, and kept within ± `bound`.
+    """
+
+    table: str
+    judge: str
+    inputs: tuple[str, ...]
+    delay: int = 1
+    rate: str | float = 1.0
+    bound: str | float = 6.0
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """``drive PORT = SUM [, within A .. B] [, slew N]``; several drives of a port add up.
+
+    First the limits hold, then the rate of change, per second.
+    """
+
+    port: str
+    products: tuple[Product, ...]
+    within: tuple[float, float] | None = None
+    slew: float | None = None
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+Line = Signal | Zoom | Learn | Drive
+
+
+@dataclass(frozen=True, slots=True)
+class Axes:
+    """``axis A, B``: what is done for each of them, in order."""
+
+    names: tuple[str, ...]
+    lines: tuple[Line, ...]
+    span: Span = field(default=NOWHERE, compare=False)
+
+    def driven_by(self, name: str) -> Drive | None:
+        """Return the first drive that depends on a signal."""
+        names = {name}
+        for line in self.lines:
+            if isinstance(line, Signal) and names & set(line.reads()):
+                names |= set(line.names)
+            elif isinstance(line, Drive) and names & set(_names_in(line.products)):
+                return line
+        return None
+
+
+def _names_in(products: tuple[Product, ...]) -> Iterator[str]:
+    """Yield the names in a sum of products."""
+    for product in products:
+        for factor in product.factors:
+            if isinstance(factor.value, str):
+                yield factor.value
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerModel:
+    """A controller as text.
+
+    Parameters
+    ----------
+    name, description : str
+        Of its first line.
+    period : float
+        How often it runs, s.
+    every : int
+        Periods from one set point to the next; 1 where the text does not say.
+    uses, gains, partners, axes : tuple
+        In the order of the text.
+    rulebases : tuple of RuleBase
+        That stand in the same file; a controller knows them by name.
+    """
+
+    name: str
+    period: float
+    axes: tuple[Axes, ...]
+    gains: tuple[GainModel, ...] = ()
+    uses: tuple[Use, ...] = ()
+    partners: tuple[Partner, ...] = ()
+    every: int = 1
+    description: str = ""
+    rulebases: tuple[RuleBase, ...] = ()
+
+    def lines(self) -> Iterator[tuple[Axes, Line]]:
+        """Iterate over the lines of all axes."""
+        for axes in self.axes:
+            for line in axes.lines:
+                yield axes, line
+
+    @property
+    def axis_names(self) -> tuple[str, ...]:
+        """The axes, in order."""
+        return tuple(name for axes in self.axes for name in axes.names)
