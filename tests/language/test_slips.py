@@ -137,3 +137,13 @@ def test_the_rest_of_a_file_is_judged_as_it_was_meant() -> None:
     text = TEXT.replace("rule if", "IF").replace("Z        N   Z", "Z        N   ZZ")
     assert [d.line for d in check_text(text).diagnostics] == [12, 14]
     assert check_text(text).diagnostics[0].name == "unknown-term"
+
+
+def test_a_missing_family_is_one_finding_and_the_terms_are_known():
+    text = (
+        "rulebase r\ninput e -1 .. 1\noutput u -1 .. 1\nterms e: N Z P\nterms u: triangles N Z P\n"
+        "rules u\n  e N Z P\n  u N Z P\n"
+    )
+    (finding,) = parse(text).diagnostics
+    assert "triangles, gaussians, singletons" in finding.message
+    assert finding.replacement == "triangles N"

@@ -20,6 +20,7 @@ span and has
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
@@ -208,8 +209,12 @@ class EvenTermsNode(NamedTuple):
         except Fault as fault:
             if token is None or token.kind != "name":
                 raise
-            cursor.forgiven.append(fault.diagnostic)
-            cursor.take()
+            finding = fault.diagnostic
+            if finding.replacement is not None:  # a misspelt family
+                cursor.take()
+            else:  # the first term: the family is missing
+                finding = replace(finding, replacement=f"triangles {token.text}")
+            cursor.forgiven.append(finding)
             return Word("triangles", token.span)
 
     def __str__(self) -> str:
