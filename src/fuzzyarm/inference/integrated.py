@@ -22,25 +22,20 @@ import numpy as np
 
 from fuzzyarm.inference.kernel import (
     AGGREGATION,
-    COLUMNS,
-    COUNT,
     DETAIL,
-    FLOATS,
     FLOATS_AT,
     GROUP_HEAD,
     GROUPS,
     HEIGHTS,
-    MOMENT,
     OPERANDS,
     OUTPUT,
-    ROOM,
     RULE_HEAD,
-    TOTAL,
     WIDTH,
     WORK,
     WORK_ROWS,
     cut_in,
     insert,
+    parts_of,
 )
 from fuzzyarm.kernels import call, kernel
 
@@ -71,14 +66,8 @@ ROW = 8
 @kernel
 def integrated_centroid(block: Any) -> None:
     """Integrate the aggregate of each point."""
-    k = block.view(np.int64)
-    f = block[k[FLOATS] : k[ROOM]]
-    room = block[k[ROOM] : k[COLUMNS]]
+    k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
-    begin = (k[WORK] + TOTAL) * width
-    total = room[begin : begin + k[COUNT]]
-    begin = (k[WORK] + MOMENT) * width
-    moment = room[begin : begin + k[COUNT]]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     for point in range(total.shape[0]):
         total[point], moment[point], _, _ = integrate(k, f, room, heap, point, math.inf)
@@ -91,14 +80,8 @@ def integrated_bisector(block: Any) -> None:
     Once through the panels for the area, once more for each end of that stretch, up to the panel
     where the sum reaches the share, which is then halved itself.
     """
-    k = block.view(np.int64)
-    f = block[k[FLOATS] : k[ROOM]]
-    room = block[k[ROOM] : k[COLUMNS]]
+    k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
-    begin = (k[WORK] + TOTAL) * width
-    total = room[begin : begin + k[COUNT]]
-    begin = (k[WORK] + MOMENT) * width
-    moment = room[begin : begin + k[COUNT]]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     for point in range(total.shape[0]):
         area, _, _, _ = integrate(k, f, room, heap, point, math.inf)

@@ -428,21 +428,25 @@ def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: 
 
 
 @kernel
+def parts_of(block: Any) -> Any:
+    """Return whole numbers, floats and rows of a block, and of its rows TOTAL and MOMENT."""
+    k = block.view(np.int64)
+    room = block[k[ROOM] : k[COLUMNS]]
+    begin = (k[WORK] + TOTAL) * k[WIDTH]
+    total = room[begin : begin + k[COUNT]]
+    begin = (k[WORK] + MOMENT) * k[WIDTH]
+    return k, block[k[FLOATS] : k[ROOM]], room, total, room[begin : begin + k[COUNT]]
+
+
+@kernel
 def closed_centroid(block: Any) -> None:
     """Add up area and moment of straight sets; see :mod:`fuzzyarm.inference.overlap`.
 
     Reads from ``k[NEXT]`` on: unions of heights (how many; each a count and its rows), then
     terms (how many; each two rows, of which the smaller counts, and where its layer is).
     """
-    k = block.view(np.int64)
-    f = block[k[FLOATS] : k[ROOM]]
-    room = block[k[ROOM] : k[COLUMNS]]
-    count = k[COUNT]
-    width = k[WIDTH]
-    begin = (k[WORK] + TOTAL) * width
-    total = room[begin : begin + count]
-    begin = (k[WORK] + MOMENT) * width
-    moment = room[begin : begin + count]
+    k, f, room, total, moment = parts_of(block)
+    count, width = k[COUNT], k[WIDTH]
     groups = k[k[GROUPS]]
     first = k[HEIGHTS] * width
     # The rows of unions stand behind those of the groups; several overlaps may share one.
@@ -492,15 +496,8 @@ def weighted(block: Any) -> None:
 
     A value is linear in the first ``k[DETAIL]`` inputs: constant, then coefficients in f.
     """
-    k = block.view(np.int64)
-    f = block[k[FLOATS] : k[ROOM]]
-    room = block[k[ROOM] : k[COLUMNS]]
-    count = k[COUNT]
-    width = k[WIDTH]
-    begin = (k[WORK] + TOTAL) * width
-    total = room[begin : begin + count]
-    begin = (k[WORK] + MOMENT) * width
-    moment = room[begin : begin + count]
+    k, f, room, total, moment = parts_of(block)
+    count, width = k[COUNT], k[WIDTH]
     begin = (k[WORK] + STRENGTH) * width
     value = room[begin : begin + count]
     linear = k[k[OUTPUT] + DETAIL]
@@ -531,14 +528,8 @@ def sampled_centroid(block: Any) -> None:
     A consequent is: first and last sample where the set is not zero, its degrees in f, its
     implication.
     """
-    k = block.view(np.int64)
-    f = block[k[FLOATS] : k[ROOM]]
-    room = block[k[ROOM] : k[COLUMNS]]
+    k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
-    begin = (k[WORK] + TOTAL) * width
-    total = room[begin : begin + k[COUNT]]
-    begin = (k[WORK] + MOMENT) * width
-    moment = room[begin : begin + k[COUNT]]
     head = k[OUTPUT]
     fold = k[head + AGGREGATION]
     samples = k[head + DETAIL]
@@ -584,14 +575,8 @@ def enveloped_centroid(block: Any) -> None:
     For straight sets without a closed form. A consequent is: its pieces (how many, and where
     they are in f), and whether its implication is the product rather than the minimum.
     """
-    k = block.view(np.int64)
-    f = block[k[FLOATS] : k[ROOM]]
-    room = block[k[ROOM] : k[COLUMNS]]
+    k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
-    begin = (k[WORK] + TOTAL) * width
-    total = room[begin : begin + k[COUNT]]
-    begin = (k[WORK] + MOMENT) * width
-    moment = room[begin : begin + k[COUNT]]
     heap = room[(k[WORK] + WORK_ROWS) * width :]  # the lines, behind them where they begin or end
     for point in range(total.shape[0]):
         events = 0
