@@ -354,6 +354,25 @@ def test_check_finds_what_does_not_fit_beside_the_file(capsys, tmp_path, before,
     assert main(["check", str(file)]) == 0
 
 
+def test_files_of_other_formats_are_used(tmp_path):
+    for name, suffix in (("pd7-study.frb", ".fll"), ("thesis-6.1.lut", ".csv")):
+        target = tmp_path / (Path(name).stem + suffix)
+        assert main(["convert", str(shipped(name)), str(target), "--lossy"]) in (0, 1)
+        if not target.exists():
+            assert main(["compile", str(shipped(name)), "-o", str(target)]) == 0
+    text = read_text(shipped("fuzzy-direct.frb"))
+    (tmp_path / "direct.frb").write_text(text.replace("pd7-study.frb", "pd7-study.fll"))
+    text = read_text(shipped("fuzzy-lut.frb"))
+    (tmp_path / "lut.frb").write_text(text.replace("thesis-6.1.lut", "thesis-6.1.csv"))
+    for own, name in (("direct.frb", "fuzzy-direct.frb"), ("lut.frb", "fuzzy-lut.frb")):
+        runs = [load(path).run(compiled=False) for path in (tmp_path / own, shipped(name))]
+        still = dict.fromkeys(runs[0].inputs, 0.0)
+        moved = still | {"joint1.position": 0.004}
+        drives = [run.step(still, moved)["joint1.voltage"] for run in runs]
+        assert drives[0] == pytest.approx(drives[1], rel=1e-3)
+        assert drives[0] != 0.0
+
+
 @pytest.mark.parametrize("words", [["show"], ["eval"], ["compile", "-o", "x.lut"]])
 def test_commands_for_rule_bases_say_that_it_is_a_controller(capsys, words):
     command, *options = words

@@ -30,7 +30,7 @@ from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Line,
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import stored_double, stored_single
 from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.table import LookupTable, read_table
+from fuzzyarm.table import SUFFIXES, LookupTable, read_table
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
 from fuzzyarm.text.names import near_hint
 
@@ -124,7 +124,7 @@ def with_files(
             continue
         try:
             sheets[use.name] = tuple(read_sheet(file, folder) for file in use.files)
-        except (OSError, RuleBaseError) as error:
+        except (OSError, ValueError) as error:  # a name may have a null byte
             faults.append(_unreadable(use, error, path))
     for use in model.uses:
         if use.name not in sheets and use.files == (ZERO,):
@@ -139,12 +139,13 @@ def with_files(
     return text, [*faults, *misfits(text)]
 
 
-def _unreadable(use: Use, error: OSError | RuleBaseError, path: str) -> Diagnostic:
+def _unreadable(use: Use, error: OSError | ValueError, path: str) -> Diagnostic:
     files = " or ".join(f"'{file}'" for file in use.files)
     if isinstance(error, RuleBaseError):
         message = f"{files} has mistakes: {error.diagnostics[0].message}"
         return Diagnostic("faulty-file", message, use.span, path=path)
-    message = f"cannot read {files}: {error.strerror or error}"
+    reason = error.strerror if isinstance(error, OSError) else None
+    message = f"cannot read {files}: {reason or error}"
     hint = "a file stands beside the controller, or is a shipped one"
     return Diagnostic("missing-file", message, use.span, hint=hint, path=path)
 
@@ -160,7 +161,17 @@ def read_sheet(file: str, folder: Path) -> Sheet:
 
 @cache
 def _read_sheet(path: Path, _changed: int) -> Sheet:
-    return read_table(path) if path.suffix == ".lut" else load_rulebase(path)
+    suffix = path.suffix.lower()
+    if suffix in SUFFIXES:
+        return read_table(path)
+    if suffix == ".frb":
+        return load_rulebase(path)
+    from fuzzyarm.formats import read
+
+    imported = read(path)
+    if imported.rulebase is None:
+        raise RuleBaseError(imported.diagnostics)
+    return imported.rulebase
 
 
 def judge_of(
