@@ -11,16 +11,15 @@ from fuzzyarm.language.controllers import (
     DriveNode,
     GainNode,
     LearnNode,
-    OptionNode,
     PartnerNode,
     PeriodNode,
-    ProductNode,
     SetPointNode,
     SignalNode,
     UseNode,
     ZoomNode,
 )
 from fuzzyarm.language.declarations import Scope
+from fuzzyarm.language.signals import OptionNode, ProductNode
 from fuzzyarm.language.statements import Broken, StatementNode
 from fuzzyarm.language.tokens import Figure, Word, name_text
 from fuzzyarm.model.controller import (
