@@ -40,9 +40,11 @@ from tests.strategies import (
     DISJUNCTIONS,
     SMOOTH,
     STRAIGHT,
+    hedge_lists,
     input_points,
     plain_mamdani,
     rulebases,
+    shapes,
 )
 
 slow_draws = settings(
@@ -358,3 +360,31 @@ def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
     finally:
         watch_compiling(lambda name: None)
     assert found == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [*STRAIGHT, *SMOOTH])
+@settings(deadline=None, max_examples=6)
+@given(data=st.data())
+def test_terms_of_every_shape_under_hedges(kind: str, data: st.DataObject) -> None:
+    """The scalars are what compiled inference is held against: plain `infer` may be the same."""
+    shape = data.draw(shapes(kind, -5.0, 5.0))
+    modifiers = data.draw(hedge_lists)
+    sets = tuple(
+        Term(name, Shape("triangle", corners))
+        for name, corners in (("N", (-2.0, -1.0, 0.0)), ("P", (0.0, 1.0, 2.0)))
+    )
+    rules = (
+        Rule(Is("e", "A", modifiers), (Consequent("u", "P"),)),
+        Rule(Is("e", "A"), (Consequent("u", "N"),)),
+    )
+    output = Output("u", -2.0, 2.0, sets, aggregation="sum", no_rule=0.25)
+    rulebase = RuleBase(
+        "r", (Input("e", -5.0, 5.0, (Term("A", shape),)),), (output,),
+        (RuleBlock(rules, implication="product"),),
+    )  # fmt: skip
+    fast = compiled(rulebase)
+    assert fast.kernel == "numba"
+    for x in np.linspace(-5.0, 5.0, 41).tolist():
+        wanted = prepare(rulebase).evaluate({"e": x})["u"]
+        assert fast(e=x)["u"] == pytest.approx(wanted, rel=1e-9, abs=1e-12)

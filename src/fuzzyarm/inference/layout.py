@@ -8,6 +8,7 @@ defuzzifier reads.
 from __future__ import annotations
 
 import math
+import struct
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate, product
@@ -39,7 +40,7 @@ from fuzzyarm.inference.quadrature import (
     panels,
 )
 from fuzzyarm.inference.sets import cut_lines, formula_of
-from fuzzyarm.kernels import address_of, kernel
+from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.model.rulebase import (
     POSITION,
     TAKAGI_SUGENO,
@@ -182,7 +183,10 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
     """
     if shape.kind == "points":
         corners = [number for corner in polyline(shape) for number in corner]
-        return Curve(address_of(_polyline_row, 3, compiled=compiled), tuple(corners))
+        if not hedges:
+            return Curve(address_of(_polyline_row, 3, compiled=compiled), tuple(corners))
+        (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
+        return Curve(address_of(_hedged_polyline_row, 3, compiled=compiled), (modified, *corners))
     names: list[str] = []
     numbers: list[float] = []
 
@@ -226,6 +230,15 @@ kernel(degree_on_polyline)
 def _polyline_row(x: Any, corners: Any, into: Any) -> None:
     for point in range(into.shape[0]):
         into[point] = degree_on_polyline(corners, x[point])
+
+
+@kernel
+def _hedged_polyline_row(x: Any, numbers: Any, into: Any) -> None:
+    """Do the same and apply hedges, whose address stands as a whole number before the corners."""
+    corners = numbers[1 : numbers.shape[0]]
+    for point in range(into.shape[0]):
+        into[point] = degree_on_polyline(corners, x[point])
+    call(numbers.view(np.int64)[0], into, numbers[0:0], into)
 
 
 # ── the writer ───────────────────────────────────────────────────────────────────────
