@@ -13,7 +13,7 @@ import math
 import random
 import shutil
 import sys
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -200,8 +200,15 @@ def exports(rulebase: RuleBase, values: Values) -> list[tuple[Any, list[Any]]]:
         for routine in routines:
             columns = [*points, *routine._held(points[0])]  # what its model holds
             if routine is routines[0]:
-                truth = routine.model(*points)
-                here = routine.evaluate(*columns)
+                # Where an output that is asked for by rules has no value, neither has this one.
+                rows = [dict(zip(values, row, strict=True)) for row in zip(*points, strict=True)]
+                given = {**held_of(rulebase), output.name: float(routine._last())}
+                sound = [
+                    not isinstance(outcome(partial(infer, rulebase), row, given), str)
+                    for row in rows
+                ]
+                truth = np.where(sound, routine.model(*points), 0.0)
+                here = np.where(sound, routine.evaluate(*columns), 0.0)
                 demand_equal(
                     rulebase, {output.name: truth}, {output.name: here}, "routine", 1e-9
                 )  # fmt: skip
