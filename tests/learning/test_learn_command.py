@@ -220,3 +220,20 @@ def test_only_cells_that_were_used_change_and_no_rounding_shows(capsys, tmp_path
     # Whole steps from tenths are tenths, in either precision.
     np.testing.assert_array_equal(tables, np.round(tables, 1))
     np.testing.assert_array_equal(read_table(file).values, tables)
+
+
+def test_a_text_of_ones_own_learns_and_its_table_is_not_rounded(capsys, tmp_path):
+    file, out = tmp_path / "mine.frb", tmp_path / "out.lut"
+    file.write_text((RULEBASES / "soc-table.frb").read_text().replace("bound bound", "bound 4"))
+    status, _, _ = run(capsys, "learn", str(file), *FAST, "--rate", "0.01", "-o", str(out))
+    assert status == 0
+    table = read_table(out)
+    assert table.rounding is None
+    assert table.names == ("joint", "e", "ce")
+    changed = table.values != read_table(RULEBASES / "thesis-6.1.lut").values
+    assert changed.any()
+    assert (np.abs(table.values[changed]) <= 4.0).all()
+    assert (np.abs(table.values[changed] * 10 - np.round(table.values[changed] * 10)) > 0.01).any()
+    assert dict(table.provenance)["controller"] == "mine.frb"
+    assert dict(table.provenance)["start"] == "thesis-6.1.lut"
+    assert run(capsys, "learn", str(RULEBASES / "stfc.frb"))[0] == 1

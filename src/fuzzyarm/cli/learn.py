@@ -153,7 +153,13 @@ class _Training:
         assert isinstance(sheet, LookupTable)
         self.controller = made.with_gains(overrides(arguments.set))
         self.start = learned(made.law, Arithmetic())
-        self.like = replace(sheet, output="u", description="control, normalised", provenance=())
+        self.like = replace(
+            sheet,
+            output="u",
+            description="control, normalised",
+            rounding=None,  # what is learned is not rounded
+            provenance=(),
+        )
 
     def snapshots(self) -> Iterator[Snapshot]:
         """Train, with a progress bar where a terminal shows it."""
