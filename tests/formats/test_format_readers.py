@@ -606,18 +606,3 @@ def test_tsukamoto_needs_the_inverse_of_what_rules_conclude() -> None:
     assert good(parse_fll(text.replace("RULE", "if x is a then y is low")))
     errors = parse_fll(text.replace("RULE", "if x is a then y is high")).errors
     assert [d.name for d in errors] == ["not-monotonic"]
-
-
-def test_a_formula_in_x_where_a_variable_is_called_x_is_refused() -> None:
-    text = (
-        "Engine: t\nInputVariable: {0}\n  range: 0 1\n  term: A Ramp 0 1\n"
-        "OutputVariable: u\n  range: 0 2\n  defuzzifier: WeightedAverage TakagiSugeno\n"
-        "  aggregation: none\n  term: f Function {0} + 0.5\n"
-        "RuleBlock: r\n  conjunction: none\n  disjunction: none\n  implication: none\n"
-        "  activation: General\n  rule: if {0} is A then u is f\n"
-    )
-    assert parse_fll(text.format("load"), "t.fll").rulebase is not None
-    imported = parse_fll(text.format("x"), "t.fll")
-    errors = [each for each in imported.diagnostics if each.is_error]
-    assert [each.name for each in errors] == ["undefined-variable"]
-    assert errors[0].line == 9

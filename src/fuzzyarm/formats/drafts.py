@@ -86,14 +86,6 @@ def _refuse_unknown_names(rulebase: RuleBase, findings: Findings) -> None:
         is_set = isinstance(variable, Input)
         for term in variable.terms:
             names = read_formula(term.shape.formula).names if term.shape.formula else ()
-            if POSITION in names and POSITION in known:
-                findings.error(
-                    "undefined-variable",
-                    f"the formula of '{term.name}' uses {POSITION}, which is the position in a set"
-                    " and cannot be a variable too",
-                    term.span,
-                )
-                continue
             for name in sorted(set(names) - ({POSITION} if is_set else known)):
                 message = f"the formula of '{term.name}' asks for '{shortened(name)}', "
                 message += "but a set depends on x alone" if is_set else "an unknown variable"
