@@ -13,10 +13,8 @@ from hypothesis import strategies as st
 from fuzzyarm.kernels import build
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import (
-    cell_of,
-    grid_length,
-    interpolated,
     interpolator,
+    looked_up,
     pack_grid,
     picker,
 )
@@ -81,34 +79,33 @@ def test_points_arrays_and_kernels(data, table, mode):
             agree(found, wanted[k], mode)
 
 
-def in_the_loop(cell, between, table, point, mode):
-    """Look up as the law of a closed loop does: a grid at some index, the values behind it."""
-    grid = pack_grid(*table.axes, mode)
-    numbers = [7.0, *grid, *table.values.ravel().tolist()]
-    assert grid_length(numbers, 1) == len(grid)
+def in_the_loop(look_up, table, point, mode):
+    """Look up as a controller does: a grid at some index, then values, inputs and room."""
+    grid = pack_grid(table.axes, mode)
     values = 1 + len(grid)
-    numbers = np.array(numbers)
-    if mode == "linear":
-        return between(numbers, 1, values, *point)
-    return numbers[values + cell(numbers, 1, *point)]
+    inputs = values + table.values.size
+    room = [0.0] * (len(point) + 2 ** len(point))
+    cells = np.array([7.0, *grid, *table.values.ravel().tolist(), *point, *room])
+    whole = np.array([values, inputs + len(point), *range(inputs, inputs + len(point))])
+    return look_up(whole, cells, 0, 1)
 
 
 @given(st.data(), exact_tables(2), st.sampled_from(MODES))
 def test_the_kernels_of_a_closed_loop(data, table, mode):
     point = [data.draw(ties(axis)) for axis in table.axes]
-    found = in_the_loop(cell_of, interpolated, table, point, mode)
+    found = in_the_loop(looked_up, table, point, mode)
     agree(found, expected(table, point, mode), mode)
 
 
 @pytest.mark.slow
 def test_the_kernels_of_a_closed_loop_as_machine_code():
-    cell, between = build(cell_of, compiled=True), build(interpolated, compiled=True)
+    look_up = build(looked_up, compiled=True)
     axes = (Axis("e", (-2.0, -1.0, 1.0, 3.0), (-1.0, 0.0, 2.5)), Axis("ce", (0.0, 0.5, 1.0)))
     table = LookupTable(axes, "u", np.arange(12.0).reshape(4, 3) ** 2)
     for mode in MODES:
         for e in (-3, -2, -1.5, -1, 0, 0.5, 1, 2, 2.5, 3, 4):
             for ce in (-1, 0, 0.25, 0.5, 0.75, 1, 2):
-                found = in_the_loop(cell, between, table, (float(e), float(ce)), mode)
+                found = in_the_loop(look_up, table, (float(e), float(ce)), mode)
                 assert found == expected(table, (e, ce), mode)
 
 
@@ -116,7 +113,7 @@ def test_not_a_number_in_the_loop_is_the_lowest_cell():
     axes = (Axis("e", (-1.0, 1.0), (0.0,)), Axis("ce", (0.0, 1.0, 2.0)))
     table = LookupTable(axes, "u", [[1, 2, 3], [4, 5, 6]])
     for mode in MODES:
-        assert in_the_loop(cell_of, interpolated, table, (math.nan, 1.0), mode) == 2.0
+        assert in_the_loop(looked_up, table, (math.nan, 1.0), mode) == 2.0
 
 
 @pytest.mark.parametrize("mode", MODES)

@@ -28,7 +28,7 @@ from typing import Any
 
 from fuzzyarm.kernels import call, kernel
 from fuzzyarm.plant.setting import stored
-from fuzzyarm.table.lookup import blend, clamp, count_smaller, share_of_way
+from fuzzyarm.table.lookup import VALUES, cell_index, clamp, looked_up
 
 # The clock stands in the first cells: the period, s; whether this is the last period of a set
 # point; whether what is stored is rounded to single precision.
@@ -70,16 +70,15 @@ LAGGED, LAG_TIME = range(2)  # of LAG
 LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
 LAST_DRIVE, STEEPEST = range(2)  # of SLEW
 
-# The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. Of
-# LOOK_UP: values, room, then the inputs. Of LEARN: values, visits, the ring (its index in front)
+# The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
+# LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
 # and its length, rate, bound, grid of the table, grid and values of the performance table,
 # whether both grids are alike, then the inputs.
 BY, INSIDE, WAIT, ZOOMED = range(4)
-VALUES, ROOM, INPUTS = range(3)
 VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE, LEARN_INPUTS = range(1, 11)
 
 # The list of INFER: where the block begins and ends; where in it the first input and the first
-# result are, and how far apart results lie; how many of each; then their cells.
+# result are; how many of each; then their cells.
 BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS = range(7)
 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
@@ -299,84 +298,7 @@ def infer(k: Any, s: Any, at: int, address: int) -> None:
         s[k[cell + inputs + i]] = block[k[at + FIRST_RESULT] + i]
 
 
-# --- Tables ---
-#
-# A grid in the cells: the number of inputs, whether it interpolates, and for each input how many
-# levels it has, the thresholds between them (one less) and the levels. What a look-up means is
-# defined in :mod:`fuzzyarm.table.lookup`.
-
-GRID_HEAD = 2
-
-
-@kernel
-def cell_index(k: Any, s: Any, inputs: int, grid: int) -> int:
-    """Return the number of the cell that the inputs name, the last input fastest."""
-    cell = 0
-    at = grid + GRID_HEAD
-    for i in range(int(s[grid])):
-        count = int(s[at])
-        cell = cell * count + count_smaller(s, at + 1, count - 1, s[k[inputs + i]])
-        at += 2 * count
-    return cell
-
-
-@kernel
-def looked_up(k: Any, s: Any, at: int, grid: int) -> float:
-    """Return the value of a table, by cell or between the neighbouring levels."""
-    values = k[at + VALUES]
-    if s[grid + 1] == 0.0:
-        value: float = s[values + cell_index(k, s, at + INPUTS, grid)]
-    else:
-        value = interpolated(k, s, at, grid)
-    return value
-
-
-@kernel
-def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
-    """Blend the corners of the cell around the inputs pairwise, the last input first.
-
-    Room: the share of the way along each input, then the corners.
-    """
-    inputs = int(s[grid])
-    room = k[at + ROOM]
-    corners = room + inputs
-    # The corners' numbers are built up input by input: each doubles the list.
-    s[corners] = 0.0
-    found = 1
-    axis = grid + GRID_HEAD
-    for i in range(inputs):
-        count = int(s[axis])
-        levels = axis + count
-        lower, share = neighbour(s, levels, count, s[k[at + INPUTS + i]])
-        s[room + i] = share
-        upper = lower + (1 if count > 1 else 0)
-        for j in range(found - 1, -1, -1):
-            cell = s[corners + j] * count
-            s[corners + 2 * j] = cell + lower
-            s[corners + 2 * j + 1] = cell + upper
-        found *= 2
-        axis += 2 * count
-    for j in range(found):
-        s[corners + j] = s[k[at + VALUES] + int(s[corners + j])]
-    for i in range(inputs - 1, -1, -1):
-        found //= 2
-        for j in range(found):
-            s[corners + j] = blend(s[corners + 2 * j], s[corners + 2 * j + 1], s[room + i])
-    value: float = s[corners]
-    return value
-
-
-@kernel
-def neighbour(s: Any, levels: int, count: int, x: float) -> tuple[int, float]:
-    """Return the lower neighbour of x among some levels, and the share of the way to the upper."""
-    if count == 1:
-        return 0, 0.0
-    inside = clamp(x, s[levels], s[levels + count - 1])
-    inner, room = levels + 1, count - 2
-    lower = count_smaller(s, inner, room, inside)
-    if lower < room and s[inner + lower] == inside:
-        lower += 1  # on a level: it is the lower neighbour
-    return lower, share_of_way(inside, s[levels + lower], s[levels + lower + 1])
+# --- Tables that learn; what a look-up means and does stands in table/lookup.py ---
 
 
 @kernel

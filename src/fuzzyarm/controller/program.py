@@ -34,6 +34,7 @@ from fuzzyarm.model.controller import (
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.table.lookup import pack_grid
 
 Sheet = RuleBase | LookupTable
 """What a controller looks up: a rule base or a table."""
@@ -552,14 +553,6 @@ def evaluate_view(block: Any) -> None:
 def inference_address(*, compiled: bool) -> int:
     """Return where controllers find the inference kernel."""
     return address_of(block_of.evaluate if compiled else evaluate_view, 1, compiled=compiled)
-
-
-def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
-    """Write a grid down as :func:`fuzzyarm.controller.kernel.cell_index` reads it."""
-    numbers = [float(len(axes)), float(mode == "linear")]
-    for axis in axes:
-        numbers += [len(axis.levels), *axis.thresholds(mode), *axis.levels]
-    return numbers
 
 
 def of_axis(table: LookupTable, index: int) -> tuple[list[Axis], NDArray[np.float64]]:

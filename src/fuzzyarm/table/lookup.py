@@ -26,16 +26,14 @@ from fuzzyarm.table.axis import Axis, TableError
 
 __all__ = [
     "AT_POINT",
-    "LOOP_HEAD",
     "OVER_ARRAYS",
     "Arithmetic",
     "Grid",
     "blend",
-    "cell_of",
+    "cell_index",
     "corner_offsets",
-    "grid_length",
-    "interpolated",
     "look_up_arrays",
+    "looked_up",
     "pack_grid",
     "share_of_way",
 ]
@@ -173,70 +171,82 @@ def corner_offsets(shape: Sequence[int]) -> tuple[int, ...]:
     return tuple(map(sum, itertools.product(*steps)))
 
 
-# --- Tables of two inputs in the kernels of a closed loop ---
+# --- Tables in the kernels of a closed loop, of any number of inputs ---
 #
-# The grid as flat numbers, from some index `at` of the constants of a law:
-#
-#   at        rows
-#   at + 1    columns
-#   at + 2    1 if it interpolates, else 0
-#   at + LOOP_HEAD …   thresholds between the rows      rows - 1
-#                      thresholds between the columns   columns - 1
-#                      levels of the rows               rows
-#                      levels of the columns            columns
-#
-# The values lie row by row, behind the grid or in the memory of a law that changes them.
+# A grid among the cells of a controller: the number of inputs, whether it interpolates, and for
+# each input how many levels it has, the thresholds between them (one less) and the levels. A
+# look-up reads a list of whole numbers: where the values begin, where there is room to work in,
+# and the cell of each input.
 
-LOOP_HEAD = 3
-"""Numbers in front of the thresholds."""
+GRID_HEAD = 2
+"""Numbers in front of the first input."""
+
+VALUES, ROOM, INPUTS = range(3)
 
 
-def pack_grid(rows: Axis, columns: Axis, mode: str) -> list[float]:
-    """Write a grid down for :func:`cell_of` and :func:`interpolated`."""
-    return [
-        len(rows.levels),
-        len(columns.levels),
-        float(mode == "linear"),
-        *rows.thresholds(mode),
-        *columns.thresholds(mode),
-        *rows.levels,
-        *columns.levels,
-    ]
+def pack_grid(axes: Sequence[Axis], mode: str) -> list[float]:
+    """Write a grid down as :func:`cell_index` reads it."""
+    numbers = [float(len(axes)), float(mode == "linear")]
+    for axis in axes:
+        numbers += [len(axis.levels), *axis.thresholds(mode), *axis.levels]
+    return numbers
 
 
 @kernel
-def grid_length(numbers: list[float], at: int) -> int:
-    """Return how many numbers :func:`pack_grid` wrote."""
-    return LOOP_HEAD + 2 * int(numbers[at]) + 2 * int(numbers[at + 1]) - 2
+def cell_index(k: Any, s: Any, inputs: int, grid: int) -> int:
+    """Return the number of the cell that the inputs name, the last input fastest."""
+    cell = 0
+    at = grid + GRID_HEAD
+    for i in range(int(s[grid])):
+        count = int(s[at])
+        cell = cell * count + count_smaller(s, at + 1, count - 1, s[k[inputs + i]])
+        at += 2 * count
+    return cell
 
 
 @kernel
-def cell_of(numbers: list[float], at: int, x: float, y: float) -> int:
-    """Return the cell of x (row) and y (column) among the values."""
-    rows = int(numbers[at])
-    columns = int(numbers[at + 1])
-    row = count_smaller(numbers, at + LOOP_HEAD, rows - 1, x)
-    column = count_smaller(numbers, at + LOOP_HEAD + rows - 1, columns - 1, y)
-    return row * columns + column
+def looked_up(k: Any, s: Any, at: int, grid: int) -> float:
+    """Return the value of a table, by cell or between the neighbouring levels."""
+    values = k[at + VALUES]
+    if s[grid + 1] == 0.0:
+        value: float = s[values + cell_index(k, s, at + INPUTS, grid)]
+    else:
+        value = interpolated(k, s, at, grid)
+    return value
 
 
 @kernel
-def interpolated(numbers: list[float], at: int, values: int, x: float, y: float) -> float:
-    """Return the value between the four cells around x (row) and y (column).
+def interpolated(k: Any, s: Any, at: int, grid: int) -> float:
+    """Blend the corners of the cell around the inputs pairwise, the last input first.
 
-    `values` is the index of the first value among the same numbers.
+    Room: the share of the way along each input, then the corners.
     """
-    rows = int(numbers[at])
-    columns = int(numbers[at + 1])
-    row_levels = at + LOOP_HEAD + rows + columns - 2
-    row, up = neighbour(numbers, row_levels, rows, x)
-    column, right = neighbour(numbers, row_levels + rows, columns, y)
-    here = values + row * columns + column
-    above = here + (columns if rows > 1 else 0)
-    beside = 1 if columns > 1 else 0
-    near = blend(numbers[here], numbers[here + beside], right)
-    far = blend(numbers[above], numbers[above + beside], right)
-    value: float = blend(near, far, up)
+    inputs = int(s[grid])
+    room = k[at + ROOM]
+    corners = room + inputs
+    # The corners' numbers are built up input by input: each doubles the list.
+    s[corners] = 0.0
+    found = 1
+    axis = grid + GRID_HEAD
+    for i in range(inputs):
+        count = int(s[axis])
+        levels = axis + count
+        lower, share = neighbour(s, levels, count, s[k[at + INPUTS + i]])
+        s[room + i] = share
+        upper = lower + (1 if count > 1 else 0)
+        for j in range(found - 1, -1, -1):
+            cell = s[corners + j] * count
+            s[corners + 2 * j] = cell + lower
+            s[corners + 2 * j + 1] = cell + upper
+        found *= 2
+        axis += 2 * count
+    for j in range(found):
+        s[corners + j] = s[k[at + VALUES] + int(s[corners + j])]
+    for i in range(inputs - 1, -1, -1):
+        found //= 2
+        for j in range(found):
+            s[corners + j] = blend(s[corners + 2 * j], s[corners + 2 * j + 1], s[room + i])
+    value: float = s[corners]
     return value
 
 
