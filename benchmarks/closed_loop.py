@@ -25,7 +25,7 @@ import numpy as np
 from fuzzyarm.controller import controller
 from fuzzyarm.inference.aggregate import positions
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.loop import Options, simulate, simulate_batch
+from fuzzyarm.loop import Options, simulate, simulate_many
 from fuzzyarm.model.rulebase import RuleBase, propositions
 from fuzzyarm.model.shapes import membership
 from fuzzyarm.plant import reach_return
@@ -170,17 +170,17 @@ def compare(folder: Path, name: str, control: str) -> list[str]:
 
 
 def batches() -> list[str]:
-    """Return how much faster a batch is with a thread for each processor."""
+    """Return how much faster many runs are with a thread for each processor."""
     lines = []
     for name in ("cdid", "soc-zero", "fuzzy-direct"):
         made, path = controller(name), reach_return()
         seconds = []
         for workers in (1, os.cpu_count() or 1):
             begin = time.perf_counter()
-            simulate_batch(made, path, seeds=np.arange(200), payload=True, workers=workers)
+            simulate_many(made, path, {"seed": np.arange(200)}, payload=True, workers=workers)
             seconds.append(time.perf_counter() - begin)
         lines.append(
-            f"batch of 200 runs of {name}: {1e3 * seconds[0] / 200:.2f} ms a run with one thread, "
+            f"200 runs of {name}: {1e3 * seconds[0] / 200:.2f} ms a run with one thread, "
             f"{1e3 * seconds[1] / 200:.2f} with {os.cpu_count()}: {seconds[0] / seconds[1]:.2f} "
             "times as fast"
         )

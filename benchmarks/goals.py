@@ -27,7 +27,7 @@ import workload
 from fuzzyarm import compiled, infer
 from fuzzyarm.controller import CATALOGUE, controller
 from fuzzyarm.inference import engine
-from fuzzyarm.loop import simulate_batch
+from fuzzyarm.loop import simulate_many
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant import reach_return
 
@@ -171,8 +171,8 @@ def batch_ratio(name: str, processors: int) -> float:
         for workers, found in times.items():
 
             def batch(workers: int = workers) -> object:
-                return simulate_batch(
-                    made, path, seeds=np.arange(RUNS), payload=True, workers=workers
+                return simulate_many(
+                    made, path, {"seed": np.arange(RUNS)}, payload=True, workers=workers
                 )
 
             times[workers] = min(found, best(batch, 1, time.perf_counter))

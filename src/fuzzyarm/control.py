@@ -18,15 +18,15 @@ from fuzzyarm.controller import (
     controller,
     find_controller,
 )
-from fuzzyarm.loop import Batch, Options, Run, simulate, simulate_batch
+from fuzzyarm.loop import Many, Options, Run, simulate, simulate_many
 
 __all__ = [
     "CATALOGUE",
-    "Batch",
     "CompiledController",
     "Controller",
     "Gain",
     "GainError",
+    "Many",
     "Options",
     "OwnControllerError",
     "Run",
@@ -37,5 +37,5 @@ __all__ = [
     "controller",
     "find_controller",
     "simulate",
-    "simulate_batch",
+    "simulate_many",
 ]

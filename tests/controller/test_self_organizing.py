@@ -12,8 +12,8 @@ from fuzzyarm.controller.text import teaching
 from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.language import RuleBaseError
 from fuzzyarm.learning.self_organizing import train
-from fuzzyarm.loop import Options, simulate, simulate_batch
-from fuzzyarm.plant import ArmError, pick_and_place, reach_return
+from fuzzyarm.loop import simulate
+from fuzzyarm.plant import pick_and_place
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
@@ -154,53 +154,6 @@ def test_a_training_that_diverges_ends_there():
     *_, last = train(made, SHORT, passes=5)
     assert last.diverged is not None
     assert last.passage == 1
-
-
-def test_a_batch_equals_single_runs_to_the_last_bit():
-    seeds = [3, 5, 8]
-    options = Options(disturbance=6e-8)
-    made = controller("soc-zero")
-    batch = simulate_batch(made, SHORT, seeds=seeds, payload=True, options=options)
-    for i, seed in enumerate(seeds):
-        one = simulate(made, SHORT, payload=True, options=Options(disturbance=6e-8, seed=seed))
-        np.testing.assert_array_equal(batch.rms[i], one.rms)
-        np.testing.assert_array_equal(batch.final[i], one.final)
-        np.testing.assert_array_equal(batch.maximum[i], one.maximum)
-    assert np.isnan(batch.diverged).all()
-
-
-def test_a_batch_over_gains_and_arms():
-    from fuzzyarm.plant import LOADED, UNLOADED
-
-    gains = {"K_P": [[100.0, 50.0], [200.0, 80.0]], "K_D": [20.0, 30.0]}
-    arms = [(UNLOADED,) * 4, (LOADED,) * 4]
-    seen = []
-    batch = simulate_batch(
-        controller("pd"), SHORT, gains=gains, arms=arms, workers=2, watch=seen.append
-    )
-    assert sum(seen) == 2
-    for i in range(2):
-        own = {name: values[i] if name == "K_P" else [values[i]] for name, values in gains.items()}
-        one = simulate(controller("pd").with_gains(own), SHORT, arms=arms[i])
-        np.testing.assert_array_equal(batch.rms[i], one.rms)
-    bad = simulate_batch(controller("pid"), SHORT, gains={"K_I": [0.25, 1e4]})
-    assert np.isnan(bad.diverged[0])
-    assert bad.diverged[1] > 0.0
-
-
-def test_batches_out_of_sense():
-    class Mine(Controller):
-        pass
-
-    for words, match in (
-        ({}, "needs gains"),
-        ({"seeds": []}, "at least one"),
-        ({"seeds": [1, 2], "gains": {"K_P": [1.0]}}, "do not match: 1 gain K_P, 2 seeds"),
-    ):
-        with pytest.raises(ArmError, match=match):
-            simulate_batch(controller("pd"), SHORT, **words)
-    with pytest.raises(ArmError, match="plain Python"):
-        simulate_batch(Mine(), reach_return(), seeds=[1])
 
 
 def test_an_error_on_the_edge_of_a_bin_belongs_to_the_lower_cell():

@@ -350,21 +350,27 @@ def text_controller(
 
 def controller_of(text: ControllerText, choice: Choice | None = None) -> CompiledController:
     """Make a controller of its text, for the arm; on other plants a loop makes it anew."""
-    choice = choice or Choice()
+    return CompiledController(make_law(text, CatalogueLaws(choice or Choice())))
 
-    def find_law(law: str) -> CompiledController:
+
+@dataclass(frozen=True)
+class CatalogueLaws:
+    """From the name of a partner to its law, of a choice; see ``FindLaw``."""
+
+    choice: Choice
+
+    def __call__(self, law: str) -> CompiledController:
+        """Return a law of the catalogue with its gains."""
         found = CATALOGUE.get(law)
         made = None
         if isinstance(found, Entry):
-            made = found.make(replace(choice, variant="as-printed", sources=NONE_GIVEN))
+            made = found.make(replace(self.choice, variant="as-printed", sources=NONE_GIVEN))
         if not isinstance(made, CompiledController):
             laws = ", ".join(each.name for each in CONVENTIONAL if "+" not in each.name)
             raise SourceError(
                 f"no law of the catalogue is called '{law}'", hint=f"there are {laws}"
             )
         return made
-
-    return CompiledController(make_law(text, find_law))
 
 
 def _both(first: Change | None, second: Change) -> Change:

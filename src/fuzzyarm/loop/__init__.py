@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from fuzzyarm.loop.batch import Batch, simulate_batch
 from fuzzyarm.loop.course import Motion, Options, Sensor
+from fuzzyarm.loop.many import Many, SweepError, simulate_many
 from fuzzyarm.loop.metrics import Metrics
 from fuzzyarm.loop.reference import Signal, read_signal
 from fuzzyarm.loop.run import Run, simulate
 
 __all__ = [
-    "Batch",
+    "Many",
     "Metrics",
     "Motion",
     "Options",
     "Run",
     "Sensor",
     "Signal",
+    "SweepError",
     "read_signal",
     "simulate",
-    "simulate_batch",
+    "simulate_many",
 ]

@@ -381,6 +381,15 @@ class Course:
         other.plants = (other._flat(motion.block, np.int64), other._blocks())
         return other
 
+    def with_options(self, options: Options) -> Course:
+        """Return the same experiment with other sensors and disturbances of the states."""
+        other = copy(self)
+        other.options = options
+        sensing = map(other._flat, other._sensing(options.seed))
+        other._fixed = (self._fixed[0], *sensing, self._fixed[3])
+        other._setting = self._setting._replace(disturbance=float(options.disturbance))
+        return other
+
     def _sensing(self, seed: int) -> tuple[Any, Any]:
         """Write sensors and their noise down; both are empty where all sensors are exact."""
         interface = self.site.interface

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from fuzzyarm.loop.loop import rms, signed_maximum
 
 Vector = NDArray[np.float64]
 
@@ -21,7 +24,8 @@ class Metrics:
     Attributes
     ----------
     rms, max, final : float
-        Root mean square, largest magnitude with its sign, and last error.
+        Root mean square, largest with its sign, and last error, as the conventions of the run have
+        them.
     rise : float or None
         From 10 to 90 % of a step; None where the reference is not a step, or it is not reached.
     overshoot : float or None
@@ -67,6 +71,7 @@ def metrics_of(
     drives: Vector,
     limits: list[tuple[float, float]],
     period: float,
+    maximum: Literal["magnitude", "positive"] = "magnitude",
 ) -> Metrics:
     """Measure the run of an axis.
 
@@ -80,6 +85,8 @@ def metrics_of(
         Lowest and highest value of each drive.
     period : float
         Time from sample to sample, s.
+    maximum : {"magnitude", "positive"}, optional
+        See :func:`fuzzyarm.loop.loop.signed_maximum`.
     """
     if not len(errors):
         none = math.nan
@@ -92,8 +99,8 @@ def metrics_of(
         held |= (drives[:, column] <= low) | (drives[:, column] >= high)
     span = len(errors) * period
     return Metrics(
-        float(np.sqrt(np.mean(errors**2))),
-        float(errors[magnitude.argmax()]),
+        float(rms(errors[:, None])[0]),
+        float(signed_maximum(errors[:, None], maximum)[0]),
         float(errors[-1]),
         rise,
         overshoot,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
@@ -23,7 +23,8 @@ from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, flat, moti
 from fuzzyarm.loop.loop import LOOP_ARRAYS, final, rms, run_loop, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.reference import Signal
-from fuzzyarm.plant.own import failure
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.own import failure, find_plant
 from fuzzyarm.plant.plant import (
     ADVANCE,
     Address,
@@ -45,7 +46,7 @@ from fuzzyarm.plant.setting import (
     stored_single,
 )
 from fuzzyarm.plant.setting import Reference as ArmReference
-from fuzzyarm.plant.trajectory import Schedule, Trajectory, schedule
+from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
 
 # --- A controller as the loop takes it ---
 
@@ -211,6 +212,13 @@ def shown_units(course: Course) -> tuple[str, ...]:
     """Return the units in which the tracked outputs are shown."""
     units = [course.site.interface.outputs[port].unit for port in course.motion.tracked]
     return tuple("degrees" if unit == "rad" else unit for unit in units)
+
+
+def judged_names(axes: Sequence[str], labels: Sequence[str]) -> tuple[str, ...]:
+    """Return what metrics of tracked outputs are called: the axis, where it has one of them."""
+    return tuple(
+        axis if axes.count(axis) == 1 else label for axis, label in zip(axes, labels, strict=True)
+    )
 
 
 # --- Loops in which something is plain Python ---
@@ -397,18 +405,19 @@ class Run:
     def metrics(self) -> dict[str, Metrics]:
         """Metrics of each axis; of each output where one axis has several that are tracked."""
         found = {}
+        shown = judged_names(self.axes, self.labels)
         for column, label in enumerate(self.labels):
             axis = label.rpartition(".")[0]
             names = [name for name in self.drives if name.rpartition(".")[0] == axis]
             drives = np.column_stack([self.drives[name] for name in names] or [np.zeros((0, 0))])
-            name = self.axes[column]
-            found[name if self.axes.count(name) == 1 else label] = metrics_of(
+            found[shown[column]] = metrics_of(
                 self.time,
                 self.reference[:, column],
                 self.errors[:, column],
                 drives,
                 [self.limits[name] for name in names],
                 self.period,
+                self.conventions.maximum,
             )
         return found
 
@@ -428,8 +437,8 @@ class Run:
 
 
 def simulate(
-    controller: Controller | ControllerText,
-    on: Trajectory | Plant | Motion,
+    controller: Controller | ControllerText | str,
+    on: Trajectory | Plant | Motion | str,
     *,
     payload: bool = False,
     arms: Schedule | None = None,
@@ -443,11 +452,12 @@ def simulate(
 
     Parameters
     ----------
-    controller : Controller or ControllerText
+    controller : Controller, ControllerText or str
         Any on the arm, where sums of compiled ones run as machine code; on other plants
-        controllers as text.
-    on : Trajectory, Plant or Motion
-        What the arm is to follow, the plant, or set points that were made before.
+        controllers as text. A string is a name of the catalogue or a file.
+    on : Trajectory, Plant, Motion or str
+        What the arm is to follow, the plant, or set points that were made before. A string is
+        the name or file of a plant; the arm follows ``reach_return()`` where nothing else is said.
     payload : bool, optional
         Whether the arm carries its load where the trajectory says.
     arms : tuple of ArmParameters, optional
@@ -479,6 +489,7 @@ def simulate(
     """
     options = options or Options()
     chosen = as_controller(controller)
+    on = as_way(on, along=not references)
     if isinstance(on, Trajectory):
         arms = checked_arms(on, arms, payload=payload, conventions=conventions)
         on = arm_motion(on, arms, conventions, options)
@@ -487,8 +498,20 @@ def simulate(
     return run_along(chosen, on, conventions, options, connect)
 
 
-def as_controller(controller: Controller | ControllerText) -> Controller:
-    """Return a controller, of its text where that is what is given."""
+def as_way(on: Trajectory | Plant | Motion | str, *, along: bool) -> Trajectory | Plant | Motion:
+    """Return what a name stands for; with `along` the arm follows its trajectory."""
+    if not isinstance(on, str):
+        return on
+    plant = find_plant(on)
+    return reach_return() if isinstance(plant, Arm) and along else plant
+
+
+def as_controller(controller: Controller | ControllerText | str) -> Controller:
+    """Return a controller, of its name, file or text where that is what is given."""
+    if isinstance(controller, str):
+        from fuzzyarm.controller.own import find_controller
+
+        return find_controller(controller)
     if isinstance(controller, ControllerText):
         from fuzzyarm.controller.catalogue import controller_of
 
@@ -553,55 +576,112 @@ def run_along(
     connect: Mapping[str, str] | None = None,
 ) -> Run:
     """Run a controller along set points; see :func:`simulate`."""
-    options = options or Options()
-    site = site_of(followed.plants[0], connect)
-    controller = controller_on(controller, site)
-    arithmetic = options.arithmetic(conventions)
-    program = Program(controller, arithmetic)
-    compiled = program.compiled and is_compiled(followed.plants[0])
-    driven = driven_by(controller, site) if program.compilable else torques_only(site)
-    course = Course(followed, conventions, options, driven=driven, as_array=compiled)
-    outputs, inputs = site.interface.outputs, site.interface.inputs
-    taps = [
-        *error_taps(course),
-        *map(course.output_cell, outputs),
-        *map(course.drive_cell, inputs),
-    ]
-    record = Record(course, program.memory, taps)
-    controller.prepare(arithmetic)
-    loop = loop_for(program, course, record)
-    own = program.inputs(as_array=compiled)
-    begin = time.perf_counter()
-    with np.errstate(all="ignore"), plain_errors(followed.plants[0]):
-        loop(*course.inputs(), *own, *record.outputs)
-    seconds = time.perf_counter() - begin
-    samples, taken = record.samples, record.taken
-    count = len(followed.tracked)
-    label = site.interface.label
-    front = 2 * count
-    turned = scales(course)
-    return Run(
-        controller.name,
-        followed.name,
-        conventions,
-        followed.time[taken],
-        samples[:, count:front] * turned,
-        shown_errors(course, samples),
-        record.diverged(),
-        seconds,
-        compiled,
-        program.remembered(record.memory),
-        followed.plants[0].name,
-        tuple(axis for axis, _ in followed.tracked),
-        tuple(map(label, followed.tracked)),
-        shown_units(course),
-        {label(port): samples[:, count + i] for i, port in enumerate(followed.tracked)},
-        {label(port): samples[:, front + i] for i, port in enumerate(outputs)},
-        {label(port): samples[:, front + len(outputs) + i] for i, port in enumerate(inputs)},
-        {label(port): (each.low, each.high) for port, each in inputs.items()},
-        followed.period * followed.every,
-        options.seed,
-    )
+    return ClosedLoop(controller, followed, conventions, options, connect).run()
+
+
+class ClosedLoop:
+    """A controller, set points and a plant, made ready for one run or many.
+
+    Parameters
+    ----------
+    controller, followed, conventions, options, connect
+        See :func:`simulate`.
+
+    Attributes
+    ----------
+    controller : Controller
+        For this plant.
+    program : Program
+        Of the controller.
+    course : Course
+        The experiment.
+    compiled : bool
+        Whether laws and plant both run as machine code.
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        followed: Motion,
+        conventions: Conventions = PLAIN,
+        options: Options | None = None,
+        connect: Mapping[str, str] | None = None,
+    ) -> None:
+        options = options or Options()
+        self.site = site_of(followed.plants[0], connect)
+        self.controller = controller_on(controller, self.site)
+        self.arithmetic = options.arithmetic(conventions)
+        self.program = Program(self.controller, self.arithmetic)
+        self.compiled = self.program.compiled and is_compiled(followed.plants[0])
+        driven = torques_only(self.site)
+        if self.program.compilable:
+            driven = driven_by(self.controller, self.site)
+        self.course = Course(followed, conventions, options, driven=driven, as_array=self.compiled)
+        self.taps = [
+            *error_taps(self.course),
+            *map(self.course.output_cell, self.site.interface.outputs),
+            *map(self.course.drive_cell, self.site.interface.inputs),
+        ]
+
+    def program_with(self, gains: Mapping[str, Sequence[float]]) -> Program:
+        """Return the program of the same controller with other gains."""
+        return Program(self.controller.with_gains(gains), self.arithmetic)
+
+    def run(
+        self,
+        program: Program | None = None,
+        course: Course | None = None,
+        seed: int | None = None,
+    ) -> Run:
+        """Run once.
+
+        Parameters
+        ----------
+        program, course : optional
+            In place of its own: with other gains, plants or sensors.
+        seed : int, optional
+            In place of that of the options.
+        """
+        program, course = program or self.program, course or self.course
+        record = Record(course, program.memory, self.taps, seed)
+        if not self.compiled:
+            program.controller.prepare(self.arithmetic)
+        loop = loop_for(program, course, record)
+        own = program.inputs(as_array=self.compiled)
+        begin = time.perf_counter()
+        with np.errstate(all="ignore"), plain_errors(course.plant):
+            loop(*course.inputs(seed), *own, *record.outputs)
+        return self._answer(program, record, time.perf_counter() - begin, seed)
+
+    def _answer(self, program: Program, record: Record, seconds: float, seed: int | None) -> Run:
+        course = record.course
+        followed, interface = course.motion, self.site.interface
+        outputs, inputs, label = interface.outputs, interface.inputs, interface.label
+        samples, taken = record.samples, record.taken
+        count = len(followed.tracked)
+        front = 2 * count
+        return Run(
+            program.controller.name,
+            followed.name,
+            course.conventions,
+            followed.time[taken],
+            samples[:, count:front] * scales(course),
+            shown_errors(course, samples),
+            record.diverged(),
+            seconds,
+            self.compiled,
+            program.remembered(record.memory),
+            course.plant.name,
+            tuple(axis for axis, _ in followed.tracked),
+            tuple(map(label, followed.tracked)),
+            shown_units(course),
+            {label(port): samples[:, count + i] for i, port in enumerate(followed.tracked)},
+            {label(port): samples[:, front + i] for i, port in enumerate(outputs)},
+            {label(port): samples[:, front + len(outputs) + i] for i, port in enumerate(inputs)},
+            {label(port): (each.low, each.high) for port, each in inputs.items()},
+            followed.period * followed.every,
+            course.options.seed if seed is None else seed,
+        )
 
 
 def torques_only(site: Site) -> frozenset[Address]:

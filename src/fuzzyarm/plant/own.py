@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import linecache
 import sys
 import traceback
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.library import LIBRARY
@@ -80,18 +82,31 @@ def as_plant(thing: Any) -> Plant:
     """Return a thing with the attributes of a plant as one; it need not be derived from it."""
     if isinstance(thing, Plant):
         return thing
-    kind = type(thing)
-    joined: Any = type(kind.__name__, (kind, Plant), {"__module__": kind.__module__})
+    kind: Any = type(thing)
+    joined = plant_class(kind)
     made = joined.__new__(joined)
     made.__dict__.update(vars(thing))
-    assert isinstance(made, Plant)
     return made
+
+
+@cache
+def plant_class(kind: Any) -> type[Plant]:
+    """Return a class as one that is derived from :class:`Plant`."""
+    joined: Any = type(kind.__name__, (kind, Plant), {"__module__": kind.__module__})
+    return cast(type[Plant], joined)
 
 
 # --- Python files of the user's ---
 
+SOURCE = "__fuzzyarm_source__"
+"""Under which a module of a user's file has its text."""
 
-def executed(path: str, fault: Callable[[str], Exception]) -> ModuleType:
+
+OWN = "fuzzyarm_own_"
+"""How the modules of users' files begin; nobody can import them."""
+
+
+def executed(path: str, fault: Callable[[str], Exception], source: str | None = None) -> ModuleType:
     """Execute a file and return what it defines.
 
     Parameters
@@ -100,13 +115,19 @@ def executed(path: str, fault: Callable[[str], Exception]) -> ModuleType:
         Of a Python file.
     fault : callable
         Makes the error of a message that says what went wrong.
+    source : str, optional
+        Its text, where the file itself may be on another machine.
     """
-    try:
-        source = Path(path).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise fault(f"{path} is not UTF-8 text") from error
-    module = ModuleType(f"fuzzyarm_own_{Path(path).stem}")
+    if source is None:
+        try:
+            source = Path(path).read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise fault(f"{path} is not UTF-8 text") from error
+    else:  # for tracebacks, and for the digests of kernels
+        linecache.cache[path] = (len(source), None, source.splitlines(keepends=True), path)
+    module = ModuleType(f"{OWN}{Path(path).stem}")
     module.__file__ = path
+    vars(module)[SOURCE] = source
     # dataclasses and others look the module of a class up.
     sys.modules[module.__name__] = module
     try:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.catalogue import CATALOGUE, Start, Variant, controller
 from fuzzyarm.controller.controller import CompiledController, Controller, Sum
-from fuzzyarm.loop.batch import Batch, simulate_batch
 from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.many import Many, simulate_many
 from fuzzyarm.loop.run import Run, simulate
 from fuzzyarm.plant.setting import Arithmetic, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach, reach_return
@@ -84,16 +84,16 @@ def run_ensemble(
     """
     columns = []
     for trajectory in trajectories:
-        batch = simulate_batch(
+        many = simulate_many(
             made,
             trajectory,
-            seeds=np.arange(1, runs + 1),
+            {"seed": np.arange(1, runs + 1)},
             payload=payload,
             conventions=conventions,
             options=Options(disturbance=LAST_BIT),
             watch=watch,
         )
-        columns += _columns(batch, trajectory)
+        columns += _columns(many, trajectory)
     figures = np.array(columns)
 
     def eight(values: NDArray[np.float64]) -> Eight:
@@ -105,9 +105,9 @@ def run_ensemble(
     )
 
 
-def _columns(batch: Batch, trajectory: Trajectory) -> list[NDArray[np.float64]]:
-    last = batch.maximum if trajectory.name == MAXIMUM_ON else batch.final
-    return [batch.rms[:, 0], last[:, 0], batch.rms[:, 1], last[:, 1]]
+def _columns(many: Many, trajectory: Trajectory) -> list[NDArray[np.float64]]:
+    last = many.maximum if trajectory.name == MAXIMUM_ON else many.final
+    return [many.rms[:, 0], last[:, 0], many.rms[:, 1], last[:, 1]]
 
 
 # --- How near a reproduced row has to be, and what is known where it is not ---

@@ -1,0 +1,230 @@
+"""Blocks of runs on any executor: how large they are, in which order they come back, what travels.
+
+What goes to another process is bytes, in which a user's file is its text, a law of the package is
+its name and a controller as text is its text: there is no address in it, and nothing that the
+other machine would have to have.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import math
+import pickle
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.controller import CompiledController
+from fuzzyarm.controller.law import Law
+from fuzzyarm.controller.on_plant import TextLaw, make_law
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.plant.own import OWN, SOURCE, executed, plant_class
+from fuzzyarm.plant.plant import Plant, PlantError
+
+Rows = NDArray[np.float64]
+"""What came of some runs, one in each row."""
+
+Block = tuple[Rows, float]
+"""The rows of a block, and how long it took, s."""
+
+BLOCK_SECONDS = 1.0
+"""How long a block should take: its message costs nothing beside it, and little is lost with it."""
+
+
+# --- Sizes and order ---
+
+
+def in_order(
+    submit: Callable[[int, int], Future[Block]], begin: int, end: int, workers: int
+) -> Iterator[tuple[int, Rows]]:
+    """Submit blocks of runs; yield their rows in the order of the runs.
+
+    Parameters
+    ----------
+    submit : callable
+        Takes the first run of a block and the one behind its last.
+    begin, end : int
+        First run, and the one behind the last.
+    workers : int
+        How many blocks run at a time. Twice as many wait or run.
+
+    Yields
+    ------
+    int
+        First run of a block.
+    ndarray
+        Its rows.
+    """
+    under_way: dict[Future[Block], int] = {}
+    done: dict[int, Rows] = {}
+    told = asked = begin
+    size = 1
+    try:
+        while told < end:
+            while asked < end and len(under_way) < 2 * workers:
+                # At the end small ones, so that all workers finish together.
+                share = math.ceil((end - asked) / (2 * workers))
+                last = asked + max(1, min(size, share))
+                under_way[submit(asked, last)] = asked
+                asked = last
+            for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                first = under_way.pop(future)
+                rows, seconds = future.result()
+                done[first] = rows
+                if seconds > 0.0:
+                    size = max(1, round(BLOCK_SECONDS * len(rows) / seconds))
+            while told in done:
+                rows = done.pop(told)
+                yield told, rows
+                told += len(rows)
+    finally:
+        for future in under_way:
+            future.cancel()
+
+
+def default_processes(workers: int) -> Executor:
+    """Start processes of this machine: loky's where it is installed."""
+    try:
+        from loky import ProcessPoolExecutor as Loky
+    except ImportError:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        # A fork would copy locks of threads that it does not copy.
+        return ProcessPoolExecutor(workers, get_context("spawn"), initializer=deaf)
+    made: Executor = Loky(workers, initializer=deaf)
+    return made
+
+
+def end_processes(pool: Executor) -> None:
+    """End processes of :func:`default_processes`, with what they are at."""
+    if type(pool).__module__.startswith("loky"):
+        pool.shutdown(wait=True, kill_workers=True)  # type: ignore[call-arg]
+        return
+    for process in list((getattr(pool, "_processes", None) or {}).values()):
+        process.terminate()
+    pool.shutdown(wait=True, cancel_futures=True)
+
+
+def deaf() -> None:
+    """Ignore Ctrl-C in a worker: who started it ends it."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+# --- What travels ---
+
+
+class TravelError(FuzzyarmError, TypeError):
+    """Something of an experiment cannot go to another process."""
+
+
+def packed(thing: object) -> bytes:
+    """Return the bytes of a thing.
+
+    Raises
+    ------
+    TravelError
+        If something in it has none.
+    """
+    buffer = io.BytesIO()
+    try:
+        _pickler()(buffer, protocol=5).dump(thing)
+    except (pickle.PicklingError, TypeError, AttributeError, ValueError) as error:
+        hint = "workers=1 keeps it here"
+        message = f"the experiment cannot go to another process: {error}"
+        raise TravelError(message, hint=hint) from error
+    return buffer.getvalue()
+
+
+def unpacked(content: bytes) -> Any:
+    """Return the thing of which these are the bytes."""
+    return pickle.loads(content)
+
+
+@cache
+def _pickler() -> type[pickle.Pickler]:
+    """Return the pickler; what a session defined travels where cloudpickle is installed."""
+    base: Any = pickle.Pickler
+    try:
+        import cloudpickle
+
+        base = cloudpickle.Pickler
+    except ImportError:
+        pass
+
+    class Packer(base):  # type: ignore[misc]
+        def reducer_override(self, thing: Any) -> Any:
+            found = recipe(thing)
+            if found is not None:
+                return found
+            above = getattr(super(), "reducer_override", None)
+            return above(thing) if above is not None else NotImplemented
+
+    return Packer
+
+
+def recipe(thing: Any) -> tuple[Any, ...] | None:
+    """Return how another process makes a thing again, where pickle does not know it."""
+    if isinstance(thing, TextLaw):
+        return make_law, (thing.text, thing.find_law, thing.site)
+    if isinstance(thing, Law):
+        return _law_of, _name_of(thing)
+    if type(thing) is CompiledController:  # without the arrays of its last run
+        return _controller_of, (thing.law, dict(thing.gains), thing.name)
+    if callable(thing) and getattr(thing, "__module__", "").startswith(OWN):
+        return _recipe_of_own(thing)
+    return None
+
+
+def _name_of(law: Law) -> tuple[str, str]:
+    home = law.kernel.__module__
+    for name, each in vars(sys.modules[home]).items():
+        if each is law:
+            return home, name
+    raise pickle.PicklingError(f"law '{law.name}' has no name in {home}")
+
+
+def _law_of(home: str, name: str) -> Any:
+    return getattr(importlib.import_module(home), name)
+
+
+def _controller_of(law: Law, gains: Any, name: str) -> CompiledController:
+    made = CompiledController(law, gains)
+    made.name = name
+    return made
+
+
+def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
+    """Return how a class or function of a user's file is made again."""
+    name = getattr(thing, "__qualname__", "")
+    module = sys.modules[thing.__module__]
+    if not name or not hasattr(module, SOURCE):
+        return None
+    found: Any = module
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    if found is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
+        return plant_class, thing.__bases__[:1]
+    if found is not thing:
+        raise pickle.PicklingError(f"{name} is not what {module.__file__} calls so")
+    return _own_thing, (module.__file__, getattr(module, SOURCE), name)
+
+
+def _own_thing(path: str, source: str, name: str) -> Any:
+    found: Any = _own_module(path, source)
+    for part in name.split("."):
+        found = getattr(found, part)
+    return found
+
+
+@cache
+def _own_module(path: str, source: str) -> Any:
+    return executed(path, PlantError, source)

@@ -1,0 +1,660 @@
+"""Many runs of one experiment: gains, plants, loads, noise and seeds that differ from run to run.
+
+What a run is depends on its number and on the values that differ, and on nothing else: neither on
+how many workers there are, nor on the blocks in which they take the runs.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import closing
+from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.loop.blocks import (
+    Block,
+    Rows,
+    default_processes,
+    end_processes,
+    in_order,
+    packed,
+    unpacked,
+)
+from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion
+from fuzzyarm.loop.metrics import Metrics
+from fuzzyarm.loop.reference import Signal
+from fuzzyarm.loop.run import (
+    ClosedLoop,
+    Run,
+    as_controller,
+    as_way,
+    judged_names,
+    plant_motion,
+    shown_units,
+)
+from fuzzyarm.plant.arm import LOADED, UNLOADED, carrying
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.plant import Plant, with_parameters
+from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.plant.trajectory import Trajectory, schedule
+from fuzzyarm.text.names import near_hint
+
+Vector = NDArray[np.float64]
+
+Changes = Mapping[str, Any]
+"""Of a run: what differs, by name; a number, or several of a gain that has one for each axis."""
+
+Columns = Mapping[str, Vector]
+"""Of many runs: an array with an entry, or a row, for each; not a number where nothing differs."""
+
+METRICS = tuple(each.name for each in fields(Metrics))
+"""What is measured of every run."""
+
+MOST_RUNS = 10_000_000
+
+
+class SweepError(FuzzyarmError, ValueError):
+    """What is to differ from run to run does not fit; `name` is what."""
+
+    def __init__(self, message: str, *, name: str = "", hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+        self.name = name
+
+
+# --- What came of many runs ---
+
+
+@dataclass(frozen=True)
+class Many:
+    """What came of many runs; ``many["rms"]`` is a metric of all of them.
+
+    Attributes
+    ----------
+    controller, plant, trajectory : str
+        Names.
+    outputs, units : tuple of str
+        What the metrics are of, and in which units: axes, or ports where one axis has several.
+    changes : mapping of str to ndarray
+        What differed, shape (n,), or (n, k) for k numbers.
+    seeds : ndarray of int64, shape (n,)
+        Of noise and disturbance.
+    diverged : ndarray, shape (n,)
+        When a run diverged, s; not a number where it did not. Its metrics are those until then.
+    values : ndarray, shape (n, outputs, metrics)
+        In the order of :data:`METRICS`; not a number where a metric does not exist.
+    """
+
+    controller: str
+    plant: str
+    trajectory: str
+    outputs: tuple[str, ...]
+    units: tuple[str, ...]
+    changes: Columns
+    seeds: NDArray[np.int64]
+    diverged: Vector
+    values: Vector
+
+    def __len__(self) -> int:
+        return len(self.diverged)
+
+    def __getitem__(self, metric: str) -> Vector:
+        """Return a metric of all runs, shape (n, outputs); see :class:`Metrics` for the names."""
+        if metric not in METRICS:
+            hint = near_hint(metric, METRICS)[0] or f"one of {', '.join(METRICS)}"
+            raise SweepError(f"no metric '{metric}'", name=metric, hint=hint)
+        return np.asarray(self.values[:, :, METRICS.index(metric)])
+
+    @property
+    def rms(self) -> Vector:
+        """Root mean square errors, shape (n, outputs)."""
+        return self["rms"]
+
+    @property
+    def maximum(self) -> Vector:
+        """Largest errors as the conventions count them, shape (n, outputs)."""
+        return self["max"]
+
+    @property
+    def final(self) -> Vector:
+        """Last errors, shape (n, outputs)."""
+        return self["final"]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Return everything by name, shape (n,) each: what differed, seed, divergence, metrics."""
+        found: dict[str, NDArray[Any]] = {}
+        for name, values in self.changes.items():
+            parts = values.reshape(len(self), -1).T
+            found |= {part_name(name, i, len(parts)): part for i, part in enumerate(parts)}
+        found |= {"seed": self.seeds, "diverged": self.diverged}
+        for at, name in enumerate(metric_names(self.outputs)):
+            found[name] = self.values.reshape(len(self), -1)[:, at]
+        return found
+
+    def frame(self) -> Any:
+        """Return it as a pandas DataFrame with a row for each run."""
+        import pandas as pd
+
+        return pd.DataFrame(self.columns(), index=pd.RangeIndex(len(self), name="run"))
+
+
+def part_name(name: str, index: int, count: int) -> str:
+    """Return the name of one of the numbers that a name stands for."""
+    return name if count == 1 else f"{name}[{index + 1}]"
+
+
+def metric_names(outputs: Sequence[str]) -> list[str]:
+    """Return the names of all metrics of some outputs, in the order of :attr:`Many.values`."""
+    return [f"{output}.{metric}" for output in outputs for metric in METRICS]
+
+
+# --- The experiment that all runs share ---
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What all runs share; see :func:`simulate_many`. It travels as it is."""
+
+    controller: Controller
+    on: Trajectory | Plant | Motion
+    segments: tuple[int, ...] | None = None
+    shared: Changes = field(default_factory=dict)
+    conventions: Conventions = PLAIN
+    options: Options = field(default_factory=Options)
+    references: Mapping[str, Signal] | None = None
+    duration: float | None = None
+    connect: Mapping[str, str] | None = None
+
+
+class Bench:
+    """An experiment made ready, in the process that runs it.
+
+    Parameters
+    ----------
+    experiment : Experiment
+        What all runs share.
+    names : sequence of str
+        What differs from run to run.
+
+    Raises
+    ------
+    SweepError
+        If nothing has such a name.
+    """
+
+    def __init__(self, experiment: Experiment, names: Sequence[str]) -> None:
+        self.experiment = experiment
+        controller, on = experiment.controller, experiment.on
+        conventions, options = experiment.conventions, experiment.options
+        # Which of the plants of the motion is the arm with its load.
+        self.loaded: tuple[bool, ...] = ()
+        if isinstance(on, Trajectory):
+            self.payload = "payload" in names or bool(experiment.shared.get("payload"))
+            arms = schedule(
+                on,
+                payload=self.payload,
+                segments=experiment.segments,
+                conventions=conventions,
+            )
+            self.loaded = tuple(arm is LOADED for arm in dict.fromkeys(arms))
+            on = arm_motion(on, arms, conventions, options)
+        elif isinstance(on, Plant):
+            on = plant_motion(
+                controller, on, experiment.references, experiment.duration, experiment.connect
+            )
+        self.loop = ClosedLoop(controller, on, conventions, options, experiment.connect)
+        self.motion = on
+        self.owners = {
+            name: self._owner(name) for name in dict.fromkeys([*experiment.shared, *names])
+        }
+        self.interpreted = threading.Lock()
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """What metrics are of."""
+        tracked = self.motion.tracked
+        label = self.loop.site.interface.label
+        return judged_names([axis for axis, _ in tracked], list(map(label, tracked)))
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Their units."""
+        return shown_units(self.loop.course)
+
+    # --- Who has a name ---
+
+    def _owner(self, name: str) -> str:
+        if name in ("seed", "disturbance"):
+            return name
+        if name == "payload" and self.loaded:
+            if not any(self.loaded):
+                message = "the arm carries nothing on this trajectory"
+                raise SweepError(message, name=name, hint="--loaded says in which segments it does")
+            return name
+        kind, dot, port = name.partition(".")
+        if dot and kind in SENSOR_FIELDS:
+            self.loop.site.interface.every_port(port)  # tells what is missing
+            return "sensor"
+        return owner_of(name, self.experiment.controller, self.motion.plants[0])
+
+    def _of(self, owner: str, changes: Changes) -> dict[str, Any]:
+        return {name: value for name, value in changes.items() if self.owners[name] == owner}
+
+    # --- Runs ---
+
+    def run(self, index: int, changes: Changes) -> Run:
+        """Run once; what is not changed is as in the experiment."""
+        changes = {**self.experiment.shared, **changes}
+        gains = self._of("gain", changes)
+        program = None
+        if gains:
+            given = {name: np.atleast_1d(value).tolist() for name, value in gains.items()}
+            program = self.loop.program_with(given)
+        seed = int(changes.get("seed", self.experiment.options.seed + index))
+        return self.loop.run(program, self._course(changes), seed)
+
+    def _course(self, changes: Changes) -> Course:
+        course = self.loop.course
+        plants = self._plants(changes)
+        if plants is not None:
+            course = course.with_plants(replace(self.motion, plants=plants))
+        sensors = self._of("sensor", changes)
+        if sensors or "disturbance" in changes:
+            given: dict[str, Any] = {}
+            if "disturbance" in changes:
+                given["disturbance"] = float(changes["disturbance"])
+            if sensors:
+                given["sensors"] = changed_sensors(course.options.sensors, sensors)
+            course = course.with_options(replace(course.options, **given))
+        return course
+
+    def _plants(self, changes: Changes) -> tuple[Plant, ...] | None:
+        parameters = {
+            name.removeprefix("plant."): float(value)
+            for name, value in self._of("parameter", changes).items()
+        }
+        if not parameters and "payload" not in changes:
+            return None
+        if not self.loaded:
+            return tuple(with_parameters(plant, parameters) for plant in self.motion.plants)
+        # What is given of the arm holds with a load, too.
+        heavy = carrying(float(changes.get("payload", 1.0)))
+        limits = self.experiment.options.torque_limits
+        kinds = [replace(heavy if loaded else UNLOADED, **parameters) for loaded in self.loaded]
+        return tuple(Arm(kind, torque_limits=limits) for kind in kinds)
+
+    def rows(
+        self, first: int, changes: Columns, count: int, stop: threading.Event | None = None
+    ) -> Block:
+        """Run a block.
+
+        Parameters
+        ----------
+        first : int
+            Number of its first run.
+        changes : mapping of str to ndarray
+            Of its runs.
+        count : int
+            How many they are.
+        stop : Event, optional
+            Ends it early, with the rows until then.
+        """
+        begin = time.perf_counter()
+        rows = np.full((count, 1 + len(self.outputs) * len(METRICS)), np.nan)
+        for at in range(count):
+            if stop is not None and stop.is_set():
+                return rows[:at], 0.0
+            own = {name: values[at] for name, values in changes.items()}
+            run = self.one(first + at, own)
+            if run.diverged is not None:
+                rows[at, 0] = run.diverged
+            found = [vars(each).values() for each in run.metrics.values()]
+            rows[at, 1:] = [np.nan if value is None else value for row in found for value in row]
+        return rows, time.perf_counter() - begin
+
+    def one(self, index: int, values: Mapping[str, Any]) -> Run:
+        """Run once with an entry of each column; entries that are not a number change nothing."""
+        changes = {name: value for name, value in values.items() if not np.isnan(value).any()}
+        try:
+            if self.loop.compiled:
+                return self.run(index, changes)
+            with self.interpreted:  # what a user wrote may remember things
+                return self.run(index, changes)
+        except FuzzyarmError as error:
+            error.args = (f"run {index}: {error.args[0]}", *error.args[1:])
+            raise
+
+
+SENSOR_FIELDS = ("noise", "resolution", "delay")
+"""What ``noise.position`` and the like change of a sensor."""
+
+
+def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str, Sensor]:
+    """Return sensors with some fields replaced."""
+    found = dict(sensors)
+    for name, value in values.items():
+        kind, _, port = name.partition(".")
+        found[port] = replace(found.get(port, Sensor()), **{kind: float(value)})
+    return found
+
+
+def owner_of(name: str, controller: Controller, plant: Plant) -> str:
+    """Return whether a name is a ``gain`` of the controller or a ``parameter`` of the plant.
+
+    A name that both have is the controller's; ``plant.NAME`` is the plant's. A sum takes
+    ``ADDEND:NAME``, too.
+
+    Raises
+    ------
+    SweepError
+        If neither has it.
+    """
+    gains = controller.gains
+    if name in gains or any(known.rpartition(":")[2] == name for known in gains):
+        return "gain"
+    if name.removeprefix("plant.") in plant.parameters:
+        return "parameter"
+    if ":" in name and name.rpartition(":")[2] in {known.rpartition(":")[2] for known in gains}:
+        return "gain"
+    known = [*gains, *plant.parameters, "seed", *(["payload"] if plant.name == Arm.name else [])]
+    hint = near_hint(name, known)[0] or f"there are {', '.join(known)}, noise.PORT"
+    message = f"neither {controller.name} nor the {plant.name} has '{name}'"
+    raise SweepError(message, name=name, hint=hint)
+
+
+# --- Runs as columns ---
+
+
+def columns_of(runs: Sequence[Changes] | Mapping[str, ArrayLike]) -> tuple[dict[str, Vector], int]:
+    """Return what differs as arrays, and the number of runs.
+
+    Raises
+    ------
+    SweepError
+        If there are no runs or too many, or arrays do not match.
+    """
+    if isinstance(runs, Mapping):
+        found = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in runs.items()}
+        counts = {name: len(values) for name, values in found.items()}
+        if len(set(counts.values())) > 1:
+            told = ", ".join(f"{count} of {name}" for name, count in counts.items())
+            raise SweepError(f"the runs do not match: {told}")
+        count = next(iter(counts.values()), 0)
+    else:
+        count = len(runs)
+        names = dict.fromkeys(name for run in runs for name in run)
+        found = {name: _column(name, runs) for name in names}
+    if not 1 <= count <= MOST_RUNS:
+        raise SweepError(f"{count:,} runs are out of range", hint=f"1 to {MOST_RUNS:,}")
+    for name, values in found.items():
+        if np.isinf(values).any():
+            raise SweepError(f"'{name}' is infinite in a run", name=name)
+    return found, count
+
+
+def _column(name: str, runs: Sequence[Changes]) -> Vector:
+    width = max(np.size(run[name]) for run in runs if name in run)
+    column = np.full((len(runs), width), np.nan)
+    for at, run in enumerate(runs):
+        if name in run:
+            column[at] = run[name]
+    return column[:, 0] if width == 1 else column
+
+
+# --- Many runs ---
+
+
+def simulate_many(
+    controller: Controller | ControllerText | str,
+    on: Trajectory | Plant | Motion | str,
+    runs: Sequence[Changes] | Mapping[str, ArrayLike],
+    *,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    payload: bool | float = False,
+    segments: Sequence[int] | None = None,
+    shared: Changes | None = None,
+    conventions: Conventions = PLAIN,
+    options: Options | None = None,
+    references: Mapping[str, Signal] | None = None,
+    duration: float | None = None,
+    connect: Mapping[str, str] | None = None,
+    watch: Callable[[int], None] | None = None,
+) -> Many:
+    """Run a controller many times.
+
+    Compiled loops run in threads of this process, which share the machine code and the set
+    points. Where controller or plant is plain Python, processes run it: loky's where that is
+    installed. Results have the same bits with any executor and any number of workers.
+
+    Parameters
+    ----------
+    controller, on
+        See :func:`fuzzyarm.loop.run.simulate`.
+    runs : sequence of dict, or mapping of str to array_like
+        Of each run what differs, by name: gains of the controller (one number, or one for each
+        axis), parameters of the plant (``plant.NAME`` where the controller has the name, too),
+        ``noise.PORT``, ``delay.PORT`` and ``resolution.PORT`` of sensors, ``disturbance``,
+        ``seed``; on the arm ``payload``: the load as a share of the study's, 0 for none. A mapping
+        has arrays with an entry for each run.
+    executor : Executor, optional
+        Any of :mod:`concurrent.futures`, as of loky, Dask (``client.get_executor()``) or mpi4py.
+    workers : int, optional
+        How many run at a time: by default one for each processor of this machine, or as many as
+        `executor` says that it has.
+    payload : bool or float, optional
+        The load of runs that do not say another.
+    segments : sequence of int, optional
+        In which the arm carries its load, counted from 1; by default as the trajectory says.
+    shared : dict, optional
+        Changes of all runs.
+    conventions, options, references, duration, connect
+        See :func:`fuzzyarm.loop.run.simulate`. Run i has the seed of `options` plus i where it
+        does not say another.
+    watch : callable, optional
+        Called with the number of runs just finished.
+
+    Raises
+    ------
+    SweepError
+        If a name is unknown, or there are no runs.
+    TravelError
+        If something has to go to another process and cannot.
+
+    Examples
+    --------
+    >>> from fuzzyarm.plant import reach
+    >>> runs = [{"K_P": 100.0, "payload": 0.0}, {"K_P": 200.0, "payload": 2.0}]
+    >>> many = simulate_many("pd", reach(segment=0.3), runs, workers=1)
+    >>> many.rms.shape, bool((many.diverged > 0).any())
+    ((2, 2), False)
+    """
+    changes, count = columns_of(runs)
+    experiment = experiment_of(
+        controller,
+        on,
+        payload=payload,
+        segments=segments,
+        shared=shared,
+        conventions=conventions,
+        options=options,
+        references=references,
+        duration=duration,
+        connect=connect,
+    )
+    bench = Bench(experiment, list(changes))
+    rows = np.empty((count, 1 + len(bench.outputs) * len(METRICS)))
+    with closing(stream(bench, changes, count, executor=executor, workers=workers)) as parts:
+        for first, part in parts:
+            rows[first : first + len(part)] = part
+            if watch is not None:
+                watch(len(part))
+    return many_of(bench, changes, rows)
+
+
+def experiment_of(
+    controller: Controller | ControllerText | str,
+    on: Trajectory | Plant | Motion | str,
+    *,
+    payload: bool | float = False,
+    segments: Sequence[int] | None = None,
+    shared: Changes | None = None,
+    options: Options | None = None,
+    **others: Any,
+) -> Experiment:
+    """Return what all runs share, in the words of :func:`simulate_many`."""
+    shared = dict(shared or {})
+    if payload or segments is not None:
+        shared.setdefault("payload", float(payload or 1.0))
+    found = as_controller(controller)
+    way = as_way(on, along=not others.get("references"))
+    chosen = tuple(segments) if segments is not None else None
+    return Experiment(found, way, chosen, shared, options=options or Options(), **others)
+
+
+def many_of(bench: Bench, changes: Columns, rows: Rows) -> Many:
+    """Return what came of the first runs, of their rows."""
+    loop, count = bench.loop, len(rows)
+    return Many(
+        loop.controller.name,
+        loop.course.plant.name,
+        bench.motion.name,
+        bench.outputs,
+        bench.units,
+        {name: values[:count] for name, values in changes.items() if name != "seed"},
+        seeds_of(bench, changes, count),
+        rows[:, 0],
+        rows[:, 1:].reshape(count, len(bench.outputs), len(METRICS)),
+    )
+
+
+def seeds_of(bench: Bench, changes: Columns, count: int) -> NDArray[np.int64]:
+    """Return the seeds of the first runs."""
+    found = np.arange(count, dtype=np.int64) + bench.experiment.options.seed
+    if "seed" in bench.experiment.shared:
+        found[:] = int(bench.experiment.shared["seed"])
+    if "seed" in changes:
+        given = changes["seed"][:count]
+        known = ~np.isnan(given)
+        found[known] = given[known].astype(np.int64)
+    return found
+
+
+def stream(
+    bench: Bench,
+    changes: Columns,
+    count: int,
+    *,
+    begin: int = 0,
+    executor: Executor | None = None,
+    workers: int | None = None,
+) -> Generator[tuple[int, Rows], None, None]:
+    """Yield the rows of runs in their order, a block at a time; see :func:`simulate_many`.
+
+    A row has the time of divergence, then the metrics of each output. Closing the iterator ends
+    the runs.
+    """
+    check_extremes(bench, changes)
+    if workers is None:
+        workers = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+    if executor is not None:
+        yield from _elsewhere(bench, changes, begin, count, executor, workers)
+    elif bench.loop.compiled or workers == 1:
+        yield from _in_threads(bench, changes, begin, count, workers)
+    else:
+        yield from _in_processes(bench, changes, begin, count, workers)
+
+
+def check_extremes(bench: Bench, changes: Columns) -> None:
+    """Try the smallest and the largest value of everything, so that mistakes are told at once."""
+    shared = bench.experiment.shared
+    for name, values in changes.items():
+        known = values[~np.isnan(values).reshape(len(values), -1).any(axis=1)]
+        for extreme in (known.min(axis=0), known.max(axis=0)) if len(known) else ():
+            given = {**shared, name: extreme}
+            if bench.owners[name] == "gain":
+                bench.loop.program_with({name: np.atleast_1d(extreme).tolist()})
+            else:
+                bench._course(given)
+
+
+def _in_threads(
+    bench: Bench, changes: Columns, begin: int, count: int, workers: int
+) -> Iterator[tuple[int, Rows]]:
+    stop = threading.Event()
+    pool = ThreadPoolExecutor(workers, "fuzzyarm-many")
+
+    def submit(first: int, last: int) -> Future[Block]:
+        return pool.submit(bench.rows, first, cut(changes, first, last), last - first, stop)
+
+    try:
+        yield from in_order(submit, begin, count, workers)
+    finally:
+        stop.set()
+        pool.shutdown(cancel_futures=True)
+
+
+WORTH = 3.0
+"""Runs that take less than this here, s, are over before processes have begun."""
+
+
+def _in_processes(
+    bench: Bench, changes: Columns, begin: int, count: int, workers: int
+) -> Iterator[tuple[int, Rows]]:
+    while begin < count:
+        rows, seconds = bench.rows(begin, cut(changes, begin, begin + 1), 1)
+        yield begin, rows
+        begin += 1
+        if seconds * (count - begin) > WORTH:
+            break
+    if begin == count:
+        return
+    pool = default_processes(workers)
+    try:
+        yield from _elsewhere(bench, changes, begin, count, pool, workers)
+    finally:
+        end_processes(pool)
+
+
+def _elsewhere(
+    bench: Bench, changes: Columns, begin: int, count: int, executor: Executor, workers: int
+) -> Iterator[tuple[int, Rows]]:
+    question = packed((bench.experiment, tuple(changes)))
+
+    def submit(first: int, last: int) -> Future[Block]:
+        return executor.submit(run_block, question, first, cut(changes, first, last), last - first)
+
+    yield from in_order(submit, begin, count, workers)
+
+
+def cut(changes: Columns, first: int, last: int) -> dict[str, Vector]:
+    """Return the columns of some runs."""
+    return {name: values[first:last] for name, values in changes.items()}
+
+
+def run_block(question: bytes, first: int, changes: Columns, count: int) -> Block:
+    """Run a block in any process.
+
+    Parameters
+    ----------
+    question : bytes
+        The experiment and what differs, see :func:`fuzzyarm.loop.blocks.packed`.
+    first, changes, count
+        See :meth:`Bench.rows`.
+    """
+    return _bench_of(question).rows(first, changes, count)
+
+
+@lru_cache(maxsize=4)
+def _bench_of(question: bytes) -> Bench:
+    return Bench(*unpacked(question))
