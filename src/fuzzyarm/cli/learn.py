@@ -41,6 +41,15 @@ from fuzzyarm.cli.command import (
     progress_bar,
     require_suffix,
 )
+from fuzzyarm.cli.experiment import (
+    CONVENTIONS,
+    DIVERGED,
+    TRAJECTORY,
+    experiment_of,
+    overrides,
+    read_control_table,
+    read_performance,
+)
 from fuzzyarm.cli.plants import (
     PLANT,
     connections,
@@ -49,15 +58,6 @@ from fuzzyarm.cli.plants import (
     plant_of,
     require_plain,
     split_settings,
-)
-from fuzzyarm.cli.simulate import (
-    CONVENTIONS,
-    DIVERGED,
-    TRAJECTORY,
-    experiment_of,
-    overrides,
-    read_control_table,
-    read_performance,
 )
 from fuzzyarm.language.controller_meaning import MAX_DELAY
 

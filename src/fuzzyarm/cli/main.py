@@ -28,6 +28,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "convert": ("convert", "rule bases of other programs, in and out"),
     "corpus": ("corpus", "how a folder of other programs' files comes in"),
     "simulate": ("simulate", "run a controller on the robot arm"),
+    "sweep": ("sweep", "many runs over ranges of gains, plants and loads"),
     "learn": ("learn", "train a table on the robot arm and see it grow"),
     "reproduce": ("study", "run the study's published experiments again"),
     "identify": ("study", "fit unprinted gains to published figures"),

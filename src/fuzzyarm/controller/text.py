@@ -160,11 +160,15 @@ def _unreadable(use: Use, error: OSError | ValueError, path: str) -> Diagnostic:
 
 def read_sheet(file: str, folder: Path) -> Sheet:
     """Read a rule base or a table: beside the controller, or a shipped one."""
-    path = folder / file
-    if not path.exists() and file in shipped_names():
-        path = shipped(file)
+    path = sheet_path(file, folder)
     # Keyed by the time of the last change, so that an edited file counts in a long process.
     return _read_sheet(path, path.stat().st_mtime_ns)
+
+
+def sheet_path(file: str, folder: Path) -> Path:
+    """Return where a rule base or a table is that a controller in a folder names."""
+    path = folder / file
+    return shipped(file) if not path.exists() and file in shipped_names() else path
 
 
 @cache

@@ -657,7 +657,9 @@ class ClosedLoop:
         course = record.course
         followed, interface = course.motion, self.site.interface
         outputs, inputs, label = interface.outputs, interface.inputs, interface.label
-        samples, taken = record.samples, record.taken
+        taken = record.taken
+        # A row for each tap, for all that follows goes along one of them.
+        taps = np.ascontiguousarray(record.samples.T)
         count = len(followed.tracked)
         front = 2 * count
         return Run(
@@ -665,8 +667,8 @@ class ClosedLoop:
             followed.name,
             course.conventions,
             followed.time[taken],
-            samples[:, count:front] * scales(course),
-            shown_errors(course, samples),
+            taps[count:front].T * scales(course),
+            shown_errors(course, taps.T),
             record.diverged(),
             seconds,
             self.compiled,
@@ -675,9 +677,9 @@ class ClosedLoop:
             tuple(axis for axis, _ in followed.tracked),
             tuple(map(label, followed.tracked)),
             shown_units(course),
-            {label(port): samples[:, count + i] for i, port in enumerate(followed.tracked)},
-            {label(port): samples[:, front + i] for i, port in enumerate(outputs)},
-            {label(port): samples[:, front + len(outputs) + i] for i, port in enumerate(inputs)},
+            {label(port): taps[count + i] for i, port in enumerate(followed.tracked)},
+            {label(port): taps[front + i] for i, port in enumerate(outputs)},
+            {label(port): taps[front + len(outputs) + i] for i, port in enumerate(inputs)},
             {label(port): (each.low, each.high) for port, each in inputs.items()},
             followed.period * followed.every,
             course.options.seed if seed is None else seed,
