@@ -338,7 +338,7 @@ class Run:
         Of the tracked outputs.
     wanted, outputs, drives : mapping of str to ndarray, shape (n,)
         By port, in the units of the plant: references of the tracked outputs; outputs as they
-        are, whatever sensors say; drives as the plant felt them.
+        are, whatever sensors say; drives as the actuators give them, loads not among them.
     limits : mapping of str to pair of float
         Of each drive.
     diverged : float or None
