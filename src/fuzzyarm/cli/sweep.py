@@ -305,20 +305,25 @@ TOLD_EVERY = 10.0
 @contextmanager
 def _progress(total: int, done: int) -> Iterator[Callable[[int], None]]:
     """Show runs, rate and time left on stderr; give what is told how many are done."""
-    begin = told = time.monotonic()
+    told = time.monotonic()
+    first: tuple[int, float] | None = None
 
     def state(now: int) -> str:
-        rate = (now - done) / max(time.monotonic() - begin, 1e-9)
-        left = (total - now) / rate if rate else math.inf
-        return f"{rate:.3g} runs/s, {_duration(left)} left"
+        nonlocal first
+        if first is None:  # with what had to be loaded or compiled: no rate to go by
+            first = now, time.monotonic()
+            return ""
+        rate = (now - first[0]) / max(time.monotonic() - first[1], 1e-9)
+        return f"{rate:.3g} runs/s, {_duration((total - now) / rate)} left"
 
     if not sys.stderr.isatty():
 
         def tell(now: int) -> None:
             nonlocal told
+            shown = state(now)
             if time.monotonic() - told >= TOLD_EVERY and now < total:
                 told = time.monotonic()
-                print_error(f"{now} of {total} runs, {state(now)}")
+                print_error(", ".join(filter(None, [f"{now} of {total} runs", shown])))
 
         yield tell
         return
@@ -332,8 +337,6 @@ def _progress(total: int, done: int) -> Iterator[Callable[[int], None]]:
 
 
 def _duration(seconds: float) -> str:
-    if not math.isfinite(seconds):
-        return "?"
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:

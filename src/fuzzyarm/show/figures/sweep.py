@@ -46,8 +46,13 @@ def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figu
             _draw_curve(axes, over[0], values[at], lost)
             label_axes(axes, safe(over[0].name), label, output)
     on = many.trajectory if many.plant == "arm" else f"{many.plant}, {many.trajectory}"
-    part = f", {int(lost.sum())} of {lost.size} points diverge" if lost.any() else ""
-    figure.suptitle(safe(f"{many.controller} on {on}{part}"), fontsize=10)
+    title = f"{many.controller} on {on}"
+    if lost.any():
+        title += f", {int(lost.sum())} of {lost.size} points diverge (grey)"
+    rest = [name for name in many.changes if name not in [each.name for each in over]]
+    if rest:
+        title += f"; the worst over {', '.join(rest)}"
+    figure.suptitle(safe(title), fontsize=10)
     return figure
 
 
@@ -85,9 +90,6 @@ def _draw_curve(axes: Axes, over: Range, values: Vector, lost: Any) -> None:
     edges = edges_of(over)
     for at in np.flatnonzero(lost):
         axes.axvspan(edges[at], edges[at + 1], color="#cccccc", linewidth=0)
-    if lost.any():
-        axes.plot([], [], color="#cccccc", linewidth=6, label="diverged")
-        axes.legend(fontsize=8, frameon=False)
     tidy(axes)
 
 

@@ -1,0 +1,393 @@
+"""Many runs: the same bits as single ones, on any executor, in any blocks; what travels."""
+
+import os
+import signal
+import textwrap
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyarm.controller import Controller, controller, find_controller
+from fuzzyarm.controller.catalogue import CATALOGUE
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.loop import Options, Sensor, Signal, SweepError, simulate, simulate_many
+from fuzzyarm.loop.blocks import TravelError, in_order, packed, unpacked
+from fuzzyarm.loop.many import METRICS, Bench, experiment_of
+from fuzzyarm.plant import LOADED, UNLOADED, find_plant, pick_and_place, reach_return
+from fuzzyarm.plant.arm import carrying
+from fuzzyarm.plant.plant import with_parameters
+from fuzzyarm.plant.setting import STUDY_CONVENTIONAL
+
+SHORT = reach_return(segment=0.3, hold=0.1)
+
+HEATER = """
+rulebase steps "how to change the power"
+input  e  -6 .. 6 "too cold, K"
+input  ce -6 .. 6 "getting colder, scaled"
+output du -1 .. 1 "change of power"
+terms e, ce, du: triangles N Z P
+rules du
+  e \\ ce  N  Z  P
+  N       N  N  Z
+  Z       N  Z  P
+  P       Z  P  P
+
+controller heater
+period 10 s
+gain G_e  = 2  "1/K", tune 0.2 .. 20 log
+gain G_ce = 200 "s/K", tune 10 .. 2000 log
+gain G_du = 0.15 "%/s", tune 0.01 .. 5 log
+axis room
+  e     = error of temperature
+  ce    = rate of e * G_ce, filter 60 s
+  en    = e * G_e
+  du    = rules steps(en, ce) * G_du
+  power = integral of du, within 0 .. 100, start 0
+  drive power = power, slew 5
+"""
+
+KILN = """
+from fuzzyarm.plant import Plant, Port
+
+
+def loss(p, T):
+    return p * (T - 20.0)
+
+
+class Kiln(Plant):
+    name = "kiln"
+    inputs = {"power": Port("%", 0, 100)}
+    outputs = {"temperature": Port("°C")}
+    states = {"T": "°C"}
+    parameters = {"loss": 0.01}
+    duration = 200.0
+
+    def start(self, rng):
+        return [20.0 + rng.normal()]
+
+    def derivative(self, t, x, u, p):
+        return [0.02 * u[0] - loss(p[0], x[0])]
+
+
+class Oven:
+    name = "oven"
+    axis = "chamber"
+    inputs = {"power": Port("%", 0, 100)}
+    outputs = {"temperature": Port("°C")}
+    states = {"T": "°C"}
+    parameters = {"loss": 0.01}
+    duration = 200.0
+
+    def derivative(self, t, x, u, p):
+        return [0.02 * u[0] - loss(p[0], x[0])]
+"""
+
+
+@pytest.fixture
+def heater(tmp_path, monkeypatch):
+    """Write a controller and two plants into a folder and go there."""
+    (tmp_path / "heater.frb").write_text(HEATER)
+    (tmp_path / "mine.py").write_text(KILN)
+    monkeypatch.chdir(tmp_path)
+    return "heater.frb"
+
+
+def same(first, second):
+    return np.array_equal(first.values, second.values, equal_nan=True) and np.array_equal(
+        first.diverged, second.diverged, equal_nan=True
+    )
+
+
+# --- The same as single runs ---
+
+
+def test_seeds_equal_single_runs_to_the_last_bit():
+    seeds = [3, 5, 8]
+    options = Options(disturbance=6e-8)
+    made = controller("soc-zero")
+    many = simulate_many(made, SHORT, {"seed": seeds}, payload=True, options=options)
+    for i, seed in enumerate(seeds):
+        one = simulate(made, SHORT, payload=True, options=Options(disturbance=6e-8, seed=seed))
+        np.testing.assert_array_equal(many.rms[i], one.rms)
+        np.testing.assert_array_equal(many.final[i], one.final)
+        np.testing.assert_array_equal(many.maximum[i], one.maximum)
+        for name, metrics in one.metrics.items():
+            for metric, value in metrics.as_dict().items():
+                found = many[metric][i, many.outputs.index(name)]
+                assert found == value or (value is None and np.isnan(found))
+    assert np.isnan(many.diverged).all()
+    assert many.seeds.tolist() == seeds
+
+
+def test_gains_loads_and_parameters():
+    runs = [
+        {"K_P": [100.0, 50.0], "K_D": 20.0, "payload": 0.0},
+        {"K_P": [200.0, 80.0], "payload": 1.0},
+        {"payload": 2.0, "m_2": 2.5, "seed": 9},
+        {},
+    ]
+    seen = []
+    many = simulate_many("pd", SHORT, runs, workers=2, watch=seen.append)
+    assert sum(seen) == len(many) == 4
+    pd = controller("pd")
+    heavy = carrying(2.0).with_values(m_2=2.5)
+    light = UNLOADED.with_values(m_2=2.5)
+    single = [
+        simulate(pd.with_gains({"K_P": [100.0, 50.0], "K_D": [20.0]}), SHORT),
+        simulate(pd.with_gains({"K_P": [200.0, 80.0]}), SHORT, payload=True),
+        simulate(pd, SHORT, arms=tuple(heavy if each else light for each in SHORT.loaded)),
+    ]
+    for i, one in enumerate(single):
+        np.testing.assert_array_equal(many.rms[i], one.rms)
+    assert many.seeds.tolist() == [1, 2, 9, 4]
+    assert list(many.columns())[:4] == ["K_P[1]", "K_P[2]", "K_D", "payload"]
+
+
+def test_a_run_that_says_no_load_has_that_of_all():
+    many = simulate_many("pd", SHORT, [{"payload": 0.0}, {}], payload=True)
+    np.testing.assert_array_equal(many.rms[0], simulate("pd", SHORT).rms)
+    np.testing.assert_array_equal(many.rms[1], simulate("pd", SHORT, payload=True).rms)
+
+
+@given(st.floats(0.0, 3.0))
+def test_the_load_is_scaled_between_the_two_arms(load):
+    arm = carrying(load)
+    assert arm.m_1 == pytest.approx(2.0 + load)
+    assert pytest.approx(0.09 + 1.41 * load) == arm.I_1
+    assert arm.l_1 == pytest.approx(UNLOADED.l_1)
+    assert (carrying(0.0), carrying(1.0)) == (UNLOADED, LOADED)
+
+
+def test_conventions_of_the_study():
+    many = simulate_many("pd", pick_and_place(), [{}], payload=True, conventions=STUDY_CONVENTIONAL)
+    one = simulate("pd", pick_and_place(), payload=True, conventions=STUDY_CONVENTIONAL)
+    np.testing.assert_array_equal(many.maximum[0], one.maximum)
+    assert one.metrics["joint1"].max == one.maximum[0]
+
+
+def test_a_plant_its_parameters_and_its_sensors(heater):
+    options = Options(sensors={"temperature": Sensor(resolution=0.1)})
+    wanted = {"temperature": Signal("step", (25.0,))}
+    runs = [{"plant.tau": 10.0} for _ in ()] or [
+        {"noise.temperature": 0.5, "G_e": 3.0},
+        {"noise.temperature": 0.0, "seed": 4},
+    ]
+    room = find_plant("room")
+    name = next(iter(room.parameters))
+    runs.append({name: 1.1 * _value(room, name), "delay.temperature": 30.0})
+    many = simulate_many(heater, room, runs, references=wanted, duration=3600.0, options=options)
+    made = find_controller(heater)
+    own = [
+        (made.with_gains({"G_e": [3.0]}), room, Sensor(noise=0.5, resolution=0.1), 1),
+        (made, room, Sensor(resolution=0.1), 4),
+        (
+            made,
+            with_parameters(room, {name: 1.1 * _value(room, name)}),
+            Sensor(resolution=0.1, delay=30.0),
+            3,
+        ),
+    ]
+    for i, (chosen, plant, sensor, seed) in enumerate(own):
+        options = Options(sensors={"temperature": sensor}, seed=seed)
+        one = simulate(chosen, plant, references=wanted, duration=3600.0, options=options)
+        np.testing.assert_array_equal(many.rms[i], one.rms)
+    assert many.outputs == ("room",)
+    assert many.units == ("°C",)
+
+
+def _value(plant, name):
+    given = plant.parameters[name]
+    return getattr(given, "value", given)
+
+
+def test_the_frame():
+    many = simulate_many("pd", SHORT, {"K_P": [100.0, 200.0]})
+    frame = many.frame()
+    assert list(frame.columns[:4]) == ["K_P", "seed", "diverged", "joint1.rms"]
+    assert frame.shape == (2, 3 + 2 * len(METRICS))
+    assert frame["joint2.rms"].tolist() == many.rms[:, 1].tolist()
+
+
+def test_what_diverges_says_when():
+    many = simulate_many("pid", SHORT, {"K_I": [0.25, 1e4]})
+    assert np.isnan(many.diverged[0])
+    assert many.diverged[1] > 0.0
+
+
+# --- What does not fit ---
+
+
+@pytest.mark.parametrize(
+    ("runs", "match"),
+    [
+        ([], "0 runs are out of range"),
+        ({"K_P": [1.0, 2.0], "seed": [1]}, "do not match: 2 of K_P, 1 of seed"),
+        ([{"K_Q": 1.0}], "neither pd nor the arm has 'K_Q' .did you mean 'K_P'"),
+        ([{"payload": -0.5}], "a payload of -0.5 is out of range"),
+        ([{"m_1": -1.0}], "m_1 = -1"),
+        ([{"K_P": 1e13}], "K_P = 1.*e\\+?13|out of range"),
+        ([{"noise.angle": 1.0}], "no port 'angle'"),
+        ([{"K_P": np.inf}], "'K_P' is infinite"),
+    ],
+)
+def test_runs_out_of_sense(runs, match):
+    with pytest.raises(FuzzyarmError, match=match):
+        simulate_many("pd", SHORT, runs)
+
+
+def test_a_load_where_nothing_is_carried():
+    from fuzzyarm.plant import reach
+
+    path = reach(segment=0.3)
+    if any(path.loaded):
+        pytest.skip("this trajectory carries its load")
+    with pytest.raises(SweepError, match="carries nothing"):
+        simulate_many("pd", path, [{"payload": 1.0}])
+
+
+def test_no_metric_of_this_name():
+    many = simulate_many("pd", SHORT, [{}])
+    with pytest.raises(SweepError, match="no metric 'rsm'.*'rms'"):
+        _ = many["rsm"]
+
+
+# --- Blocks ---
+
+
+@given(st.integers(0, 5), st.integers(0, 60), st.integers(1, 4), st.randoms())
+def test_blocks_come_in_order_and_nothing_is_lost_or_doubled(begin, count, workers, random):
+    waiting = []
+
+    def submit(first, last):
+        future = Future()
+        rows = np.arange(first, last, dtype=float)[:, None]
+        waiting.append((future, rows))
+        # Workers end in any order.
+        while len(waiting) >= 2 * workers or (waiting and last == begin + count):
+            done, found = waiting.pop(random.randrange(len(waiting)))
+            done.set_result((found, random.choice([0.0, 1e-3, 0.2, 5.0])))
+        return future
+
+    parts = list(in_order(submit, begin, begin + count, workers))
+    told = [value for _, rows in parts for value in rows[:, 0]]
+    assert told == list(range(begin, begin + count))
+    assert [first for first, _ in parts] == [rows[0, 0] for _, rows in parts]
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3, 5])
+def test_workers_do_not_change_a_bit(workers):
+    runs = {"payload": np.linspace(0.0, 2.0, 23)}
+    options = Options(sensors={"position": Sensor(noise=1e-3)}, disturbance=1e-6)
+    first = simulate_many("soc-zero", SHORT, runs, options=options, workers=1)
+    assert same(first, simulate_many("soc-zero", SHORT, runs, options=options, workers=workers))
+
+
+# --- What travels ---
+
+
+@pytest.mark.parametrize("name", ["pd", "cdid+ie", "acdid+fuzzy", "stfc", "soc-zero", "hfie"])
+def test_controllers_travel(name):
+    made = controller(name, start="cold") if CATALOGUE[name].adaptive else controller(name)
+    made.prepare(Options().arithmetic(STUDY_CONVENTIONAL))
+    content = packed(made)
+    again = unpacked(content)
+    assert len(content) < 40_000
+    assert again.name == made.name
+    np.testing.assert_array_equal(simulate(made, SHORT).errors, simulate(again, SHORT).errors)
+
+
+@pytest.mark.parametrize("plant", ["mine.py:Kiln", "mine.py:Oven"])
+def test_a_plant_of_a_file_travels_as_its_text(heater, plant, tmp_path):
+    runs = {"loss": np.linspace(0.005, 0.02, 5)}
+    more = {"references": {"temperature": Signal("step", (40.0,))}}
+    first = simulate_many(heater, plant, runs, workers=1, **more)
+    bench = Bench(experiment_of(heater, plant, **more), ["loss"])
+    content = packed((bench.experiment, ("loss",)))
+    (tmp_path / "mine.py").unlink()
+    (tmp_path / "heater.frb").unlink()
+    rows, _ = Bench(*unpacked(content)).rows(0, runs, 5)
+    np.testing.assert_array_equal(rows[:, 1:], first.values.reshape(5, -1))
+
+
+def test_a_controller_of_a_file_travels_as_its_text(tmp_path):
+    file = tmp_path / "own.py"
+    file.write_text(
+        textwrap.dedent(
+            """
+            from fuzzyarm.controller import Controller
+
+
+            class Mine(Controller):
+                def torque(self, reference, state, clock):
+                    return 50.0 * (reference.position[0] - state.position[0]), 0.0
+            """
+        )
+    )
+    made = find_controller(str(file))
+    content = packed(made)
+    file.unlink()
+    short = reach_return(segment=0.05, hold=0.01)
+    np.testing.assert_array_equal(
+        simulate(made, short).errors, simulate(unpacked(content), short).errors
+    )
+
+
+def test_what_cannot_travel_says_so():
+    class Mine(Controller):
+        def __init__(self):
+            self.lock = __import__("threading").Lock()
+
+    with pytest.raises(TravelError, match=r"cannot go to another process.*workers=1"):
+        packed(Mine())
+
+
+def test_a_pool_of_threads_as_executor():
+    runs = {"payload": np.linspace(0.0, 2.0, 9)}
+    with ThreadPoolExecutor(3) as pool:
+        many = simulate_many("stfc", SHORT, runs, executor=pool)
+    assert same(many, simulate_many("stfc", SHORT, runs, workers=1))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["loky", "concurrent.futures"])
+def test_processes_as_executor(kind, heater):
+    if kind == "loky":
+        pool = pytest.importorskip("loky", reason="loky is an extra").ProcessPoolExecutor(2)
+    else:
+        from multiprocessing import get_context
+
+        pool = ProcessPoolExecutor(2, get_context("spawn"))
+    runs = {"loss": np.linspace(0.005, 0.02, 7)}
+    with pool:
+        many = simulate_many(heater, "mine.py:Kiln", runs, executor=pool)
+    assert same(many, simulate_many(heater, "mine.py:Kiln", runs, workers=1))
+
+
+@pytest.mark.slow
+def test_dask_loses_a_worker_and_no_run():
+    distributed = pytest.importorskip("distributed", reason="Dask is an extra")
+    runs = {"payload": np.linspace(0.0, 2.0, 40), "K_P": np.linspace(100.0, 150.0, 40)}
+    here = simulate_many("pd", SHORT, runs)
+    told = []
+    with (
+        distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
+    ):
+        workers = client.run(os.getpid)
+
+        def watch(count):
+            told.append(count)
+            if len(told) == 3:  # in mid-run
+                os.kill(next(iter(workers.values())), signal.SIGKILL)
+
+        # As plain Python a run takes long enough for a worker to be killed in it.
+        slow = Options(compiled=False)
+        many = simulate_many(
+            "pd", SHORT, runs, options=slow, executor=client.get_executor(), workers=2, watch=watch
+        )
+    assert sum(told) == len(many) == 40
+    assert len(told) > 3
+    assert same(many, here)
