@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer
     from fuzzyarm.language import parse, write
+    from fuzzyarm.loop import simulate, simulate_many
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.shipped_files import shipped
     from fuzzyarm.table import (
@@ -55,6 +56,8 @@ __all__ = [
     "parse",
     "read_table",
     "shipped",
+    "simulate",
+    "simulate_many",
     "write",
     "write_table",
 ]
@@ -66,6 +69,7 @@ _HOMES = {
     "expression.op": ("op",),
     "inference": ("compiled", "explain", "infer"),
     "language": ("RuleBase", "RuleBaseError", "parse", "write"),
+    "loop": ("simulate", "simulate_many"),
     "shipped_files": ("shipped",),
     "table": ("LookupTable", "compile_table", "compile_with_report", "read_table", "write_table"),
 }

@@ -62,7 +62,9 @@ class Range:
             values = np.exp(low + (high - low) * share)
         else:
             values = self.low + (self.high - self.low) * share
-        return np.where(share >= 1.0, self.high, np.where(share <= 0.0, self.low, values))
+        # An exponential of a logarithm may miss the end by its last bit.
+        values = np.where(share >= 1.0, self.high, np.where(share <= 0.0, self.low, values))
+        return np.clip(values, self.low, self.high)
 
     def values(self) -> Vector:
         """Return the values of a grid."""
