@@ -19,6 +19,7 @@ PARTS = {
     "compiled": "compiled inference against C and peers",
     "lookup": "table look-up against C; memory of a large table",
     "closed_loop": "closed loops against C",
+    "sweeps": "many runs of the arm",
     "keystroke": "the editor's answer to a key",
 }
 WITH_WORDS = {"compiled"}

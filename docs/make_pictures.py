@@ -35,7 +35,14 @@ def draw_surface() -> None:
     main(["plot", str(shipped("pd7.frb")), "-o", str(PICTURES / "pd7.png")])
 
 
+def draw_map() -> None:
+    """Draw the robustness map of pid over payload and integral gain."""
+    ranges = ["--sweep", "payload=0..2:21", "--sweep", "K_I=0.1..10:24 log"]
+    main(["sweep", "pid", *ranges, "--plot", str(PICTURES / "sweep-map.png")])
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     draw_table()
     draw_surface()
+    draw_map()

@@ -96,6 +96,8 @@ def metrics_of(
     rise, overshoot, settling = _step_response(time, reference, errors)
     held = np.zeros(len(errors), bool)
     for column, (low, high) in enumerate(limits):
+        if low == -math.inf and high == math.inf:
+            continue
         held |= (drives[:, column] <= low) | (drives[:, column] >= high)
     span = len(errors) * period
     return Metrics(

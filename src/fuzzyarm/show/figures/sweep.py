@@ -123,7 +123,8 @@ def _draw_map(
     shown = np.ma.masked_invalid(values)
     if shown.count():
         image = axes.pcolormesh(across, up, shown, cmap="viridis_r", norm=norm, rasterized=True)
-        colour_bar(figure, image, axes, label, shrink=0.9)
+        bar = colour_bar(figure, image, axes, label, shrink=0.9)
+        bar.ax.tick_params(which="minor", labelsize=7)
     if lost.any():
         grey = np.ma.masked_where(~lost, np.ones(lost.shape))
         axes.pcolor(
@@ -160,5 +161,3 @@ def _draw_border(axes: Axes, across: Vector, up: Vector, lost: Any) -> None:
         for i, j in zip(*np.nonzero(lost[1:] != lost[:-1]), strict=True)
     ]
     axes.add_collection(LineCollection(lines, colors=COLOURS[3], linewidths=2.0))
-    axes.plot([], [], color=COLOURS[3], linewidth=2.0, label="border of divergence")
-    axes.legend(fontsize=8, loc="upper left")
