@@ -1,0 +1,834 @@
+"""A controller as steps with named variables: a walk over the instructions of its kernel.
+
+What an instruction computes is read from the kernel itself (:mod:`fuzzyarm.export.reading`);
+here its cells get names, and what is more than arithmetic (asking a rule base, looking up,
+learning) becomes a step of its own. C and Structured Text print the steps; run in Python
+(:class:`Replica`) they are the model of the exported program, to the bit and in its precision.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller import kernel as at
+from fuzzyarm.controller.law import Arithmetic
+from fuzzyarm.controller.program import AXIS, Program, SourceError, Wiring, write_down
+from fuzzyarm.controller.text import ControllerText, wiring_of
+from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.export.numbers import ExportError, Kind, Precision, precision_named
+from fuzzyarm.export.reading import read
+from fuzzyarm.export.routine import Routine
+from fuzzyarm.export.rulebase import direct_routine
+from fuzzyarm.export.table import TableRoutine
+from fuzzyarm.export.table_numbers import FixedTable, Scale, fixed_table, float_table
+from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Node,
+    Symbol,
+    apply,
+    as_node,
+    children,
+    postorder,
+    symbol,
+    symbols,
+)
+from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.model.controller import ControllerModel
+from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, VALUES
+
+MOST_STEPS = 20_000
+"""Instructions of a controller, which are written out one after the other."""
+
+FIRST, LAST = "first", "last"
+"""Symbols of two conditions: the first period; the last one of a set point."""
+
+# --- Variables ---
+
+
+class Variable(NamedTuple):
+    """A number of the controller that lasts from step to step, or a port.
+
+    Attributes
+    ----------
+    sort : str
+        ``reference``, ``measured``, ``drive``, ``signal``, ``state`` or ``gain``.
+    axis : str
+        Empty of a gain for all axes.
+    name : str
+        In the text; of a state what it is made of.
+    start : float
+        Before the first step.
+    wide : bool
+        Whether it is kept as it was computed, not rounded to the type of signals.
+    number : int
+        Of a gain with a value for each axis, the number of the axis; else -1.
+    """
+
+    sort: str
+    axis: str
+    name: str
+    start: float = 0.0
+    wide: bool = False
+    number: int = -1
+
+    @property
+    def symbol(self) -> str:
+        """What stands for it in expressions."""
+        number = f"[{self.number}]" if self.number >= 0 else ""
+        return f"{self.sort}:{self.axis}:{self.name}{number}"
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A table that learns: it lies in memory, beside it how often its cells were in use.
+
+    Attributes
+    ----------
+    axis, name : str
+        Of the text.
+    values : tuple of float
+        Before the first step.
+    delay : int
+        Cells remembered in its ring.
+    """
+
+    axis: str
+    name: str
+    values: tuple[float, ...]
+    delay: int
+
+
+Grid = tuple[tuple[str, tuple[float, ...]], ...]
+"""Of each input of a table its name and the thresholds between its cells."""
+
+# --- Steps ---
+
+
+class Set(NamedTuple):
+    """Set a variable, or a local one (``local:NAME:NUMBER``), to a value."""
+
+    target: str
+    value: Node
+    rounded: bool = False
+
+
+class Ask(NamedTuple):
+    """Set a local variable to what a routine gives for some symbols."""
+
+    target: str
+    routine: str  # a key of `Steps.routines`
+    inputs: tuple[str, ...]
+
+
+class Find(NamedTuple):
+    """Find the cell of a table, by the thresholds of a grid."""
+
+    target: str  # the local variable for its number
+    grid: str  # a key of `Steps.grids`
+    inputs: tuple[str, ...]
+
+
+class Pick(NamedTuple):
+    """Set a local variable to the value of a cell of a table that learns."""
+
+    target: str
+    table: str  # a key of `Steps.learned`
+    cell: str
+
+
+class Teach(NamedTuple):
+    """Correct a table that learns."""
+
+    table: str
+    cell: str
+    judge: str  # a key of `Steps.judges`: the performance table
+    judged: str  # the cell of the performance table
+    rate: Node
+    bound: Node
+
+
+Step = Set | Ask | Find | Pick | Teach
+
+
+class Remembered(NamedTuple):
+    """What an instruction remembers: a cell behind its state, and how it is called."""
+
+    offset: int
+    suffix: str
+
+
+REMEMBERED: dict[int, tuple[Remembered, ...]] = {
+    at.CHANGE: (Remembered(at.BEFORE, "before"),),
+    at.RATE: (Remembered(at.BEFORE, "before"), Remembered(at.FILTERED, "slope")),
+    at.INTEGRATE: (Remembered(at.TOTAL, "total"),),
+    at.SUM: (Remembered(at.TOTAL, "total"),),
+    at.LAG: (Remembered(at.LAGGED, "lagged"),),
+    at.LIMIT: (Remembered(at.OVER, "excess"),),
+    at.SLEW: (Remembered(at.LAST_DRIVE, "before_slew"),),
+}
+"""By instruction, the cells that change; all others behind its state are numbers."""
+
+
+@dataclass
+class Steps:
+    """A controller as an exported program.
+
+    Attributes
+    ----------
+    model : ControllerModel
+        What the text says.
+    precision : Precision
+        Types of signals, of gains and of the arithmetic; `wide` is that of the arithmetic.
+    variables : dict of str to Variable
+        By symbol, in the order of the cells.
+    steps : list of Step
+        Of one period.
+    routines : dict of str to Routine
+        Rule bases and tables that stay as they are, by the name of their function.
+    scales : dict
+        Of routines in whole numbers, those of their inputs and of the result.
+    grids : dict of str to Grid
+        By the name of the function that finds a cell of a table in memory.
+    learned : dict of str to Learned
+        Tables that learn.
+    judges : dict of str to LookupTable
+        Performance tables.
+    needs_last : bool
+        Whether it matters when a set point ends.
+    """
+
+    model: ControllerModel
+    precision: Precision
+    variables: dict[str, Variable] = field(default_factory=dict)
+    steps: list[Step] = field(default_factory=list)
+    routines: dict[str, Routine] = field(default_factory=dict)
+    grids: dict[str, Grid] = field(default_factory=dict)
+    learned: dict[str, Learned] = field(default_factory=dict)
+    judges: dict[str, LookupTable] = field(default_factory=dict)
+    needs_last: bool = False
+    needs_first: bool = False
+
+    def of_sort(self, sort: str) -> list[Variable]:
+        """Return the variables of a sort, in order."""
+        return [each for each in self.variables.values() if each.sort == sort]
+
+    @property
+    def single(self) -> bool:
+        """Whether signals are stored in single precision."""
+        return self.precision.outside is np.float32
+
+    @cached_property
+    def calls_functions(self) -> bool:
+        """Whether a routine calls functions whose last bits may differ between libraries."""
+        return any(getattr(each, "calls_functions", False) for each in self.routines.values())
+
+
+class RoutineOptions(NamedTuple):
+    """How tables are exported: in whole numbers of so many bits, or as the signals are."""
+
+    q: int | None = None
+
+
+def steps_of(
+    text: ControllerText, precision: str = "float64", options: RoutineOptions | None = None
+) -> Steps:
+    """Return a controller as steps.
+
+    Parameters
+    ----------
+    text : ControllerText
+        Without mistakes and partners.
+    precision : str
+        ``float64``; ``mixed``: signals and gains in single, arithmetic in double precision;
+        ``float32``.
+    options : RoutineOptions, optional
+        Of its tables.
+
+    Raises
+    ------
+    ExportError
+        If it has a partner, or something in it cannot be exported.
+    """
+    model = text.model
+    if model.partners:
+        partner = model.partners[0]
+        raise ExportError(
+            f"the partner '{partner.name}' is the law '{partner.law}', which is not text"
+            " and cannot be exported",
+            hint="leave it out, and write it in the target language",
+        )
+    types = precision_named(precision, arithmetic=True)
+    wiring = wiring_of(model)
+    arithmetic = Arithmetic(types.outside is np.float32, math.pi, False)
+    try:
+        # No inference is called while the instructions are read: any address will do.
+        program = write_down(model, text.sheets, {}, wiring, arithmetic, 0)
+    except SourceError as error:
+        raise ExportError(error.message, hint=error.hint) from None
+    if program.code[0] > MOST_STEPS:
+        raise ExportError(f"{program.code[0]:,} instructions are more than {MOST_STEPS:,}")
+    return _Walk(text, program, wiring, types, options or RoutineOptions()).steps()
+
+
+class _Walk:
+    """The walk over the instructions; it is also what kernels take for their cells."""
+
+    def __init__(
+        self,
+        text: ControllerText,
+        program: Program,
+        wiring: Wiring,
+        types: Precision,
+        options: RoutineOptions,
+    ) -> None:
+        self.text, self.program, self.options = text, program, options
+        self.made = Steps(text.model, types)
+        self.code = program.code
+        self.symbols: dict[int, str] = {at.PERIOD: "period"}
+        self.unseen: set[str] = set()  # states that are NaN before the first period
+        self.locals = 0
+        self.stored: list[tuple[int, Node, bool]] = []
+        self.scratch: dict[int, str] = {}  # of cells without a name, the local that has the value
+        self.sheet_names: dict[tuple[int, str], str] = {}
+        self.names = Names()
+        self.state_names = Names()
+        for sort, cells in (
+            ("reference", wiring.references),
+            ("measured", wiring.measured),
+            ("drive", wiring.drives),
+        ):
+            for (axis, port), cell in cells.items():
+                self._variable(cell, Variable(sort, axis, port))
+        self.drives = {self.symbols[cell]: cell for cell in wiring.drives.values()}
+        self._gains()
+        self.signals = {cell: key for key, cell in program.signals.items()}
+
+    def steps(self) -> Steps:
+        """Walk."""
+        for number in range(self.code[0]):
+            begin = 1 + at.INSTRUCTION * number
+            self._instruction(begin, *self.code[begin : begin + at.INSTRUCTION])
+        # Drives of one port add up in the arithmetic of the run; the sum is rounded once.
+        for each in self.made.of_sort("drive"):
+            value = symbol(self.scratch[self.drives[each.symbol]])
+            self.made.steps.append(Set(each.symbol, value, rounded=True))
+        return self.made
+
+    # --- Names ---
+
+    def _variable(self, cell: int, variable: Variable) -> str:
+        self.made.variables[variable.symbol] = variable
+        self.symbols[cell] = variable.symbol
+        return variable.symbol
+
+    def _gains(self) -> None:
+        for gain in self.text.model.gains:
+            several = len(gain.values) > 1
+            for number, cell in enumerate(self.program.gains[gain.name]):
+                start = float(self.program.cells[cell])
+                own = number if several else -1
+                self._variable(cell, Variable("gain", "", gain.name, start, number=own))
+
+    def _state(self, what: int, state: int, begin: int) -> None:
+        """Name the cells that an instruction changes, after the signal that it works for."""
+        for offset, suffix in REMEMBERED.get(what, ()):
+            if state + offset in self.symbols:  # the excess of a limit that an integral reads
+                continue
+            axis, base = self._works_for(begin)
+            start = float(self.program.cells[state + offset])
+            name = self.state_names.new(f"{axis}_{base}_{suffix}").removeprefix(
+                f"{identifier(axis)}_"
+            )
+            # No language has NaN for what has seen nothing yet: the first period is known.
+            unseen = math.isnan(start)
+            variable = Variable("state", axis, name, 0.0 if unseen else start, wide=True)
+            found = self._variable(state + offset, variable)
+            if unseen:
+                self.unseen.add(found)
+
+    def _works_for(self, begin: int) -> tuple[str, str]:
+        """Return axis and name of the next signal or drive that is written."""
+        for other in range(begin, 1 + at.INSTRUCTION * self.code[0], at.INSTRUCTION):
+            into = self.code[other + 1]
+            if into in self.signals:
+                return self.signals[into]
+            found = self.made.variables.get(self.symbols.get(into, ""))
+            if found is not None:
+                return found.axis, found.name
+        raise AssertionError("an instruction works for nothing")
+
+    def _local(self, wanted: str = "") -> str:
+        """Return the symbol of a new local variable."""
+        self.locals += 1
+        return f"local:{wanted or 't'}:{self.locals}"
+
+    # --- What kernels ask for (`Cells`) ---
+
+    def load(self, index: int) -> Any:
+        """Return the symbol of a cell that changes, else its number."""
+        if index in self.scratch:
+            return symbol(self.scratch[index])
+        if index == at.LAST:
+            self.made.needs_last = True
+            return symbol(LAST)
+        if index == at.PERIOD:
+            return self.text.model.period
+        if index in self.symbols:
+            return symbol(self.symbols[index])
+        return float(self.program.cells[index])
+
+    def is_nan(self, value: Node) -> Node:
+        """Return the condition that a value is not a number, or nothing yet."""
+        nan = ~op.equal(value, value)
+        if isinstance(value, Symbol) and value.name in self.unseen:
+            self.made.needs_first = True
+            return symbol(FIRST) | nan
+        return nan
+
+    def is_not_zero(self, value: Node) -> Node:
+        """Return the condition that a value is not 0; the clock has conditions, not numbers."""
+        return value if value is symbol(LAST) else ~op.equal(value, 0.0)
+
+    def store(self, index: int, value: Any) -> None:
+        """Take down what an instruction writes, for `_flush`."""
+        self.stored.append((index, as_node(value), False))
+
+    def rounded(self, value: Any) -> Any:
+        """Give a value that is rounded a variable of its own."""
+        if not self.made.single or self.made.precision.wide is np.float32:
+            return value
+        name = self._local()
+        self.made.steps.append(Set(name, as_node(value), rounded=True))
+        return symbol(name)
+
+    def _flush(self) -> None:
+        """Add the steps that write what was taken down: every value is of the time before."""
+        writes, self.stored = self.stored, []
+        values = [value for _, value, _ in writes]
+        for node in _shared(values):
+            name = self._local()
+            self.made.steps.append(Set(name, node))
+            values = [_with(value, node, symbol(name)) for value in values]
+        set_before: set[str] = set()
+        ready = []
+        for (cell, _, rounded), value in zip(writes, values, strict=True):
+            if not set_before.isdisjoint(symbols(value)):
+                name = self._local()
+                self.made.steps.append(Set(name, value))
+                value = symbol(name)  # noqa: PLW2901
+            ready.append((cell, value, rounded))
+            set_before.add(self.symbols.get(cell, ""))
+        for cell, value, rounded in ready:
+            self._set(cell, value, rounded=rounded)
+
+    def _set(self, cell: int, value: Node, *, rounded: bool) -> None:
+        if cell in self.signals and cell not in self.symbols:
+            axis, name = self.signals[cell]
+            self._variable(cell, Variable("signal", axis, name))
+        target = self.symbols.get(cell)
+        if target is None or target in self.drives:
+            variable = self.made.variables.get(target or "")
+            wanted = f"{variable.axis}_{variable.name}" if variable is not None else ""
+            target = self.scratch[cell] = self._local(wanted)
+        elif not rounded and self.made.variables[target].sort == "signal":
+            # What `zoom` writes is not rounded: it is kept as it is.
+            self.made.variables[target] = self.made.variables[target]._replace(wide=True)
+        self.made.steps.append(Set(target, value, rounded))
+
+    # --- Instructions ---
+
+    def _instruction(
+        self, begin: int, what: int, into: int, a: int, b: int, c: int, rounded: int
+    ) -> None:
+        if what <= at.SUBTRACT_MULTIPLY:
+            value = read(at.combined, self, what, *(self.load(cell) for cell in (a, b, c)))
+        elif what <= at.SLEW:
+            self._state(what, b, begin)
+            if what == at.INTEGRATE and self.program.cells[b + at.WINDUP] != 0.0:
+                self._excess(b, begin)
+            value = read(at.remembered, self, what, self, self.load(a), b, self.made.single)
+        elif what == at.ZOOM:
+            read(at.zoom, self, self.code, self, a, b)
+            self._flush()
+            return
+        elif what == at.INFER:
+            self._ask(a)
+            return
+        elif what == at.LEARN:
+            self._teach(a, into)
+            return
+        else:
+            value = self._looked_up(what, a, b)
+        # What it makes comes first, then what it remembers.
+        self.stored.insert(0, (into, as_node(value), bool(rounded)))
+        self._flush()
+
+    def _excess(self, state: int, begin: int) -> None:
+        """Name what an integral reads of a limit that comes later."""
+        limit = int(self.program.cells[state + at.EXCESS])
+        for other in range(begin, 1 + at.INSTRUCTION * self.code[0], at.INSTRUCTION):
+            if self.code[other] == at.LIMIT and self.code[other + 3] == limit:
+                self._state(at.LIMIT, limit, other)
+
+    def _input(self, cell: int) -> str:
+        """Return the symbol of a cell; a number is put into a variable."""
+        value = self.load(cell)
+        if not isinstance(value, Node):
+            name = self._local()
+            self.made.steps.append(Set(name, as_node(value)))
+            return name
+        assert isinstance(value, Symbol)
+        return value.name
+
+    def _inner(self) -> str:
+        """Return the precision of functions within the controller."""
+        return "float32" if self.made.precision.wide is np.float32 else "float64"
+
+    def _ask(self, begin: int) -> None:
+        count, results = self.code[begin + at.COUNT_INPUTS], self.code[begin + at.COUNT_RESULTS]
+        cells = self.code[begin + at.INFER_CELLS : begin + at.INFER_CELLS + count + results]
+        name, rulebase = self.program.rulebases[cells[count]]
+        inputs = tuple(self._input(cell) for cell in cells[:count])
+        for output, cell in zip(rulebase.outputs, cells[count:], strict=True):
+            key = (id(rulebase), output.name)
+            if key not in self.sheet_names:
+                routine = direct_routine(rulebase, output.name, self._inner(), in_loop=True)
+                if routine.program.holds:
+                    raise ExportError(
+                        f"'{output.name}' of '{rulebase.name}' holds its value where no rule"
+                        " fires, which a controller does not",
+                        hint="say a number:  no-rule 0",
+                    )
+                self.sheet_names[key] = self._routine(f"{name}_{output.name}", routine)
+            self.scratch[cell] = self._local()
+            self.made.steps.append(Ask(self.scratch[cell], self.sheet_names[key], inputs))
+
+    def _routine(self, wanted: str, routine: Routine) -> str:
+        name = self.names.new(wanted)
+        self.made.routines[name] = routine
+        return name
+
+    def _looked_up(self, what: int, a: int, b: int) -> Node:
+        """Return the symbol of what a table says."""
+        target = self._local()
+        if what == at.LOOK_UP_CELL:
+            self.made.steps.append(Pick(target, self._learned(b), self.scratch[a]))
+            return symbol(target)
+        values = self.code[a + VALUES]
+        name, table = self.program.tables[values]
+        inputs = tuple(self._input(cell) for cell in self._inputs_of(a + INPUTS, b))
+        if any(place.values == values for place in self.program.learned.values()):
+            cell = self._found(b, table, name, inputs)
+            self.made.steps.append(Pick(target, self._learned(values), cell))
+        else:
+            self.made.steps.append(Ask(target, self._table(values), inputs))
+        return symbol(target)
+
+    def _inputs_of(self, begin: int, grid: int) -> list[int]:
+        count = int(self.program.cells[grid])
+        assert grid + GRID_HEAD <= len(self.program.cells)
+        return self.code[begin : begin + count]
+
+    def _table(self, values: int) -> str:
+        name, table = self.program.tables[values]
+        key = (values, "")
+        if key not in self.sheet_names:
+            same = self._same_table(table)
+            if same is None:
+                core = self._core(table)
+                same = self._routine(name, TableRoutine(core))
+            self.sheet_names[key] = same
+        return self.sheet_names[key]
+
+    def _same_table(self, table: LookupTable) -> str | None:
+        """Return the routine of the same table of another axis."""
+        for name, routine in self.made.routines.items():
+            if isinstance(routine, TableRoutine):
+                other = routine.core.table
+                if other.axes == table.axes and np.array_equal(other.values, table.values):
+                    return name
+        return None
+
+    def _core(self, table: LookupTable) -> Any:
+        if self.options.q is not None:
+            return fixed_table(table, self.options.q)
+        if self.made.single and self.made.precision.wide is np.float64:
+            # The kernel holds values in the precision of signals and computes in double.
+            held = np.asarray(table.values, np.float32).astype(np.float64)
+            table = replace(table, values=held)
+        if table.default_mode != "linear" and self.made.single:
+            return float_table(table, None, "float32")
+        return float_table(table, None, self._inner())
+
+    def _learned(self, values: int) -> str:
+        for (axis, name), place in self.program.learned.items():
+            if place.values == values:
+                return f"{axis}:{name}"
+        raise AssertionError("a table that nothing teaches is a routine")
+
+    def _found(self, begin: int, table: LookupTable, name: str, inputs: tuple[str, ...]) -> str:
+        """Add the step that finds a cell; return the local with its number."""
+        grid = self._grid(begin, table)
+        known = {other: key for key, other in self.made.grids.items()}
+        if grid not in known:
+            known[grid] = self.names.new(f"{name}_cell")
+            self.made.grids[known[grid]] = grid
+        target = self._local()
+        self.made.steps.append(Find(target, known[grid], inputs))
+        return target
+
+    def _grid(self, begin: int, table: LookupTable) -> Grid:
+        """Read a grid out of the cells."""
+        found, at_axis = [], begin + GRID_HEAD
+        for axis in table.axes:
+            count = int(self.program.cells[at_axis])
+            thresholds = self.program.cells[at_axis + 1 : at_axis + count]
+            found.append((axis.name, tuple(map(float, thresholds))))
+            at_axis += 2 * count
+        return tuple(found)
+
+    def _teach(self, begin: int, into: int) -> None:
+        if self.options.q is not None:
+            raise ExportError(
+                "a table that learns is exported in floating point", hint="leave out --q"
+            )
+        entries = self.code[begin : begin + at.LEARN_INPUTS]
+        values = entries[VALUES]
+        (key,) = (k for k, place in self.program.learned.items() if place.values == values)
+        name = f"{key[0]}:{key[1]}"
+        place = self.program.learned[key]
+        start = self.program.cells[values : values + place.count]
+        delay = entries[at.DELAY]
+        self.made.learned[name] = Learned(*key, tuple(map(float, start)), delay)
+        table, judge = self.program.tables[values][1], self.program.tables[entries[at.JUDGE]]
+        cells = self._inputs_of(begin + at.LEARN_INPUTS, entries[at.GRID])
+        inputs = tuple(self._input(cell) for cell in cells)
+        cell = judged = self._found(entries[at.GRID], table, key[1], inputs)
+        if entries[at.ALIKE] == 0:
+            judged = self._found(entries[at.JUDGE_GRID], judge[1], judge[0], inputs)
+        judge_name = self._judge(*judge)
+        rate, bound = (as_node(self.load(entries[field])) for field in (at.GAIN, at.BOUND))
+        self.made.steps.append(Teach(name, cell, judge_name, judged, rate, bound))
+        self.scratch[into] = cell
+
+    def _judge(self, name: str, table: LookupTable) -> str:
+        """Return what a performance table is called; axes share one."""
+        for known, other in self.made.judges.items():
+            if np.array_equal(other.values, table.values):
+                return known
+        found = self.names.new(name)
+        self.made.judges[found] = table
+        return found
+
+
+def _shared(roots: Sequence[Node]) -> list[Node]:
+    """Return the largest parts that several expressions have in common, inner ones first."""
+    users = Counter(node for root in roots for node in set(postorder(root)))
+    whole = Counter(roots)
+    common = {
+        node
+        for node, count in users.items()
+        if count > 1 and isinstance(node, Apply) and not OPERATIONS[node.operation].is_condition
+    }
+    # A part of a common part is named only where it is used apart from it.
+    inside = {child for node in common for child in children(node)}
+    apart = {
+        child
+        for root in roots
+        for node in postorder(root)
+        if node not in common
+        for child in children(node)
+    }
+    wanted = {node for node in common if node not in inside or node in apart or whole[node]}
+    return [node for root in dict.fromkeys(roots) for node in postorder(root) if node in wanted][
+        : len(wanted)
+    ]
+
+
+def _with(root: Node, part: Node, instead: Node) -> Node:
+    """Return an expression with another part in place of one."""
+    made: dict[Node, Node] = {}
+    for node in postorder(root):
+        if node is part:
+            made[node] = instead
+        elif isinstance(node, Apply):
+            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
+        else:
+            made[node] = node
+    return made[root]
+
+
+# --- The model of the exported program ---
+
+
+class Replica:
+    """The steps in Python, in the precision and with the arithmetic of the exported program.
+
+    Parameters
+    ----------
+    steps : Steps
+        Which controller.
+    """
+
+    def __init__(self, steps: Steps) -> None:
+        self.program = steps
+        self.real = steps.precision.wide
+        self._orders: dict[Node, Schedule] = {}
+        self._routines = {name: _call_of(each) for name, each in steps.routines.items()}
+        self.start()
+
+    def start(self) -> None:
+        """Forget everything."""
+        steps = self.program
+        self.values: dict[str, Any] = {
+            name: self.real(self._held(each)) for name, each in steps.variables.items()
+        }
+        held = np.float32 if steps.single else np.float64
+        self.tables = {
+            name: np.array(each.values, held).astype(self.real)
+            for name, each in steps.learned.items()
+        }
+        self.visits = {name: np.zeros(len(t), np.int64) for name, t in self.tables.items()}
+        self._rings = {name: [-1] * each.delay for name, each in steps.learned.items()}
+        self._judges = {
+            name: np.asarray(table.values, held).ravel().astype(self.real)
+            for name, table in steps.judges.items()
+        }
+        self._periods = 0
+
+    def _held(self, variable: Variable) -> float:
+        wide = variable.wide or not self.program.single
+        return variable.start if wide else float(np.float32(variable.start))
+
+    def step(self, given: Mapping[str, float]) -> dict[str, float]:
+        """Run one period with values of references and measured ports, by symbol."""
+        outside = self.program.precision.outside
+        for name, value in given.items():
+            self.values[name] = self.real(outside(value))
+        self._periods += 1
+        self.values[FIRST] = np.bool_(self._periods == 1)
+        self.values[LAST] = np.bool_(self._periods % self.program.model.every == 0)
+        for each in self.program.steps:
+            self._run(each)
+        return {each.symbol: self.values[each.symbol] for each in self.program.of_sort("drive")}
+
+    def _run(self, each: Step) -> None:
+        values = self.values
+        if isinstance(each, Set):
+            value = self._value(each.value)
+            if each.rounded and self.program.single:
+                value = self.real(np.float32(value))
+            values[each.target] = value
+        elif isinstance(each, Ask):
+            given = [values[name] for name in each.inputs]
+            values[each.target] = self._routines[each.routine](given, self.real)
+        elif isinstance(each, Find):
+            values[each.target] = _cell(self.program.grids[each.grid], [values[n] for n in each.inputs])
+        elif isinstance(each, Pick):
+            values[each.target] = self.tables[each.table][values[each.cell]]
+        else:
+            self._teach(each)
+
+    def _value(self, node: Node) -> Any:
+        if node not in self._orders:
+            self._orders[node] = schedule(node)
+        return self.real(evaluate_arrays(node, self.values, self.real, self._orders[node]))
+
+    def _teach(self, each: Teach) -> None:
+        table, ring = self.tables[each.table], self._rings[each.table]
+        cell = self.values[each.cell]
+        responsible = ring.pop(0) if ring else cell
+        if self.program.learned[each.table].delay:
+            ring.append(cell)
+        rate, bound = self._value(each.rate), self._value(each.bound)
+        if responsible >= 0 and rate != 0.0:
+            judged = self._judges[each.judge][self.values[each.judged]]
+            value = table[responsible] + rate * judged
+            if self.program.single:
+                value = self.real(np.float32(value))
+            table[responsible] = min(max(value, -bound), bound)
+        self.visits[each.table][cell] += 1
+
+
+def _cell(grid: Grid, inputs: Sequence[Any]) -> int:
+    """Return the number of a cell, the last input fastest."""
+    cell = 0
+    for (_, thresholds), x in zip(grid, inputs, strict=True):
+        cell = cell * (len(thresholds) + 1) + bisect_left(thresholds, float(x))
+    return cell
+
+
+def _call_of(routine: Routine) -> Callable[[Sequence[Any], Kind], Any]:
+    """Return how the exported program calls a routine."""
+    core = getattr(routine, "core", None)
+
+    def plain(inputs: Sequence[Any], real: Kind) -> Any:
+        return real(routine.evaluate(*([x] for x in inputs))[0])
+
+    def in_whole_numbers(inputs: Sequence[Any], real: Kind) -> Any:
+        numbers = [
+            [int(evaluate_arrays(scaled(scale, symbol("x")), {"x": x}, real)) - shift_of(scale)]
+            for scale, x in zip(core.inputs, inputs, strict=True)
+        ]
+        number = real(int(core.evaluate(*numbers)[0]))
+        return real(evaluate_arrays(unscaled(core.output, symbol("n")), {"n": number}, real))
+
+    return in_whole_numbers if isinstance(core, FixedTable) else plain
+
+
+def shift_of(scale: Scale) -> int:
+    """Return what is added to a whole number so that it is not negative."""
+    return -scale.low
+
+
+def scaled(scale: Scale, x: Node) -> Node:
+    """Return a quantity in steps of whole numbers, shifted: cut off, it is rounded.
+
+    NaN becomes the lowest number.
+    """
+    steps = (x - scale.offset) * (1.0 / scale.step) if scale.offset else x * (1.0 / scale.step)
+    inside = op.minimum(op.maximum(float(scale.low), steps), float(scale.high))
+    return inside + (shift_of(scale) + 0.5)
+
+
+def unscaled(scale: Scale, number: Node) -> Node:
+    """Return the quantity of a whole number."""
+    value = number * scale.step
+    return value + scale.offset if scale.offset else value
+
+
+# --- Signals to try a controller with ---
+
+
+def trial(steps: Steps, periods: int, seed: int = 1) -> Iterator[dict[str, float]]:
+    """Yield values for the ports, period by period.
+
+    References wander; measured values miss them by errors of every size from 1e-4 to 10, so
+    that rule bases are asked near their middle and beyond their ranges.
+    """
+    draw = np.random.default_rng(seed)
+    outside = steps.precision.outside
+    references = {each: draw.uniform(0.2, 2.0, 2) for each in steps.of_sort("reference")}
+    errors = {each: draw.uniform(0.05, 0.4, 2) for each in steps.of_sort("measured")}
+    for k in range(periods):
+        given = {
+            each.symbol: float(outside(a * math.sin(0.05 * b * k)))
+            for each, (a, b) in references.items()
+        }
+        for each, (a, b) in errors.items():
+            size = 10.0 ** (4.0 * math.sin(a * k + 1.0) * math.cos(0.3 * b * k) - 1.5)
+            target = given.get(each.symbol.replace("measured:", "reference:"), 0.0)
+            given[each.symbol] = float(outside(target - min(size, 10.0) * math.sin(b * k + 2.0)))
+        yield given
