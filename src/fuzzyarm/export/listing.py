@@ -110,7 +110,7 @@ class Listing:
                 self.body.append(replace(each, body=inner))
             else:
                 self.body += self._spread_out(each)
-        body, self.result = _spread("result", result, self._taken)
+        body, self.result = spread("result", result, self._taken)
         self.body += body
 
     # ── parts to variables ───────────────────────────────────────────────────────────
@@ -187,7 +187,7 @@ class Listing:
 
     def _spread_out(self, each: Statement) -> tuple[Statement, ...]:
         assert isinstance(each, Assign)
-        body, value = _spread(each.name, each.value, self._taken)
+        body, value = spread(each.name, each.value, self._taken)
         self._taken |= set(variables(body))
         return setting(each.name, body, value, each.remark)
 
@@ -237,7 +237,7 @@ class Listing:
 
     def lines(self, writer: CWriter, real: Kind) -> tuple[list[str], str]:
         """Return the lines of C in a type of number, and the text of the result."""
-        language = _language(writer, real)
+        language = c_numbers(writer, real)
         for name, (call, argument) in self._calls.items():
             if name in self.reads:
                 function = writer.helper(call.wanted, _function(call, language, C_TYPES[real]))
@@ -293,7 +293,7 @@ def _element(sums: SampleSums, column: str) -> str:
     return f"{column} of {sums.area}"
 
 
-def _spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
+def spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
     """Return statements that set the shared parts of an expression, and what it then is."""
     if not _needs_variables(root):
         return (), root
@@ -327,7 +327,7 @@ def _function(call: Call, language: Language, real: str) -> str:
     return "\n".join([f"{real} NAME({real} h)", "{", *lines, f"    return {result};", "}", ""])
 
 
-def _language(writer: CWriter, real: Kind) -> Language:
+def c_numbers(writer: CWriter, real: Kind) -> Language:
     """Return C with the helpers of a file and the literals of its tables."""
     kind = C_TYPES[real]
     basis = c_language(kind)

@@ -17,11 +17,10 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.controller import kernel as at
 from fuzzyarm.controller.law import Arithmetic
-from fuzzyarm.controller.program import AXIS, Program, SourceError, Wiring, write_down
+from fuzzyarm.controller.program import Program, SourceError, Wiring, write_down
 from fuzzyarm.controller.text import ControllerText, wiring_of
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import ExportError, Kind, Precision, precision_named
@@ -29,7 +28,13 @@ from fuzzyarm.export.reading import read
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.table import TableRoutine
-from fuzzyarm.export.table_numbers import FixedTable, Scale, fixed_table, float_table
+from fuzzyarm.export.table_numbers import (
+    FixedTable,
+    FloatTable,
+    Scale,
+    fixed_table,
+    float_table,
+)
 from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import (
@@ -301,7 +306,7 @@ class _Walk:
         self.locals = 0
         self.stored: list[tuple[int, Node, bool]] = []
         self.scratch: dict[int, str] = {}  # of cells without a name, the local that has the value
-        self.sheet_names: dict[tuple[int, str], str] = {}
+        self.asked: dict[tuple[int, str], str] = {}
         self.names = Names()
         self.state_names = Names()
         for sort, cells in (
@@ -503,7 +508,7 @@ class _Walk:
         inputs = tuple(self._input(cell) for cell in cells[:count])
         for output, cell in zip(rulebase.outputs, cells[count:], strict=True):
             key = (id(rulebase), output.name)
-            if key not in self.sheet_names:
+            if key not in self.asked:
                 routine = direct_routine(rulebase, output.name, self._inner(), in_loop=True)
                 if routine.program.holds:
                     raise ExportError(
@@ -511,9 +516,9 @@ class _Walk:
                         " fires, which a controller does not",
                         hint="say a number:  no-rule 0",
                     )
-                self.sheet_names[key] = self._routine(f"{name}_{output.name}", routine)
+                self.asked[key] = self._routine(f"{name}_{output.name}", routine)
             self.scratch[cell] = self._local()
-            self.made.steps.append(Ask(self.scratch[cell], self.sheet_names[key], inputs))
+            self.made.steps.append(Ask(self.scratch[cell], self.asked[key], inputs))
 
     def _routine(self, wanted: str, routine: Routine) -> str:
         name = self.names.new(wanted)
@@ -533,7 +538,7 @@ class _Walk:
             cell = self._found(b, table, name, inputs)
             self.made.steps.append(Pick(target, self._learned(values), cell))
         else:
-            self.made.steps.append(Ask(target, self._table(values), inputs))
+            self.made.steps.append(Ask(target, self._table(values, inputs), inputs))
         return symbol(target)
 
     def _inputs_of(self, begin: int, grid: int) -> list[int]:
@@ -541,36 +546,28 @@ class _Walk:
         assert grid + GRID_HEAD <= len(self.program.cells)
         return self.code[begin : begin + count]
 
-    def _table(self, values: int) -> str:
+    def _table(self, values: int, inputs: Sequence[str]) -> str:
+        """Return the name of the routine of a table; axes with the same one share it."""
         name, table = self.program.tables[values]
-        key = (values, "")
-        if key not in self.sheet_names:
-            same = self._same_table(table)
-            if same is None:
-                core = self._core(table)
-                same = self._routine(name, TableRoutine(core))
-            self.sheet_names[key] = same
-        return self.sheet_names[key]
+        # Signals in single precision find their cell among thresholds in single precision.
+        narrow = not any(self.made.variables[each].wide for each in inputs)
+        core = self._core(table, narrow=narrow)
+        for known, routine in self.made.routines.items():
+            if isinstance(routine, TableRoutine) and _same_table(routine.core, core):
+                return known
+        return self._routine(name, TableRoutine(core))
 
-    def _same_table(self, table: LookupTable) -> str | None:
-        """Return the routine of the same table of another axis."""
-        for name, routine in self.made.routines.items():
-            if isinstance(routine, TableRoutine):
-                other = routine.core.table
-                if other.axes == table.axes and np.array_equal(other.values, table.values):
-                    return name
-        return None
-
-    def _core(self, table: LookupTable) -> Any:
+    def _core(self, table: LookupTable, *, narrow: bool) -> FloatTable | FixedTable:
         if self.options.q is not None:
             return fixed_table(table, self.options.q)
         if self.made.single and self.made.precision.wide is np.float64:
             # The kernel holds values in the precision of signals and computes in double.
             held = np.asarray(table.values, np.float32).astype(np.float64)
             table = replace(table, values=held)
-        if table.default_mode != "linear" and self.made.single:
-            return float_table(table, None, "float32")
-        return float_table(table, None, self._inner())
+        precision = self._inner()
+        if table.default_mode != "linear" and self.made.single and narrow:
+            precision = "float32"
+        return float_table(table, None, precision)
 
     def _learned(self, values: int) -> str:
         for (axis, name), place in self.program.learned.items():
@@ -631,6 +628,16 @@ class _Walk:
         found = self.names.new(name)
         self.made.judges[found] = table
         return found
+
+
+def _same_table(a: FloatTable | FixedTable, b: FloatTable | FixedTable) -> bool:
+    """Whether two tables are one function."""
+    return (
+        type(a) is type(b)
+        and (a.mode, a.precision, a.scales) == (b.mode, b.precision, b.scales)
+        and [axis.levels for axis in a.table.axes] == [axis.levels for axis in b.table.axes]
+        and all(map(np.array_equal, (*a.points, a.values), (*b.points, b.values)))
+    )
 
 
 def _shared(roots: Sequence[Node]) -> list[Node]:

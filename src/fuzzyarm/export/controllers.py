@@ -1,0 +1,316 @@
+"""From controllers to exported files: tables in place of rules, the self-test, what is said."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.export.controller_c import Vectors, controller_c
+from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
+from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.steps import Replica, RoutineOptions, Steps, Variable, steps_of, trial
+from fuzzyarm.export.table_numbers import FixedTable
+from fuzzyarm.model.controller import Signal, Source
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import LookupTable
+from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.version import __version__
+
+CONTROLLER_EXPORTS = (".h", ".c", ".st", ".fmu")
+"""Suffixes of an exported controller."""
+
+PERIODS = 120
+"""Periods of a self-test."""
+
+PERIODS_OF_REPLICA = 24
+"""Periods of a self-test whose results need the slower model."""
+
+Compile = Callable[[RuleBase, str], LookupTable]
+"""From a rule base and one of its outputs to a table."""
+
+
+def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText:
+    """Return a controller that looks tables up where it asks rule bases.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    compile_output : callable
+        From a rule base and the name of an output to its table.
+
+    Returns
+    -------
+    ControllerText
+        A line ``a, b = rules R(e)`` becomes a line for each table ``R_a``, ``R_b``.
+    """
+    sheets = dict(text.sheets)
+    tables: dict[tuple[int, str], LookupTable] = {}
+
+    def table(rulebase: RuleBase, output: str) -> LookupTable:
+        key = (id(rulebase), output)
+        if key not in tables:
+            tables[key] = compile_output(rulebase, output)
+        return tables[key]
+
+    def lines_of(line: object) -> list[object]:
+        if not isinstance(line, Signal) or line.source is None or line.source.kind != "rules":
+            return [line]
+        source = line.source
+        found: list[object] = []
+        used = text.sheets[source.name]
+        for number, name in enumerate(line.names):
+            outputs = [sheet.outputs[number].name for sheet in used if isinstance(sheet, RuleBase)]
+            own = source.name if len(line.names) == 1 else f"{source.name}_{outputs[0]}"
+            sheets[own] = tuple(
+                table(sheet, output)
+                for sheet, output in zip(used, outputs, strict=True)
+                if isinstance(sheet, RuleBase)
+            )
+            looked_up = Source("table", own, source.inputs, source.options)
+            found.append(replace(line, names=(name,), source=looked_up))
+        return found
+
+    axes = tuple(
+        replace(each, lines=tuple(new for line in each.lines for new in lines_of(line)))
+        for each in text.model.axes
+    )
+    return ControllerText(replace(text.model, axes=axes), sheets, text.path)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What a controller does over a sequence of periods.
+
+    Attributes
+    ----------
+    vectors : Vectors
+        Ports and drives.
+    worst : float
+        Largest difference of a drive to the controller in double precision.
+    largest : float
+        Largest drive.
+    """
+
+    vectors: Vectors
+    worst: float
+    largest: float
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerProgram:
+    """A controller, ready to be exported.
+
+    Attributes
+    ----------
+    text : ControllerText
+        As it is exported, with tables in place of rules where that is asked for.
+    precision : str
+        ``mixed``, ``float32`` or ``float64``.
+    q : int or None
+        Fraction bits of tables in whole numbers.
+    """
+
+    text: ControllerText
+    precision: str = "mixed"
+    q: int | None = None
+
+    @cached_property
+    def steps(self) -> Steps:
+        """The steps of a period."""
+        return steps_of(self.text, self.precision, RoutineOptions(self.q))
+
+    @cached_property
+    def tried(self) -> Tried:
+        """The sequence of the self-test, by the model of the same arithmetic.
+
+        In double precision, and where only signals are stored in single precision, that is the
+        controller itself; else the replica.
+        """
+        steps = self.steps
+        exact = self.precision != "float32" and self.q is None
+        replica = None if exact else Replica(steps)
+        held = self.text.run(single=self.precision == "mixed", compiled=False) if exact else None
+        # With signals in single precision the difference is that to double precision.
+        plain = self.text.run(compiled=False)
+        drives, outside = steps.of_sort("drive"), steps.precision.outside
+        given_rows, expected_rows, worst = [], [], 0.0
+        periods = PERIODS if exact else PERIODS_OF_REPLICA
+        for given in trial(steps, periods):
+            ports = _by_port(steps, given)
+            truth = plain.step(ports["measured"], ports["reference"])
+            if replica is not None:
+                found = replica.step(given)
+                row = [float(found[each.symbol]) for each in drives]
+            else:
+                assert held is not None
+                result = held.step(ports["measured"], ports["reference"])
+                row = [float(outside(result[port_name(steps, each)])) for each in drives]
+            inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
+            given_rows.append([given[each.symbol] for each in inputs])
+            expected_rows.append(row)
+            differences = (
+                abs(x - truth[port_name(steps, each)]) for x, each in zip(row, drives, strict=True)
+            )
+            worst = max([worst, *(d for d in differences if not math.isnan(d))])
+        largest = max((abs(x) for row in expected_rows for x in row if not math.isnan(x)), default=0.0)
+        tolerance = self._loose() * float(np.finfo(outside).eps) * max(largest, 1e-30)
+        return Tried(Vectors(given_rows, expected_rows, tolerance), worst, largest)
+
+    def _loose(self) -> float:
+        """Return how many last places of the largest drive a self-test forgives."""
+        loose = 4096.0 if self.precision == "float32" else 16.0
+        return loose * 16.0 if self.steps.calls_functions else loose
+
+    def head(self) -> list[str]:
+        """Return the lines at the head of an exported file."""
+        model, steps = self.text.model, self.steps
+        words = f"{model.name}: {model.description}" if model.description else model.name
+        lines = [
+            f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+            "",
+            f"controller {words}",
+            f"runs every {number_text(model.period)} s",
+            *self._port_words(),
+            *self._sheet_words(),
+            steps.precision.words + (" for signals" if self.q is not None else ""),
+            f"worst difference to the controller in double precision: {self.tried.worst:.3g}"
+            f" ({len(self.tried.vectors.expected)} periods, drives up to {self.tried.largest:.3g})",
+        ]
+        if steps.calls_functions:
+            lines.append(
+                "functions of math.h are called, whose last bits may differ between machines"
+            )
+        return [*lines, *(f"{key}: {value}" for key, value in self.provenance())]
+
+    def _port_words(self) -> list[str]:
+        words = {"reference": "references", "measured": "measured", "drive": "drives"}
+        return [
+            f"{word}: {', '.join(port_name(self.steps, each) for each in self.steps.of_sort(sort))}"
+            for sort, word in words.items()
+            if self.steps.of_sort(sort)
+        ]
+
+    def _sheet_words(self) -> list[str]:
+        lines = []
+        for name, routine in self.steps.routines.items():
+            rulebase = getattr(routine, "rulebase", None)
+            if isinstance(rulebase, RuleBase):
+                lines.append(f"{name}: direct inference of {len(rulebase.rules)} rules")
+            else:
+                core = routine.core  # type: ignore[attr-defined]
+                shape = " x ".join(map(str, core.table.shape))
+                whole = f", in q{self.q}" if isinstance(core, FixedTable) else ""
+                lines.append(f"{name}: table of {shape} cells, looked up by {core.mode}{whole}")
+        for learned in self.steps.learned.values():
+            lines.append(f"{learned.axis} {learned.name}: table of {len(learned.values)} cells that learns")
+        return lines
+
+    def provenance(self) -> list[tuple[str, str]]:
+        """Return where it comes from."""
+        found = []
+        if self.text.path:
+            found.append(("source", Path(self.text.path).name))
+            content = Path(self.text.path).read_bytes() if Path(self.text.path).is_file() else b""
+            found.append(("sha256", hashlib.sha256(content).hexdigest()))
+        return found
+
+
+def port_name(steps: Steps, port: Variable) -> str:
+    """Return the name of a port: ``port`` of one axis, ``axis.port`` of several."""
+    return port.name if len(steps.model.axis_names) == 1 else f"{port.axis}.{port.name}"
+
+
+def _by_port(steps: Steps, given: dict[str, float]) -> dict[str, dict[str, float]]:
+    return {
+        sort: {port_name(steps, each): given[each.symbol] for each in steps.of_sort(sort)}
+        for sort in ("reference", "measured")
+    }
+
+
+@dataclass(frozen=True)
+class ExportedController:
+    """Files of a controller, not yet written.
+
+    Attributes
+    ----------
+    program : ControllerProgram
+        What is in them.
+    files : tuple of (Path, str or bytes)
+        Where and what.
+    calls : tuple of str
+        Prototypes, or the name of a function block.
+    """
+
+    program: ControllerProgram
+    files: tuple[tuple[Path, str | bytes], ...]
+    calls: tuple[str, ...]
+
+    def write(self) -> None:
+        """Write the files, each whole or not at all."""
+        for path, content in self.files:
+            write_atomically(path, content)
+
+
+def export_controller(
+    program: ControllerProgram, path: str | Path, name: str | None = None, *, fmi: int = 2
+) -> ExportedController:
+    """Return the files of a controller for a path, by its suffix.
+
+    Parameters
+    ----------
+    program : ControllerProgram
+        The controller.
+    path : str or Path
+        ``.h``, ``.c`` (with a ``.h`` beside it), ``.st`` or ``.fmu``.
+    name : str, optional
+        Begins every identifier; the name of the file by default.
+    fmi : int
+        Version of FMI, 2 or 3.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is none of these, something cannot be exported, or no C compiler is there.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in CONTROLLER_EXPORTS:
+        listed = ", ".join(CONTROLLER_EXPORTS)
+        raise ExportError(f"'{path.name}' has no suffix of an export", hint=listed)
+    if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
+        raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
+    prefix = _prefix(path, name, suffix)
+    if suffix == ".st":
+        from fuzzyarm.export.controller_st import controller_st
+
+        content, block = controller_st(program, prefix)
+        return ExportedController(program, ((path, content),), (block,))
+    if suffix == ".fmu":
+        from fuzzyarm.export.fmu import controller_fmu
+
+        return ExportedController(program, ((path, controller_fmu(program, prefix, fmi)),), ())
+    files, made = controller_c(
+        program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
+    )
+    listed_files = tuple((path.with_suffix(end), content) for end, content in files.items())
+    return ExportedController(program, listed_files, tuple(made.prototypes().values()))
+
+
+def _prefix(path: Path, name: str | None, suffix: str) -> str:
+    if name is None:
+        return identifier(path.stem)
+    reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
+    if identifier(name) != name or reserved:
+        raise ExportError(
+            f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
+        )
+    return name
