@@ -363,12 +363,14 @@ class CController:
         else:
             kind = self.outer if each.rounded else self.wide
         narrow = kind != self.wide
+        if each.rounded and not narrow and self.outer != self.wide:
+            text = f"({self.wide})({self.outer})({text})"  # kept wide for a later line: zoom
         # A value that was narrow before needs no way through the wider type.
         plain = text.removeprefix(f"({self.wide})")
         if narrow and plain != text and not set(plain) & set(" ?("):
             text = plain
         elif narrow:
-            text = f"({kind})({text})"
+            text = f"({kind}){text}" if text.isidentifier() else f"({kind})({text})"
         if variable is None:
             return [*lines, f"const {kind} {self._local(each.target, kind)} = {text};"]
         return [*lines, f"{self.targets[each.target]} = {text};"]

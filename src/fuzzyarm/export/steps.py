@@ -422,7 +422,7 @@ class _Walk:
         """Add the steps that write what was taken down: every value is of the time before."""
         writes, self.stored = self.stored, []
         values = [value for _, value, _ in writes]
-        for node in _shared(values):
+        while (node := _shared(values)) is not None:
             name = self._local()
             self.made.steps.append(Set(name, node))
             values = [_with(value, node, symbol(name)) for value in values]
@@ -443,6 +443,9 @@ class _Walk:
             axis, name = self.signals[cell]
             self._variable(cell, Variable("signal", axis, name))
         target = self.symbols.get(cell)
+        if target is None and isinstance(value, Symbol) and value.name.startswith("local:"):
+            self.scratch[cell] = value.name
+            return
         if target is None or target in self.drives:
             variable = self.made.variables.get(target or "")
             wanted = f"{variable.axis}_{variable.name}" if variable is not None else ""
@@ -640,28 +643,16 @@ def _same_table(a: FloatTable | FixedTable, b: FloatTable | FixedTable) -> bool:
     )
 
 
-def _shared(roots: Sequence[Node]) -> list[Node]:
-    """Return the largest parts that several expressions have in common, inner ones first."""
-    users = Counter(node for root in roots for node in set(postorder(root)))
-    whole = Counter(roots)
-    common = {
-        node
-        for node, count in users.items()
-        if count > 1 and isinstance(node, Apply) and not OPERATIONS[node.operation].is_condition
-    }
-    # A part of a common part is named only where it is used apart from it.
-    inside = {child for node in common for child in children(node)}
-    apart = {
-        child
-        for root in roots
-        for node in postorder(root)
-        if node not in common
-        for child in children(node)
-    }
-    wanted = {node for node in common if node not in inside or node in apart or whole[node]}
-    return [node for root in dict.fromkeys(roots) for node in postorder(root) if node in wanted][
-        : len(wanted)
-    ]
+def _shared(roots: Sequence[Node]) -> Node | None:
+    """Return an innermost part that is used more than once; a condition is no variable."""
+    nodes = list(postorder(*roots))
+    uses = Counter(child for node in nodes for child in children(node))
+    uses.update(roots)
+    for node in nodes:
+        if isinstance(node, Apply) and uses[node] > 1:
+            if not OPERATIONS[node.operation].is_condition:
+                return node
+    return None
 
 
 def _with(root: Node, part: Node, instead: Node) -> Node:
