@@ -87,7 +87,8 @@ class Listing:
     """
 
     def __init__(self, program: Program) -> None:
-        self._calls: dict[str, tuple[Call, Node]] = {}
+        # By the symbol that stands for it, a call and its argument; inner ones first.
+        self.calls: dict[str, tuple[Call, Node]] = {}
         written, result = self._in_variables(program)
         self.reads = self._symbols(result)
         needed = []
@@ -131,7 +132,7 @@ class Listing:
                     name: self._written(part, program.calls, known, {})
                     for name, part in each.parts.items()
                 }
-                columns = {name: symbol(_element(each, name)) for name in each.columns}
+                columns = {name: symbol(element(each, name)) for name in each.columns}
                 body = (
                     step._replace(value=substitute(step.value, {**parts, **columns}))
                     for step in each.body
@@ -176,13 +177,13 @@ class Listing:
 
     def _called(self, call: Call, argument: Node) -> Node:
         """Return a symbol that is printed as the call of a function."""
-        name = f"call {len(self._calls)}"
-        self._calls[name] = (call, argument)
+        name = f"call {len(self.calls)}"
+        self.calls[name] = (call, argument)
         return symbol(name)
 
     def _symbols(self, value: Node) -> set[str]:
         found = set(symbols(value))
-        inner = [self._symbols(self._calls[name][1]) for name in found & set(self._calls)]
+        inner = [self._symbols(self.calls[name][1]) for name in found & set(self.calls)]
         return found.union(*inner)
 
     def _spread_out(self, each: Statement) -> tuple[Statement, ...]:
@@ -221,11 +222,11 @@ class Listing:
 
     def _count_node(self, node: Node) -> Counter[str]:
         if not isinstance(node, Apply):
-            called = self._calls.get(node.name) if isinstance(node, Symbol) else None
+            called = self.calls.get(node.name) if isinstance(node, Symbol) else None
             if called is None:
                 return Counter()
             function, argument = called
-            return self._count(_function_body(function)) + self._count_node(argument)
+            return self._count(function_body(function)) + self._count_node(argument)
         first, *rest = (self._count_node(child) for child in node.arguments)
         if node.operation == "where":
             return first + (rest[0] | rest[1])
@@ -238,7 +239,7 @@ class Listing:
     def lines(self, writer: CWriter, real: Kind) -> tuple[list[str], str]:
         """Return the lines of C in a type of number, and the text of the result."""
         language = c_numbers(writer, real)
-        for name, (call, argument) in self._calls.items():
+        for name, (call, argument) in self.calls.items():
             if name in self.reads:
                 function = writer.helper(call.wanted, _function(call, language, C_TYPES[real]))
                 language.rename[name] = f"{function}({language.expression(argument)})"
@@ -247,7 +248,7 @@ class Listing:
                 for name, column in each.sums.columns.items():
                     literals = [language.number(value) for value in column]
                     array = writer.constant(real, literals, each.sums.wanted[name])
-                    language.rename[_element(each.sums, name)] = f"{array}[{each.sums.index}]"
+                    language.rename[element(each.sums, name)] = f"{array}[{each.sums.index}]"
         return _lines(self.body, language, C_TYPES[real], set()), language.expression(self.result)
 
 
@@ -288,7 +289,7 @@ def _sets(each: Statement | SampleSums | Loop) -> tuple[str, ...]:
     return (each.name,)
 
 
-def _element(sums: SampleSums, column: str) -> str:
+def element(sums: SampleSums, column: str) -> str:
     """Return the symbol that stands for an element of a column; it is printed as one."""
     return f"{column} of {sums.area}"
 
@@ -313,14 +314,15 @@ def _needs_variables(root: Node) -> bool:
     return depth[root] > _DEEPEST
 
 
-def _function_body(call: Call) -> list[Statement]:
+def function_body(call: Call) -> list[Statement]:
+    """Return the statements of a function; the last one sets no variable: it is the result."""
     body, result = statements(call.body, prefix="x", taken=("h",))
     return [*body, Assign("", result)]
 
 
 def _function(call: Call, language: Language, real: str) -> str:
     """Return the text of a function of ``h``, with NAME for its name."""
-    *body, last = _function_body(call)
+    *body, last = function_body(call)
     assert isinstance(last, Assign)
     lines = [f"    {line}" for line in language.lines(body)]
     result = language.expression(last.value)

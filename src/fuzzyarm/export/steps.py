@@ -206,12 +206,14 @@ class Steps:
         Of routines in whole numbers, those of their inputs and of the result.
     grids : dict of str to Grid
         By the name of the function that finds a cell of a table in memory.
+    grid_tables : dict of str to LookupTable
+        By the same names, a table on that grid.
     learned : dict of str to Learned
         Tables that learn.
     judges : dict of str to LookupTable
         Performance tables.
-    needs_last : bool
-        Whether it matters when a set point ends.
+    needs_last, needs_first : bool
+        Whether it matters when a set point ends, and which period is the first one.
     """
 
     model: ControllerModel
@@ -220,6 +222,7 @@ class Steps:
     steps: list[Step] = field(default_factory=list)
     routines: dict[str, Routine] = field(default_factory=dict)
     grids: dict[str, Grid] = field(default_factory=dict)
+    grid_tables: dict[str, LookupTable] = field(default_factory=dict)
     learned: dict[str, Learned] = field(default_factory=dict)
     judges: dict[str, LookupTable] = field(default_factory=dict)
     needs_last: bool = False
@@ -585,6 +588,7 @@ class _Walk:
         if grid not in known:
             known[grid] = self.names.new(f"{name}_cell")
             self.made.grids[known[grid]] = grid
+            self.made.grid_tables[known[grid]] = table
         target = self._local()
         self.made.steps.append(Find(target, known[grid], inputs))
         return target
