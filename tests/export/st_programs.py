@@ -14,10 +14,10 @@ import numpy as np
 WIDTHS = {"INT": 16, "SINT": 8, "DINT": 32}
 REALS = {"REAL": np.float32, "LREAL": np.float64}
 
-_UNIT = re.compile(
-    r"(FUNCTION_BLOCK|FUNCTION) (\w+)(?: : (\w+))?\n(.*?)END_\1\b", re.DOTALL
+_UNIT = re.compile(r"(FUNCTION_BLOCK|FUNCTION) (\w+)(?: : (\w+))?\n(.*?)END_\1\b", re.DOTALL)
+_SECTION = re.compile(
+    r"^VAR(_INPUT|_OUTPUT| CONSTANT| RETAIN|)\n(.*?)^END_VAR$", re.DOTALL | re.MULTILINE
 )
-_SECTION = re.compile(r"^VAR(_INPUT|_OUTPUT| CONSTANT| RETAIN|)\n(.*?)^END_VAR$", re.DOTALL | re.M)
 _DECLARATION = re.compile(
     r"(\w+) : ((?:ARRAY \[0\.\.\d+\] OF )?\w+)(?: := (\[.*?\]|[^;]*))?;", re.DOTALL
 )
@@ -108,8 +108,11 @@ class _Unit:
             kind = type_name.split()[-1]
             if "ARRAY" in type_name:
                 size = int(re.search(r"\.\.(\d+)", type_name)[1]) + 1
-                cells = [_literal(kind, x.strip()) for x in start.strip("[]").split(",")] if start \
+                cells = (
+                    [_literal(kind, x.strip()) for x in start.strip("[]").split(",")]
+                    if start
                     else [stored(kind, 0)] * size
+                )
                 assert len(cells) == size
                 values[key] = cells
             elif kind in REALS or kind in WIDTHS or kind == "BOOL":
@@ -148,7 +151,7 @@ class _Unit:
                 match = re.fullmatch(r"(\w+)(\[.*?\])? := (.*);", words)
                 assert match, words
                 key = match[1].lower()
-                assert key in self.declared and key not in self.constant, words
+                assert key in self.declared.keys() - self.constant, words
                 kind = self.declared[key][0].split()[-1]
                 index = f"[{self._expression(match[2][1:-1])}]" if match[2] else ""
                 value = f"stored('{kind}', {self._expression(match[3])})"
@@ -189,8 +192,9 @@ def _split(text):
 
 
 _FUNCTIONS = {
-    "MIN": min, "MAX": max, "ABS": abs, "SQRT": np.sqrt, "EXP": np.exp, "TRUNC": lambda x: Whole(math.trunc(x)),
-    "COS": np.cos, "SIN": np.sin, "EXPT": np.power, "LN": np.log, "TAN": np.tan, "ATAN": np.arctan,
+    "MIN": min, "MAX": max, "ABS": abs, "TRUNC": lambda x: Whole(math.trunc(x)),
+    "SQRT": np.sqrt, "EXP": np.exp, "COS": np.cos, "SIN": np.sin,
+    "EXPT": np.power, "LN": np.log, "TAN": np.tan, "ATAN": np.arctan,
 }  # fmt: skip
 
 

@@ -70,22 +70,28 @@ _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import SUFFIXES
 
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
     suffix = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS, _UNIT))
     exports = suffix not in SUFFIXES
-    if exports:
-        controller = load_controller(arguments.file)
-        if controller is not None:
-            _export_controller(controller, suffix, arguments)
-            return 0
+    controller = load_controller(arguments.file) if exports else None
+    if controller is not None:
+        _export_controller(controller, suffix, arguments)
+        return 0
     if suffix == _UNIT:
         raise WordError(f"an .fmu is made of a controller, which {arguments.file} is not")
     if not exports:
         _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
     _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")
+    _compile_sheet(arguments, exports=exports)
+    return 0
+
+
+def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
+    """Compile a rule base or a table."""
+    from fuzzyarm.model.rulebase import RuleBase
+
     model = load_sheet(arguments.file)
     if not isinstance(model, RuleBase):
         _forbid(arguments, _RULES_ONLY, f"{arguments.file} is a table already")
@@ -110,7 +116,6 @@ def _run(arguments: argparse.Namespace) -> int:
             print_json(_report_data(report, arguments.out), 2)
         else:
             say(*_report_lines(report, arguments.out))
-    return 0
 
 
 def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> None:
@@ -214,9 +219,7 @@ def _export_controller(
         controller = with_tables(controller, compile_output)
     program = ControllerProgram(controller, arguments.precision or default, arguments.q)
     with busy("exporting"):
-        exported = export_controller(
-            program, arguments.out, arguments.name, fmi=arguments.fmi or 2
-        )
+        exported = export_controller(program, arguments.out, arguments.name, fmi=arguments.fmi or 2)
     exported.write()
     if arguments.json:
         tables = [_report_data(report, arguments.out) for report in reports]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,7 +12,7 @@ from fuzzyarm.export.c import SWITCH, routine_headers
 from fuzzyarm.export.listing import c_numbers, needs_math_header, spread
 from fuzzyarm.export.names import Names, identifier
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number, rounded, rounded_down
-from fuzzyarm.export.routine import CWriter, comment, number_lines
+from fuzzyarm.export.routine import CWriter, comment, plain
 from fuzzyarm.export.steps import (
     FIRST,
     LAST,
@@ -26,33 +26,16 @@ from fuzzyarm.export.steps import (
     Steps,
     Teach,
     Variable,
-    scaled,
-    shift_of,
-    unscaled,
 )
 from fuzzyarm.export.table import COUNT_FUNCTION, SMALLER
-from fuzzyarm.export.table_numbers import FixedTable
-from fuzzyarm.expression.nodes import Node, symbol, symbols
+from fuzzyarm.export.table_numbers import FixedTable, scaled, shift_of, unscaled
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import Node, postorder, symbol, symbols
 from fuzzyarm.expression.printing import variables as names_set
 from fuzzyarm.text.numbers import number_text
 
 POINTERS = {"reference": "reference", "measured": "measured", "drive": "drive"}
 """The arguments of the step that hold ports, by their sort."""
-
-_LEARN = """void NAME(TABLE *table, unsigned cell, REAL judged, REAL rate, REAL bound)
-{
-    const WHOLE responsible = RESPONSIBLE;
-    if (responsible >= 0 && rate != ZERO) { /* none is, before the first delay is over */
-        const HELD value = table->values[responsible] + rate * judged;
-        table->values[responsible] = LIMITED;
-    }
-    table->visits[cell]++;
-REMEMBER}
-"""
-
-_REMEMBER = """    table->ring[table->next] = (WHOLE)cell;
-    table->next = (table->next + 1u) % DELAYu;
-"""
 
 
 @dataclass(frozen=True)
@@ -131,17 +114,23 @@ class CController:
         yield from self._table_types()
         lines = []
         if self.steps.of_sort("gain"):
-            lines.append(f"    {self.prefix}_gains gains; /* init sets them; change them at will */")
+            lines.append(
+                f"    {self.prefix}_gains gains; /* init sets them; change them at will */"
+            )
         if self.steps.needs_first:
             lines.append("    int first; /* whether no step was made yet */")
         if self.steps.needs_last:
-            lines.append("    unsigned until_set_point; /* periods to the next one, this included */")
+            lines.append(
+                "    unsigned until_set_point; /* periods to the next one, this included */"
+            )
         inner = {axis: list(self._axis_lines(axis)) for axis in self.axes}
         lines += self._in_axes(inner)
         self.language.rename[FIRST], self.language.rename[LAST] = "s->first", "last"
         if not lines:
             lines = ["    char nothing; /* C wants a member */"]
-        yield "\n".join([f"typedef struct {{ /* {self.prefix}_state */", *lines, f"}} {self.prefix}_state;\n"])
+        yield "\n".join(
+            [f"typedef struct {{ /* {self.prefix}_state */", *lines, f"}} {self.prefix}_state;\n"]
+        )
 
     def _in_axes(self, lines: dict[str, list[str]]) -> list[str]:
         """Return members, in a struct for each axis where there are several."""
@@ -179,11 +168,13 @@ class CController:
             if gain.number <= 0:
                 member = names.new(gain.name)
                 size = f"[{count}]" if gain.number == 0 else ""
-                unit = f" /* {_plain(units[gain.name])} */" if units[gain.name] else ""
+                unit = f" /* {plain(units[gain.name])} */" if units[gain.name] else ""
                 lines.append(f"    {self.outer} {member}{size};{unit}")
             index = f"[{gain.number}]" if gain.number >= 0 else ""
             self._know(gain.symbol, f"s->gains.{member}{index}", self.outer)
-        yield "\n".join([f"typedef struct {{ /* {self.prefix}_gains */", *lines, f"}} {self.prefix}_gains;\n"])
+        yield "\n".join(
+            [f"typedef struct {{ /* {self.prefix}_gains */", *lines, f"}} {self.prefix}_gains;\n"]
+        )
 
     def _axis_lines(self, axis: str) -> Iterator[str]:
         for each in self.steps.variables.values():
@@ -208,8 +199,10 @@ class CController:
                 known[shape] = self.writer.names.new(f"{self.prefix}_{table.name}_table")
                 whole = _whole(table)
                 ring = (
-                    [f"    {whole} ring[{table.delay}]; /* cells of the last periods, -1: none */",
-                     "    unsigned next;"]
+                    [
+                        f"    {whole} ring[{table.delay}]; /* cells in use before; -1: none */",
+                        "    unsigned next;",
+                    ]
                     if table.delay
                     else []
                 )
@@ -217,7 +210,7 @@ class CController:
                     [
                         f"typedef struct {{ /* {known[shape]} */",
                         f"    {self.outer} values[{shape[0]}];",
-                        f"    unsigned long visits[{shape[0]}]; /* periods that a cell was in use */",
+                        f"    unsigned long visits[{shape[0]}]; /* of each cell */",
                         *ring,
                         f"}} {known[shape]};\n",
                     ]
@@ -271,30 +264,40 @@ class CController:
 
         What `learn` in the kernel does, over indices of arrays, which are no expressions.
         """
-        table = self.steps.learned[key]
-        kind = self.steps.precision
-        narrow = kind.outside is not kind.wide
-        limited = self.language.expression(_limited())
-        words = {
-            "TABLE": self.table_types[key],
-            "WHOLE": _whole(table),
-            "RESPONSIBLE": "table->ring[table->next]" if table.delay else f"({_whole(table)})cell",
-            "HELD": self.outer,
-            "LIMITED": f"({self.outer})({limited})" if narrow else limited,
-            "REMEMBER": _REMEMBER if table.delay else "",
-            "DELAY": str(table.delay),
-            "ZERO": c_number(0.0, kind.wide),
-            "REAL": self.wide,
-        }
-        template = _LEARN
-        if narrow:
-            sum_of = "table->values[responsible] + rate * judged"
-            template = template.replace(sum_of, f"(float)((double){sum_of})")
-            words["LIMITED"] = words["LIMITED"].replace("value", "(double)value")
-        for word in ("REMEMBER", "LIMITED", "RESPONSIBLE"):
-            template = template.replace(word, words.pop(word))
-        name = f"learn_{identifier(self.table_types[key].removeprefix(f'{self.prefix}_'))}"
-        return self.writer.helper(name, template, **words)
+        table_type = self.table_types[key]
+        if table_type in self.functions:
+            return self.functions[table_type]
+        table, wide = self.steps.learned[key], self.wide
+        whole = _whole(table)
+        values = "table->values[responsible]"
+        held, limited = f"{values} + rate * judged", self.language.expression(_limited())
+        if self.outer != wide:
+            held = f"({self.outer})(({wide}){held})"
+            limited = f"({self.outer})({limited.replace('value', f'({wide})value')})"
+        zero = self.language.number(0.0)
+        name = self.functions[table_type] = self.writer.names.new(
+            f"{self.prefix}_learn_{table.name}"
+        )
+        lines = [
+            f"const {whole} responsible = "
+            + ("table->ring[table->next];" if table.delay else f"({whole})cell;"),
+            f"if (responsible >= 0 && rate != {zero}) {{"
+            + (" /* none is, before the first delay is over */" if table.delay else ""),
+            f"    const {self.outer} value = {held};",
+            f"    {values} = {limited};",
+            "}",
+            "table->visits[cell]++;",
+        ]
+        if table.delay:
+            lines.append(f"table->ring[table->next] = ({whole})cell;")
+            lines.append(f"table->next = (table->next + 1u) % {table.delay}u;")
+        head = (
+            f"{self._inner()}void {name}({table_type} *table, unsigned cell, {wide} judged,"
+            f" {wide} rate, {wide} bound)"
+        )
+        body = [f"    {line}" for line in lines]
+        self.writer.helpers.append("\n".join([head, "{", *body, "}", ""]))
+        return name
 
     # --- The step ---
 
@@ -421,10 +424,8 @@ class CController:
         for each in self.steps.variables.values():
             if each.sort in ("gain", "signal", "state"):
                 kind = self.steps.precision.wide if each.wide else self.steps.precision.outside
-                (value,) = rounded([each.start], kind, f"'{each.name}'").tolist() if math.isfinite(
-                    each.start
-                ) else (each.start,)
-                lines.append(f"{self.targets[each.symbol]} = {c_number(value, kind)};")
+                start = rounded([each.start], kind, f"'{each.name}'").tolist()[0]
+                lines.append(f"{self.targets[each.symbol]} = {c_number(start, kind)};")
         if self.steps.needs_first:
             lines.append("s->first = 1;")
         if self.steps.needs_last:
@@ -472,7 +473,9 @@ class CController:
         }
         if self.steps.learned:
             kind = self.outer
-            found["save"] = f"void {p}_save(const {p}_state *s, {kind} *values, unsigned long *visits)"
+            found["save"] = (
+                f"void {p}_save(const {p}_state *s, {kind} *values, unsigned long *visits)"
+            )
             found["load"] = (
                 f"void {p}_load({p}_state *s, const {kind} *values, const unsigned long *visits)"
             )
@@ -504,8 +507,6 @@ class CController:
         nodes: list[Node] = []
         for each in self.steps.steps:
             nodes += [each.value] if isinstance(each, Set) else []
-        from fuzzyarm.expression.nodes import postorder
-
         found = {"math.h"} if needs_math_header(list(postorder(*nodes))) else set()
         for routine in self.steps.routines.values():
             found |= set(routine_headers(routine))
@@ -514,7 +515,9 @@ class CController:
     def constants(self) -> list[str]:
         """Return the macros of the file."""
         upper, model = self.prefix.upper(), self.steps.model
-        lines = [f"#define {upper}_PERIOD {c_number(model.period, self.steps.precision.outside)} /* s */"]
+        lines = [
+            f"#define {upper}_PERIOD {c_number(model.period, self.steps.precision.outside)} /* s */"
+        ]
         if self.steps.needs_last:
             lines.append(f"#define {upper}_SET_POINT_EVERY {model.every}u /* periods */")
         if self.steps.learned:
@@ -616,8 +619,15 @@ def controller_c(
     guard = writer.names.new(f"{prefix.upper()}_H")
     library = " -lm" if steps.calls_functions else ""
     sources = f"-x c {stem}.h" if alone else f"{stem}.c"
-    test = f"gcc -std=c99 -ffp-contract=off -D{SWITCH} {sources} -o self_test{library} && ./self_test"
-    head = [*words, "", *_use_words(made, stem, alone=alone), f"self-test (returns 0 if all is well): {test}"]
+    test = (
+        f"gcc -std=c99 -ffp-contract=off -D{SWITCH} {sources} -o self_test{library} && ./self_test"
+    )
+    head = [
+        *words,
+        "",
+        *_use_words(made, stem, alone=alone),
+        f"self-test (returns 0 if all is well): {test}",
+    ]
     top = [*comment(head, "/*", " *", " */"), ""]
     opening = [f"#ifndef {guard}", f"#define {guard}", "", *made.headers()]
     opening += [""] if opening[-1] else []
@@ -681,16 +691,10 @@ def _whole(table: Learned) -> str:
 
 def _limited() -> Node:
     """Return a value within ± bound, as the kernel has it."""
-    from fuzzyarm.expression import op
-
-    return op.minimum(op.maximum(symbol("value"), -symbol("bound")), symbol("bound"))
+    bound = symbol("bound")
+    limited: Node = op.minimum(op.maximum(symbol("value"), -bound), bound)
+    return limited
 
 
 def _literal(value: float, kind: Kind) -> str:
     return "NAN" if math.isnan(value) else c_number(value, kind)
-
-
-def _plain(text: str) -> str:
-    from fuzzyarm.export.routine import plain
-
-    return plain(text)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ST_TYPES, ExportError, rounded, st_number
-from fuzzyarm.export.routine import number_lines
+from fuzzyarm.export.routine import number_lines, plain
 from fuzzyarm.export.steps import (
     FIRST,
     LAST,
@@ -24,9 +24,6 @@ from fuzzyarm.export.steps import (
     Steps,
     Teach,
     Variable,
-    scaled,
-    shift_of,
-    unscaled,
 )
 from fuzzyarm.export.structured_text import (
     CellBlock,
@@ -36,7 +33,13 @@ from fuzzyarm.export.structured_text import (
     st_numbers,
 )
 from fuzzyarm.export.table import TableRoutine
-from fuzzyarm.export.table_numbers import FixedTable, float_table
+from fuzzyarm.export.table_numbers import (
+    FixedTable,
+    float_table,
+    scaled,
+    shift_of,
+    unscaled,
+)
 from fuzzyarm.expression.nodes import Node, symbol
 from fuzzyarm.expression.printing import Statement, setting, statements, variables
 
@@ -128,7 +131,7 @@ class _Controller:
         remark = ""
         if each.sort == "gain":
             unit = next(g.unit for g in self.steps.model.gains if g.name == each.name)
-            remark = f" (* {_harmless(unit)} *)" if unit else ""
+            remark = f" (* {plain(unit)} *)" if unit else ""
         self.sections[title].append(f"    {name} : {kind}{start};{remark}")
         self._know(each.symbol, name, kind)
 
@@ -333,7 +336,9 @@ class _Controller:
         """Return the file."""
         lines = list(self._statements())
         written = {line.strip().partition(" := ")[0] for line in lines}
-        self.sections["VAR"] += [f"    {part} : {self.wide};" for part in sorted(self.parts & written)]
+        self.sections["VAR"] += [
+            f"    {part} : {self.wide};" for part in sorted(self.parts & written)
+        ]
         declared = []
         for title, own in self.sections.items():
             if own:
@@ -351,9 +356,3 @@ class _Controller:
             )
         if self.steps.learned:
             yield "tables that learn are RETAIN: they stay where the power goes"
-
-
-def _harmless(text: str) -> str:
-    from fuzzyarm.export.routine import plain
-
-    return plain(text) if identifier(text) else text

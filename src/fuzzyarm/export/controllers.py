@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,9 +15,10 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.export.controller_c import Vectors, controller_c
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
-from fuzzyarm.export.steps import Replica, RoutineOptions, Steps, Variable, steps_of, trial
+from fuzzyarm.export.replica import Replica, trial
+from fuzzyarm.export.steps import RoutineOptions, Steps, Variable, steps_of
 from fuzzyarm.export.table_numbers import FixedTable
-from fuzzyarm.model.controller import Signal, Source
+from fuzzyarm.model.controller import Line, Signal, Source
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.files import write_atomically
@@ -61,11 +62,11 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
             tables[key] = compile_output(rulebase, output)
         return tables[key]
 
-    def lines_of(line: object) -> list[object]:
+    def lines_of(line: Line) -> list[Line]:
         if not isinstance(line, Signal) or line.source is None or line.source.kind != "rules":
             return [line]
         source = line.source
-        found: list[object] = []
+        found: list[Line] = []
         used = text.sheets[source.name]
         for number, name in enumerate(line.names):
             outputs = [sheet.outputs[number].name for sheet in used if isinstance(sheet, RuleBase)]
@@ -161,7 +162,9 @@ class ControllerProgram:
                 abs(x - truth[port_name(steps, each)]) for x, each in zip(row, drives, strict=True)
             )
             worst = max([worst, *(d for d in differences if not math.isnan(d))])
-        largest = max((abs(x) for row in expected_rows for x in row if not math.isnan(x)), default=0.0)
+        largest = max(
+            (abs(x) for row in expected_rows for x in row if not math.isnan(x)), default=0.0
+        )
         tolerance = self._loose() * float(np.finfo(outside).eps) * max(largest, 1e-30)
         return Tried(Vectors(given_rows, expected_rows, tolerance), worst, largest)
 
@@ -210,8 +213,10 @@ class ControllerProgram:
                 shape = " x ".join(map(str, core.table.shape))
                 whole = f", in q{self.q}" if isinstance(core, FixedTable) else ""
                 lines.append(f"{name}: table of {shape} cells, looked up by {core.mode}{whole}")
-        for learned in self.steps.learned.values():
-            lines.append(f"{learned.axis} {learned.name}: table of {len(learned.values)} cells that learns")
+        lines += [
+            f"{each.axis} {each.name}: table of {len(each.values)} cells that learns"
+            for each in self.steps.learned.values()
+        ]
         return lines
 
     def provenance(self) -> list[tuple[str, str]]:

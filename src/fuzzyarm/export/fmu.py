@@ -60,9 +60,7 @@ def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) ->
         raise ExportError("a unit computes in double precision", hint="--precision float64")
     compiler = find_compiler()
     steps = program.steps
-    files, made = controller_c(
-        steps, prefix, prefix, ".h", program.tried.vectors, program.head()
-    )
+    files, made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
     entries = list(_entries(program, made.targets))
     settable = sum(each.sort in ("reference", "measured", "gain") for each, _, _ in entries)
     digest = hashlib.sha256((files[".h"] + str(version)).encode()).digest()
@@ -253,9 +251,9 @@ def _description(
         if version == 3:
             Xml.SubElement(variables, "Float64", {**words, **start})
         else:
-            unit = {"unit": words.pop("unit")} if "unit" in words else {}
+            own = {"unit": words.pop("unit")} if "unit" in words else {}
             variable = Xml.SubElement(variables, "ScalarVariable", words)
-            Xml.SubElement(variable, "Real", {**unit, **start})
+            Xml.SubElement(variable, "Real", {**own, **start})
     if version == 3:
         time = {"name": "time", "valueReference": str(len(entries)), "causality": "independent"}
         Xml.SubElement(variables, "Float64", {**time, "variability": "continuous"})
@@ -271,9 +269,7 @@ def _structure(root: Xml.Element, version: int, entries: Sequence[Entry]) -> Non
     if version == 3:
         for word in ("Output", "InitialUnknown"):
             for number in drives:
-                Xml.SubElement(
-                    structure, word, {"valueReference": str(number), "dependencies": ""}
-                )
+                Xml.SubElement(structure, word, {"valueReference": str(number), "dependencies": ""})
         return
     for word in ("Outputs", "InitialUnknowns"):
         listed = Xml.SubElement(structure, word)

@@ -17,7 +17,7 @@ import operator
 import textwrap
 from collections.abc import Callable
 from functools import cache
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node, apply
@@ -171,33 +171,33 @@ class _Reader:
     # --- Expressions ---
 
     def value(self, each: ast.expr) -> Any:
-        if isinstance(each, ast.Constant):
-            return each.value
-        if isinstance(each, ast.Name):
-            return self.known[each.id] if each.id in self.known else self.names[each.id]
-        if isinstance(each, ast.BinOp):
-            return _BINARY[type(each.op)](self.value(each.left), self.value(each.right))
-        if isinstance(each, ast.UnaryOp):
-            return self.unary(each)
-        if isinstance(each, ast.BoolOp):
-            return self.joined(each)
-        if isinstance(each, ast.Compare):
-            (sign,), (right,) = each.ops, each.comparators
-            a, b = self.value(each.left), self.value(right)
-            if isinstance(sign, ast.NotEq) and isinstance(a, Node) and b == 0.0:
-                return self.cells.cells.is_not_zero(a)
-            return _compared(type(sign), a, b)
-        if isinstance(each, ast.IfExp):
-            condition = self.value(each.test)
-            if isinstance(condition, Node):
-                return _choice(condition, self.value(each.body), self.value(each.orelse))
-            return self.value(each.body if condition else each.orelse)
-        if isinstance(each, ast.Subscript):
-            array, index = self.value(each.value), self.value(each.slice)
-            return self.cells.load(index) if array is self.cells else array[index]
-        if isinstance(each, ast.Call):
-            return self.called(each)
-        raise NotImplementedError(ast.unparse(each))
+        reader = self._READERS.get(type(each))
+        if reader is None:
+            raise NotImplementedError(ast.unparse(each))
+        return reader(self, each)
+
+    def name(self, each: ast.Name) -> Any:
+        return self.known[each.id] if each.id in self.known else self.names[each.id]
+
+    def binary(self, each: ast.BinOp) -> Any:
+        return _BINARY[type(each.op)](self.value(each.left), self.value(each.right))
+
+    def comparison(self, each: ast.Compare) -> Any:
+        (sign,), (right,) = each.ops, each.comparators
+        a, b = self.value(each.left), self.value(right)
+        if isinstance(sign, ast.NotEq) and isinstance(a, Node) and b == 0.0:
+            return self.cells.cells.is_not_zero(a)
+        return _compared(type(sign), a, b)
+
+    def choice(self, each: ast.IfExp) -> Any:
+        condition = self.value(each.test)
+        if isinstance(condition, Node):
+            return _choice(condition, self.value(each.body), self.value(each.orelse))
+        return self.value(each.body if condition else each.orelse)
+
+    def subscript(self, each: ast.Subscript) -> Any:
+        array, index = self.value(each.value), self.value(each.slice)
+        return self.cells.load(index) if array is self.cells else array[index]
 
     def unary(self, each: ast.UnaryOp) -> Any:
         value = self.value(each.operand)
@@ -228,9 +228,21 @@ class _Reader:
             return self.cells.cells.rounded(arguments[0])
         if name in _PLAIN:
             unknown = any(isinstance(argument, Node) for argument in arguments)
-            known, traced = _PLAIN[name]
-            return traced(*arguments) if unknown else known(*arguments)
+            plain, traced = _PLAIN[name]
+            return traced(*arguments) if unknown else plain(*arguments)
         return _Reader(self.names[name], self.cells).run(arguments)
+
+    _READERS: ClassVar[dict[type, Callable[..., Any]]] = {
+        ast.Constant: lambda _, each: each.value,
+        ast.Name: name,
+        ast.BinOp: binary,
+        ast.UnaryOp: unary,
+        ast.BoolOp: joined,
+        ast.Compare: comparison,
+        ast.IfExp: choice,
+        ast.Subscript: subscript,
+        ast.Call: called,
+    }
 
 
 def _choice(condition: Node, then: Any, otherwise: Any) -> Any:

@@ -3,15 +3,15 @@
 What an instruction computes is read from the kernel itself (:mod:`fuzzyarm.export.reading`);
 here its cells get names, and what is more than arithmetic (asking a rule base, looking up,
 learning) becomes a step of its own. C and Structured Text print the steps; run in Python
-(:class:`Replica`) they are the model of the exported program, to the bit and in its precision.
+(:mod:`fuzzyarm.export.replica`) they are the model of the exported program, to the bit and in
+its precision.
 """
 
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -23,19 +23,17 @@ from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.controller.program import Program, SourceError, Wiring, write_down
 from fuzzyarm.controller.text import ControllerText, wiring_of
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.numbers import ExportError, Kind, Precision, precision_named
+from fuzzyarm.export.numbers import ExportError, Precision, precision_named
 from fuzzyarm.export.reading import read
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
-from fuzzyarm.export.table import TableRoutine
+from fuzzyarm.export.table import MOST_CELLS, TableRoutine
 from fuzzyarm.export.table_numbers import (
     FixedTable,
     FloatTable,
-    Scale,
     fixed_table,
     float_table,
 )
-from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import (
     Apply,
@@ -50,11 +48,14 @@ from fuzzyarm.expression.nodes import (
 )
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.model.controller import ControllerModel
-from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, VALUES
 
 MOST_STEPS = 20_000
 """Instructions of a controller, which are written out one after the other."""
+
+MOST_LEARNED = 0xFFFF
+"""Cells of a table that learns: an `unsigned` holds their index on every machine."""
 
 FIRST, LAST = "first", "last"
 """Symbols of two conditions: the first period; the last one of a set point."""
@@ -399,7 +400,7 @@ class _Walk:
 
     def is_nan(self, value: Node) -> Node:
         """Return the condition that a value is not a number, or nothing yet."""
-        nan = ~op.equal(value, value)
+        nan: Node = ~op.equal(value, value)
         if isinstance(value, Symbol) and value.name in self.unseen:
             self.made.needs_first = True
             return symbol(FIRST) | nan
@@ -407,7 +408,8 @@ class _Walk:
 
     def is_not_zero(self, value: Node) -> Node:
         """Return the condition that a value is not 0; the clock has conditions, not numbers."""
-        return value if value is symbol(LAST) else ~op.equal(value, 0.0)
+        condition: Node = value if value is symbol(LAST) else ~op.equal(value, 0.0)
+        return condition
 
     def store(self, index: int, value: Any) -> None:
         """Take down what an instruction writes, for `_flush`."""
@@ -555,6 +557,11 @@ class _Walk:
     def _table(self, values: int, inputs: Sequence[str]) -> str:
         """Return the name of the routine of a table; axes with the same one share it."""
         name, table = self.program.tables[values]
+        if table.values.size > MOST_CELLS:
+            raise ExportError(
+                f"the table '{name}' has {table.values.size:,} cells; at most {MOST_CELLS:,} are"
+                " exported"
+            )
         # Signals in single precision find their cell among thresholds in single precision.
         narrow = not any(self.made.variables[each].wide for each in inputs)
         core = self._core(table, narrow=narrow)
@@ -613,6 +620,11 @@ class _Walk:
         (key,) = (k for k, place in self.program.learned.items() if place.values == values)
         name = f"{key[0]}:{key[1]}"
         place = self.program.learned[key]
+        if place.count > MOST_LEARNED:
+            raise ExportError(
+                f"the table '{key[1]}' learns in {place.count:,} cells; at most {MOST_LEARNED:,}"
+                " are exported"
+            )
         start = self.program.cells[values : values + place.count]
         delay = entries[at.DELAY]
         self.made.learned[name] = Learned(*key, tuple(map(float, start)), delay)
@@ -653,9 +665,9 @@ def _shared(roots: Sequence[Node]) -> Node | None:
     uses = Counter(child for node in nodes for child in children(node))
     uses.update(roots)
     for node in nodes:
-        if isinstance(node, Apply) and uses[node] > 1:
-            if not OPERATIONS[node.operation].is_condition:
-                return node
+        condition = isinstance(node, Apply) and OPERATIONS[node.operation].is_condition
+        if isinstance(node, Apply) and uses[node] > 1 and not condition:
+            return node
     return None
 
 
@@ -670,167 +682,3 @@ def _with(root: Node, part: Node, instead: Node) -> Node:
         else:
             made[node] = node
     return made[root]
-
-
-# --- The model of the exported program ---
-
-
-class Replica:
-    """The steps in Python, in the precision and with the arithmetic of the exported program.
-
-    Parameters
-    ----------
-    steps : Steps
-        Which controller.
-    """
-
-    def __init__(self, steps: Steps) -> None:
-        self.program = steps
-        self.real = steps.precision.wide
-        self._orders: dict[Node, Schedule] = {}
-        self._routines = {name: _call_of(each) for name, each in steps.routines.items()}
-        self.start()
-
-    def start(self) -> None:
-        """Forget everything."""
-        steps = self.program
-        self.values: dict[str, Any] = {
-            name: self.real(self._held(each)) for name, each in steps.variables.items()
-        }
-        held = np.float32 if steps.single else np.float64
-        self.tables = {
-            name: np.array(each.values, held).astype(self.real)
-            for name, each in steps.learned.items()
-        }
-        self.visits = {name: np.zeros(len(t), np.int64) for name, t in self.tables.items()}
-        self._rings = {name: [-1] * each.delay for name, each in steps.learned.items()}
-        self._judges = {
-            name: np.asarray(table.values, held).ravel().astype(self.real)
-            for name, table in steps.judges.items()
-        }
-        self._periods = 0
-
-    def _held(self, variable: Variable) -> float:
-        wide = variable.wide or not self.program.single
-        return variable.start if wide else float(np.float32(variable.start))
-
-    def step(self, given: Mapping[str, float]) -> dict[str, float]:
-        """Run one period with values of references and measured ports, by symbol."""
-        outside = self.program.precision.outside
-        for name, value in given.items():
-            self.values[name] = self.real(outside(value))
-        self._periods += 1
-        self.values[FIRST] = np.bool_(self._periods == 1)
-        self.values[LAST] = np.bool_(self._periods % self.program.model.every == 0)
-        for each in self.program.steps:
-            self._run(each)
-        return {each.symbol: self.values[each.symbol] for each in self.program.of_sort("drive")}
-
-    def _run(self, each: Step) -> None:
-        values = self.values
-        if isinstance(each, Set):
-            value = self._value(each.value)
-            if each.rounded and self.program.single:
-                value = self.real(np.float32(value))
-            values[each.target] = value
-        elif isinstance(each, Ask):
-            given = [values[name] for name in each.inputs]
-            values[each.target] = self._routines[each.routine](given, self.real)
-        elif isinstance(each, Find):
-            values[each.target] = _cell(self.program.grids[each.grid], [values[n] for n in each.inputs])
-        elif isinstance(each, Pick):
-            values[each.target] = self.tables[each.table][values[each.cell]]
-        else:
-            self._teach(each)
-
-    def _value(self, node: Node) -> Any:
-        if node not in self._orders:
-            self._orders[node] = schedule(node)
-        return self.real(evaluate_arrays(node, self.values, self.real, self._orders[node]))
-
-    def _teach(self, each: Teach) -> None:
-        table, ring = self.tables[each.table], self._rings[each.table]
-        cell = self.values[each.cell]
-        responsible = ring.pop(0) if ring else cell
-        if self.program.learned[each.table].delay:
-            ring.append(cell)
-        rate, bound = self._value(each.rate), self._value(each.bound)
-        if responsible >= 0 and rate != 0.0:
-            judged = self._judges[each.judge][self.values[each.judged]]
-            value = table[responsible] + rate * judged
-            if self.program.single:
-                value = self.real(np.float32(value))
-            table[responsible] = min(max(value, -bound), bound)
-        self.visits[each.table][cell] += 1
-
-
-def _cell(grid: Grid, inputs: Sequence[Any]) -> int:
-    """Return the number of a cell, the last input fastest."""
-    cell = 0
-    for (_, thresholds), x in zip(grid, inputs, strict=True):
-        cell = cell * (len(thresholds) + 1) + bisect_left(thresholds, float(x))
-    return cell
-
-
-def _call_of(routine: Routine) -> Callable[[Sequence[Any], Kind], Any]:
-    """Return how the exported program calls a routine."""
-    core = getattr(routine, "core", None)
-
-    def plain(inputs: Sequence[Any], real: Kind) -> Any:
-        return real(routine.evaluate(*([x] for x in inputs))[0])
-
-    def in_whole_numbers(inputs: Sequence[Any], real: Kind) -> Any:
-        numbers = [
-            [int(evaluate_arrays(scaled(scale, symbol("x")), {"x": x}, real)) - shift_of(scale)]
-            for scale, x in zip(core.inputs, inputs, strict=True)
-        ]
-        number = real(int(core.evaluate(*numbers)[0]))
-        return real(evaluate_arrays(unscaled(core.output, symbol("n")), {"n": number}, real))
-
-    return in_whole_numbers if isinstance(core, FixedTable) else plain
-
-
-def shift_of(scale: Scale) -> int:
-    """Return what is added to a whole number so that it is not negative."""
-    return -scale.low
-
-
-def scaled(scale: Scale, x: Node) -> Node:
-    """Return a quantity in steps of whole numbers, shifted: cut off, it is rounded.
-
-    NaN becomes the lowest number.
-    """
-    steps = (x - scale.offset) * (1.0 / scale.step) if scale.offset else x * (1.0 / scale.step)
-    inside = op.minimum(op.maximum(float(scale.low), steps), float(scale.high))
-    return inside + (shift_of(scale) + 0.5)
-
-
-def unscaled(scale: Scale, number: Node) -> Node:
-    """Return the quantity of a whole number."""
-    value = number * scale.step
-    return value + scale.offset if scale.offset else value
-
-
-# --- Signals to try a controller with ---
-
-
-def trial(steps: Steps, periods: int, seed: int = 1) -> Iterator[dict[str, float]]:
-    """Yield values for the ports, period by period.
-
-    References wander; measured values miss them by errors of every size from 1e-4 to 10, so
-    that rule bases are asked near their middle and beyond their ranges.
-    """
-    draw = np.random.default_rng(seed)
-    outside = steps.precision.outside
-    references = {each: draw.uniform(0.2, 2.0, 2) for each in steps.of_sort("reference")}
-    errors = {each: draw.uniform(0.05, 0.4, 2) for each in steps.of_sort("measured")}
-    for k in range(periods):
-        given = {
-            each.symbol: float(outside(a * math.sin(0.05 * b * k)))
-            for each, (a, b) in references.items()
-        }
-        for each, (a, b) in errors.items():
-            size = 10.0 ** (4.0 * math.sin(a * k + 1.0) * math.cos(0.3 * b * k) - 1.5)
-            target = given.get(each.symbol.replace("measured:", "reference:"), 0.0)
-            given[each.symbol] = float(outside(target - min(size, 10.0) * math.sin(b * k + 2.0)))
-        yield given

@@ -100,6 +100,7 @@ class TableBlock(TableCode):
         self.index = "INT" if core.values.size <= 0x7FFF else "DINT"
 
     def text(self) -> str:
+        """Return the block."""
         statements = self._interpolate() if self.core.linear else self._pick()
         constants = ["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []
         variables = [f"    {name} : {kind};" for name, kind in self.variables]

@@ -26,6 +26,9 @@ from fuzzyarm.text.numbers import number_text
 
 Core = FloatTable | FixedTable
 
+MOST_CELLS = 1_000_000
+"""Cells of a table in source text, which compilers read slowly."""
+
 
 @dataclass(frozen=True, slots=True)
 class Side:
@@ -220,7 +223,9 @@ class _CTable(TableCode):
         given = f"({self.inner}){side.name}" if self.inner != self.outer else side.name
         found = f"0{u}"
         if side.size > 2:
-            count = self.writer.helper("level", COUNT_FUNCTION, INDEX=index, TYPE=self.inner, **_REACHED)
+            count = self.writer.helper(
+                "level", COUNT_FUNCTION, INDEX=index, TYPE=self.inner, **_REACHED
+            )
             found = f"{count}({levels} + 1, {side.size - 2}{u}, {x})"
         t = names.new(f"t_{side.name}")
         lower, upper = f"{levels}[{i}]", f"{levels}[{i} + 1u]"

@@ -12,7 +12,7 @@ from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.structured_text import structured_text
-from fuzzyarm.export.table import TableRoutine
+from fuzzyarm.export.table import MOST_CELLS, TableRoutine
 from fuzzyarm.export.table_numbers import fixed_table, float_table
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
@@ -20,9 +20,6 @@ from fuzzyarm.text.files import write_atomically
 
 EXPORTS = (".h", ".c", ".st")
 """Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text."""
-
-MOST_CELLS = 1_000_000
-"""Cells of a table in source text, which compilers read slowly."""
 
 
 @dataclass(frozen=True, eq=False)

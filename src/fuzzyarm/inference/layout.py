@@ -663,7 +663,7 @@ class _OutputWriter:
             grouped: dict[int, list[_Rule]] = {}
             for member, rule in entries:
                 grouped.setdefault(member, []).append(rule)
-            # In the order of the sets, whatever the cell: the exported program adds them up so, too.
+            # In the order of the sets, whatever the cell: exported programs add them up so, too.
             yield from sorted(grouped.items())
         else:
             for member, rule in entries:
