@@ -192,7 +192,7 @@ def _split(text):
 
 
 _FUNCTIONS = {
-    "MIN": min, "MAX": max, "ABS": abs, "TRUNC": lambda x: Whole(math.trunc(x)),
+    "MIN": min, "MAX": max, "ABS": abs, "TRUNC": lambda x: Whole(math.trunc(float(x))),
     "SQRT": np.sqrt, "EXP": np.exp, "COS": np.cos, "SIN": np.sin,
     "EXPT": np.power, "LN": np.log, "TAN": np.tan, "ATAN": np.arctan,
 }  # fmt: skip
