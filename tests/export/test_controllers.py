@@ -227,7 +227,8 @@ int main(void)
     made_load(&again, values, 0);
     made_step(&again, &r, &m, &v);
     made_step(&s, &r, &m, &u);
-    printf("%.6g %.6g %lu\n", (double)u.joint1.voltage, (double)v.joint1.voltage, visits[8 * 13 + 6]);
+    printf("%.6g %.6g ", (double)u.joint1.voltage, (double)v.joint1.voltage);
+    printf("%lu\n", visits[8 * 13 + 6]);
     return 0;
 }
 """

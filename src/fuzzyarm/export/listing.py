@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
@@ -63,6 +63,25 @@ def needs_math_header(nodes: Sequence[Node]) -> bool:
     return uses_functions(nodes) or any(
         isinstance(node, Constant) and not math.isfinite(node.value) for node in nodes
     )
+
+
+def operations_of(
+    node: Node, called: Callable[[str], Counter[str]] | None = None, *, least: bool = False
+) -> Counter[str]:
+    """Return how many operations of each sort an expression takes, never both branches.
+
+    `called` says what a symbol takes that stands for a call; `least` takes the branch of fewer
+    operations instead of the most of each sort.
+    """
+    if not isinstance(node, Apply):
+        return called(node.name) if called and isinstance(node, Symbol) else Counter()
+    first, *rest = (operations_of(child, called, least=least) for child in node.arguments)
+    if node.operation == "where":
+        fewer = min(rest, key=lambda count: count.total())
+        return first + (fewer if least else rest[0] | rest[1])
+    sort = OPERATIONS[node.operation].sort.removesuffix(" of two")
+    own = Counter() if sort == "logic" else Counter({sort: 1})
+    return sum(rest, first) + own
 
 
 @dataclass(frozen=True)
@@ -221,18 +240,14 @@ class Listing:
         return total
 
     def _count_node(self, node: Node) -> Counter[str]:
-        if not isinstance(node, Apply):
-            called = self.calls.get(node.name) if isinstance(node, Symbol) else None
-            if called is None:
-                return Counter()
-            function, argument = called
-            return self._count(function_body(function)) + self._count_node(argument)
-        first, *rest = (self._count_node(child) for child in node.arguments)
-        if node.operation == "where":
-            return first + (rest[0] | rest[1])
-        sort = OPERATIONS[node.operation].sort.removesuffix(" of two")
-        own = Counter() if sort == "logic" else Counter({sort: 1})
-        return sum(rest, first) + own
+        return operations_of(node, self._count_call)
+
+    def _count_call(self, name: str) -> Counter[str]:
+        called = self.calls.get(name)
+        if called is None:
+            return Counter()
+        function, argument = called
+        return self._count(function_body(function)) + self._count_node(argument)
 
     # ── text ─────────────────────────────────────────────────────────────────────────
 
