@@ -288,6 +288,32 @@ int main(void)
     assert said.split() == ["1", "2", "1", "2", "3", "4", "5", "1", "2"]
 
 
+ODD = {
+    "constant": ["axis a", "  drive y = 3"],
+    "measured only": ["axis a", "  u = measured x", "  drive y = u"],
+    "reserved words": [
+        "gain 'int' = 2 \"/* a */\"", "axis 'double', 'ä b'", "  u = reference 'for' * 'int'",
+        "  drive 'if' = u",
+    ],
+    "names of ours": [
+        "gain s = 1, 2", "axis gains, drive", "  first = error of x * s",
+        "  reference = change of first", "  t = lag of reference, time 1 s", "  drive s = t",
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_names_and_missing_parts_are_no_trouble(tmp_path, name):
+    text = text_of("\n".join(["controller c", "period 1 ms", *ODD[name]]))
+    for precision in ("mixed", "float64"):
+        path = tmp_path / f"step_{precision}.h"
+        export_controller(ControllerProgram(text, precision), path).write()
+        compile_c(["-x", "c", path], tmp_path / "test", "gcc", "-DFUZZYARM_SELF_TEST")
+        assert execute(tmp_path / "test") == 0
+    exported = export_controller(ControllerProgram(text, "float32"), tmp_path / "plc.st")
+    Program(exported.files[0][1], "REAL").instance(exported.calls[0]).run()
+
+
 # --- Structured Text ---
 
 

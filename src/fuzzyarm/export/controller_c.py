@@ -34,6 +34,8 @@ from fuzzyarm.expression.nodes import Node, postorder, symbol, symbols
 from fuzzyarm.expression.printing import variables as names_set
 from fuzzyarm.text.numbers import number_text
 
+_FUNCTIONS = ("init", "step", "save", "load")
+
 POINTERS = {"reference": "reference", "measured": "measured", "drive": "drive"}
 """The arguments of the step that hold ports, by their sort."""
 
@@ -70,6 +72,8 @@ class CController:
 
     def __post_init__(self) -> None:
         self.prefix = self.writer.prefix
+        for word in ("state", "gains", "reference", "measured", "drives", *_FUNCTIONS):
+            self.writer.names.new(f"{self.prefix}_{word}")
         self.outer, self.wide = (
             C_TYPES[kind] for kind in (self.steps.precision.outside, self.steps.precision.wide)
         )
@@ -532,7 +536,10 @@ class CController:
             bodies |= {what: self.copy_lines(what) for what in ("save", "load")}
         functions = []
         for what, prototype in self.prototypes().items():
-            lines = [f"    {line}" if line else "" for line in bodies[what]]
+            body = bodies[what]
+            if not any("s->" in line for line in body):  # a drive that is a number
+                body = ["(void)s;", *body]
+            lines = [f"    {line}" if line else "" for line in body]
             functions.append("\n".join([f"{self.writer.storage}{prototype}", "{", *lines, "}", ""]))
         return "\n".join([*self.writer.constants, *self.writer.helpers, *functions])
 

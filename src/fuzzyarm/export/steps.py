@@ -517,7 +517,11 @@ class _Walk:
         for output, cell in zip(rulebase.outputs, cells[count:], strict=True):
             key = (id(rulebase), output.name)
             if key not in self.asked:
-                routine = direct_routine(rulebase, output.name, self._inner(), in_loop=True)
+                try:
+                    routine = direct_routine(rulebase, output.name, self._inner(), in_loop=True)
+                except ExportError as error:
+                    hint = "--table looks the rules up in a table"
+                    raise ExportError(error.message, hint=hint) from None
                 if routine.program.holds:
                     raise ExportError(
                         f"'{output.name}' of '{rulebase.name}' holds its value where no rule"
@@ -563,7 +567,8 @@ class _Walk:
                 " exported"
             )
         # Signals in single precision find their cell among thresholds in single precision.
-        narrow = not any(self.made.variables[each].wide for each in inputs)
+        known = [self.made.variables.get(each) for each in inputs]
+        narrow = all(each is not None and not each.wide for each in known)
         core = self._core(table, narrow=narrow)
         for known, routine in self.made.routines.items():
             if isinstance(routine, TableRoutine) and _same_table(routine.core, core):
@@ -620,6 +625,10 @@ class _Walk:
         (key,) = (k for k, place in self.program.learned.items() if place.values == values)
         name = f"{key[0]}:{key[1]}"
         place = self.program.learned[key]
+        if name in self.made.learned:
+            raise ExportError(
+                f"two lines teach the table '{key[1]}' of axis '{key[0]}'; one is exported"
+            )
         if place.count > MOST_LEARNED:
             raise ExportError(
                 f"the table '{key[1]}' learns in {place.count:,} cells; at most {MOST_LEARNED:,}"
