@@ -567,8 +567,8 @@ class _Walk:
                 " exported"
             )
         # Signals in single precision find their cell among thresholds in single precision.
-        known = [self.made.variables.get(each) for each in inputs]
-        narrow = all(each is not None and not each.wide for each in known)
+        signals = [self.made.variables.get(each) for each in inputs]
+        narrow = all(each is not None and not each.wide for each in signals)
         core = self._core(table, narrow=narrow)
         for known, routine in self.made.routines.items():
             if isinstance(routine, TableRoutine) and _same_table(routine.core, core):
