@@ -25,12 +25,7 @@ from hypothesis import strategies as st
 from st_programs import Program
 
 from fuzzyarm.cli import main
-from fuzzyarm.export import ExportError
-from fuzzyarm.export.controllers import (
-    ControllerProgram,
-    export_controller,
-    with_tables,
-)
+from fuzzyarm.export import ControllerProgram, ExportError, export_controller, with_tables
 from fuzzyarm.export.names import identifier
 from fuzzyarm.export.replica import Replica, trial
 from fuzzyarm.export.steps import steps_of

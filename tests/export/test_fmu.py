@@ -13,8 +13,8 @@ import pytest
 from controller_programs import EVERYTHING, model_drives, ports, scattered, shipped_text, text_of
 
 from fuzzyarm.cli import main
-from fuzzyarm.export import ExportError
-from fuzzyarm.export.controllers import ControllerProgram, export_controller, port_name
+from fuzzyarm.export import ControllerProgram, ExportError, export_controller
+from fuzzyarm.export.controllers import port_name
 from fuzzyarm.export.fmu import find_compiler
 from fuzzyarm.shipped_files import shipped
 

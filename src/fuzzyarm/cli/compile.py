@@ -52,8 +52,7 @@ from fuzzyarm.text.diagnostic import Diagnostic
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.export import Exported
-    from fuzzyarm.export.controllers import ExportedController
+    from fuzzyarm.export import Exported, ExportedController
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import CompileReport, LookupTable
 
@@ -195,7 +194,7 @@ def _export_controller(
     controller: ControllerText, suffix: str, arguments: argparse.Namespace
 ) -> None:
     """Write a controller as a program and say what it is."""
-    from fuzzyarm.export.controllers import ControllerProgram, export_controller, with_tables
+    from fuzzyarm.export import ControllerProgram, export_controller, with_tables
 
     if arguments.table and arguments.direct:
         raise WordError("--table and --direct exclude each other")

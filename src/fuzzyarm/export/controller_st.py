@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fuzzyarm.export.controllers import ControllerProgram
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import ST_TYPES, ExportError, rounded, st_number
 from fuzzyarm.export.routine import number_lines, plain
@@ -42,9 +42,6 @@ from fuzzyarm.export.table_numbers import (
 )
 from fuzzyarm.expression.nodes import Node, symbol
 from fuzzyarm.expression.printing import Statement, setting, statements, variables
-
-if TYPE_CHECKING:
-    from fuzzyarm.export.controllers import ControllerProgram
 
 
 def controller_st(program: ControllerProgram, prefix: str) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""From controllers to exported files: tables in place of rules, the self-test, what is said."""
+"""Controllers ready to be exported: tables in place of rules, the self-test, what is said."""
 
 from __future__ import annotations
 
@@ -12,21 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.export.controller_c import Vectors, controller_c
-from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
-from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.controller_c import Vectors
 from fuzzyarm.export.replica import Replica, trial
 from fuzzyarm.export.steps import RoutineOptions, Steps, Variable, steps_of
 from fuzzyarm.export.table_numbers import FixedTable
 from fuzzyarm.model.controller import Line, Signal, Source
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
-from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.version import __version__
-
-CONTROLLER_EXPORTS = (".h", ".c", ".st", ".fmu")
-"""Suffixes of an exported controller."""
 
 PERIODS = 80
 """Periods of a self-test."""
@@ -239,83 +233,3 @@ def _by_port(steps: Steps, given: dict[str, float]) -> dict[str, dict[str, float
         sort: {port_name(steps, each): given[each.symbol] for each in steps.of_sort(sort)}
         for sort in ("measured", "reference")
     }
-
-
-@dataclass(frozen=True)
-class ExportedController:
-    """Files of a controller, not yet written.
-
-    Attributes
-    ----------
-    program : ControllerProgram
-        What is in them.
-    files : tuple of (Path, str or bytes)
-        Where and what.
-    calls : tuple of str
-        Prototypes, or the name of a function block.
-    """
-
-    program: ControllerProgram
-    files: tuple[tuple[Path, str | bytes], ...]
-    calls: tuple[str, ...]
-
-    def write(self) -> None:
-        """Write the files, each whole or not at all."""
-        for path, content in self.files:
-            write_atomically(path, content)
-
-
-def export_controller(
-    program: ControllerProgram, path: str | Path, name: str | None = None, *, fmi: int = 2
-) -> ExportedController:
-    """Return the files of a controller for a path, by its suffix.
-
-    Parameters
-    ----------
-    program : ControllerProgram
-        The controller.
-    path : str or Path
-        ``.h``, ``.c`` (with a ``.h`` beside it), ``.st`` or ``.fmu``.
-    name : str, optional
-        Begins every identifier; the name of the file by default.
-    fmi : int
-        Version of FMI, 2 or 3.
-
-    Raises
-    ------
-    ExportError
-        If the suffix is none of these, something cannot be exported, or no C compiler is there.
-    """
-    path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in CONTROLLER_EXPORTS:
-        listed = ", ".join(CONTROLLER_EXPORTS)
-        raise ExportError(f"'{path.name}' has no suffix of an export", hint=listed)
-    if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
-        raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
-    prefix = _prefix(path, name, suffix)
-    if suffix == ".st":
-        from fuzzyarm.export.controller_st import controller_st
-
-        content, block = controller_st(program, prefix)
-        return ExportedController(program, ((path, content),), (block,))
-    if suffix == ".fmu":
-        from fuzzyarm.export.fmu import controller_fmu
-
-        return ExportedController(program, ((path, controller_fmu(program, prefix, fmi)),), ())
-    files, made = controller_c(
-        program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
-    )
-    listed_files = tuple((path.with_suffix(end), content) for end, content in files.items())
-    return ExportedController(program, listed_files, tuple(made.prototypes().values()))
-
-
-def _prefix(path: Path, name: str | None, suffix: str) -> str:
-    if name is None:
-        return identifier(path.stem)
-    reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
-    if identifier(name) != name or reserved:
-        raise ExportError(
-            f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
-        )
-    return name

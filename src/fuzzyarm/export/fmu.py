@@ -16,17 +16,14 @@ import uuid
 import zipfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
 from fuzzyarm.export.controller_c import controller_c
+from fuzzyarm.export.controllers import ControllerProgram, port_name
 from fuzzyarm.export.fmi import fmi_source
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.steps import Variable
 from fuzzyarm.version import __version__
-
-if TYPE_CHECKING:
-    from fuzzyarm.export.controllers import ControllerProgram
 
 VERSIONS = (2, 3)
 
@@ -154,8 +151,6 @@ def _platform3() -> str:
 
 def _entries(program: ControllerProgram, targets: dict[str, str]) -> Iterator[Entry]:
     """Yield what has a value reference, what may be set first."""
-    from fuzzyarm.export.controllers import port_name
-
     steps = program.steps
     for sort in ("reference", "measured", "gain", "drive", "signal"):
         for each in steps.of_sort(sort):

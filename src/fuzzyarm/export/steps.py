@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.controller import kernel as at
-from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.controller.program import Program, SourceError, Wiring, write_down
 from fuzzyarm.controller.text import ControllerText, wiring_of
 from fuzzyarm.export.names import Names, identifier
@@ -48,6 +47,8 @@ from fuzzyarm.expression.nodes import (
 )
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.model.controller import ControllerModel
+from fuzzyarm.plant.setting import LAST as LAST_PERIOD
+from fuzzyarm.plant.setting import PERIOD, Arithmetic
 from fuzzyarm.table import LookupTable
 from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, VALUES
 
@@ -305,7 +306,7 @@ class _Walk:
         self.text, self.program, self.options = text, program, options
         self.made = Steps(text.model, types)
         self.code = program.code
-        self.symbols: dict[int, str] = {at.PERIOD: "period"}
+        self.symbols: dict[int, str] = {PERIOD: "period"}
         self.unseen: set[str] = set()  # states that are NaN before the first period
         self.locals = 0
         self.stored: list[tuple[int, Node, bool]] = []
@@ -389,10 +390,10 @@ class _Walk:
         """Return the symbol of a cell that changes, else its number."""
         if index in self.scratch:
             return symbol(self.scratch[index])
-        if index == at.LAST:
+        if index == LAST_PERIOD:
             self.made.needs_last = True
             return symbol(LAST)
-        if index == at.PERIOD:
+        if index == PERIOD:
             return self.text.model.period
         if index in self.symbols:
             return symbol(self.symbols[index])
