@@ -323,7 +323,7 @@ def st_name(steps, port):
     [
         ("everything", "float64"), ("everything", "mixed"), ("everything", "float32"),
         ("soc-table", "mixed"), ("cfaf", "mixed"), ("fuzzy-fine", "float32"),
-        ("fuzzy-lut", "mixed"), ("hfie", "float64"),
+        ("fuzzy-lut", "mixed"),
     ],
 )  # fmt: skip
 def test_a_function_block_drives_the_same_bits(tmp_path, name, precision):

@@ -474,8 +474,6 @@ _STUBS3: tuple[tuple[str, str], ...] = (
     ("ActivateModelPartition", "unsigned clock, double time"),
 )  # fmt: skip
 
-_SEVERAL = ("size_t n",)
-
 
 def _stub(version: int, name: str, parameters: str) -> str:
     listed = f"void *instance, {parameters}" if parameters else "void *instance"
