@@ -173,7 +173,8 @@ def test_where_no_rule_fires_the_block_keeps_its_value_and_says_so(tmp_path):
 
 
 def test_what_the_language_lacks_is_named(tmp_path):
-    curved = SILENT.replace("term a L: triangle 0 1 2", 'term a L: formula "tanh(x)"')
+    curved = SILENT.replace("term u D: triangle 2 3 4", 'term u D: formula "tanh(a)"')
+    curved = curved.replace("no-rule error", "defuzzifier weighted-average, no-rule error")
     model = parse(curved).rulebase
     assert model is not None
     with pytest.raises(ExportError, match="no function for 'tanh'"):
