@@ -12,13 +12,14 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference import infer
 from fuzzyarm.language.reading import decoded
 from fuzzyarm.text.diagnostic import (
     MAX_INPUTS,
@@ -31,6 +32,7 @@ from fuzzyarm.text.diagnostic import (
 from fuzzyarm.text.names import near_hint
 
 if TYPE_CHECKING:
+    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
 Array = NDArray[np.float64]
@@ -109,6 +111,24 @@ class Samples:
         return Samples(
             self.names, self.inputs[rows], self.target, self.values[rows], self.classes, self.source
         )
+
+    def renamed(self, target: str) -> Samples:
+        """Return the samples with another name of the target."""
+        return replace(self, target=target)
+
+    def in_classes(self, classes: tuple[str, ...]) -> Samples:
+        """Return the samples with the classes of other ones; an error for a class not there."""
+        if bool(classes) != bool(self.classes):
+            kind = "words" if classes else "numbers"
+            message = f"'{self.target}' must have {kind}, as in the samples of the model"
+            raise _refused("wrong-target", message, self.source)
+        unknown = [name for name in self.classes if name not in classes]
+        if unknown:
+            message = f"'{self.target}' has '{unknown[0]}', which the model does not know"
+            raise _refused("unknown-class", message, self.source)
+        turned = np.array([float(classes.index(name)) for name in self.classes])
+        values = turned[self.values.astype(int)] if classes else self.values
+        return replace(self, values=values, classes=classes)
 
 
 @dataclass(frozen=True)
@@ -212,6 +232,37 @@ def table_samples(table: LookupTable, source: str = "") -> Samples:
     return as_samples(inputs, table.values.ravel(), table.names, table.output, source)
 
 
+def rulebase_samples(
+    rulebase: RuleBase,
+    target: str | None = None,
+    count: int = 4096,
+    seed: int = 0,
+    source: str = "",
+) -> Samples:
+    """Return samples of an output of a rule base, spread over the ranges of its inputs.
+
+    Raises
+    ------
+    ColumnError
+        If there is no such output.
+    DataError
+        If an input has no end.
+    """
+    names = [output.name for output in rulebase.outputs]
+    target = names[0] if target is None and len(names) == 1 else target
+    if target not in names:
+        raise ColumnError(target or "--target", names)
+    ranges = {each.name: (each.low, each.high) for each in rulebase.inputs}
+    for name, ends in ranges.items():
+        if not all(map(math.isfinite, ends)):
+            raise _refused("unbounded-input", f"the range of '{name}' has no end", source)
+
+    def value(**inputs: Array) -> ArrayLike:
+        return infer(rulebase, inputs, outputs=(target,))[target]
+
+    return replace(function_samples(value, ranges, count, target, seed), source=source)
+
+
 def function_samples(
     function: Callable[..., ArrayLike],
     ranges: Mapping[str, tuple[float, float]],
@@ -270,29 +321,46 @@ def read_samples(path: str | os.PathLike[str], columns: Columns = LAST) -> Sampl
     """
     name = os.fspath(path)
     if name.lower().endswith(".parquet"):
-        return _read_parquet(name, columns)
+        return frame_samples(_frame(name), columns, name)
     with open(path, "rb") as file:
         text = decoded(file.read(), name)
     return parse_csv(text, name, columns)
 
 
-def _read_parquet(name: str, columns: Columns) -> Samples:
+def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Return the names of the columns of a file; errors as :func:`read_samples`."""
+    name = os.fspath(path)
+    if name.lower().endswith(".parquet"):
+        return tuple(str(each) for each in _frame(name).columns)
+    with open(path, "rb") as file:
+        return tuple(_cells(decoded(file.read(), name), name)[0].names)
+
+
+def _frame(name: str) -> Any:
+    """Return the data frame in a Parquet file."""
     try:
         import pandas
     except ImportError:
         hint = 'pip install "fuzzyarm[data]"'
         raise _refused("missing-extra", "a Parquet file needs pandas", name, hint) from None
     try:
-        frame = pandas.read_parquet(name)
-    except OSError:
-        raise
-    except Exception as error:
+        return pandas.read_parquet(name)
+    except OSError as error:
+        if error.errno is not None:
+            raise
         raise _refused("not-parquet", f"not a Parquet file: {error}", name) from None
-    return frame_samples(frame, columns, name)
+    except Exception as error:  # whatever the reader of the day raises
+        raise _refused("not-parquet", f"not a Parquet file: {error}", name) from None
 
 
 def parse_csv(text: str, path: str = "<text>", columns: Columns = LAST) -> Samples:
     """Return the samples in the text of a CSV file; errors as :func:`read_samples`."""
+    cells, notes = _cells(text, path)
+    return cells.samples(columns, notes)
+
+
+def _cells(text: str, path: str) -> tuple[_Cells, tuple[str, ...]]:
+    """Return the cells of a CSV file, and what had to be taken for granted."""
     lines = split_lines(text.removeprefix("\ufeff"))
     filled = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
     if not filled:
@@ -308,8 +376,7 @@ def parse_csv(text: str, path: str = "<text>", columns: Columns = LAST) -> Sampl
         names = [cell or f"x{k + 1}" for k, cell in enumerate(first)]
         del filled[0]
     rows = [_split(line, mark) for _, line in filled]
-    table = _Cells(names, rows, lambda row: _spans(*filled[row], mark), path, comma=comma)
-    return table.samples(columns, notes)
+    return _Cells(names, rows, lambda row: _spans(*filled[row], mark), path, comma=comma), notes
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +32,15 @@ from fuzzyarm.learning.structure import (
     grown_grids,
     smallest_good,
 )
-from fuzzyarm.learning.sugeno import Array, Premises, consequents, one_thread, optimised, predicted
+from fuzzyarm.learning.sugeno import (
+    Array,
+    Premises,
+    Scaling,
+    consequents,
+    one_thread,
+    optimised,
+    predicted,
+)
 from fuzzyarm.learning.wang_mendel import WordsError, wang_mendel
 from fuzzyarm.learning.written import (
     Layout,
@@ -472,13 +481,31 @@ def outputs_of(rulebase: RuleBase, samples: Samples) -> Array:
     return np.stack([np.broadcast_to(each, len(samples)) for each in found.values()], axis=1)
 
 
-def linear_outputs(samples: Samples) -> Array:
-    """Return the outputs of linear regression on samples, at these samples."""
-    with_one = np.column_stack([samples.inputs, np.ones(len(samples))])
-    # Scaled columns: a least-squares solver judges by size which of them depend on others.
-    scaled = with_one / np.maximum(np.abs(with_one).max(axis=0), 1e-300)
-    found: Array = scaled @ np.linalg.lstsq(scaled, samples.outputs, rcond=1e-12)[0]
+def linear_outputs(samples: Samples, asked: Samples | None = None) -> Array:
+    """Return the outputs of linear regression on samples, at these or at others."""
+    scaling = Scaling.of(samples.inputs, samples.outputs)
+    known = scaling.regressors(samples.inputs)
+    weights = np.linalg.lstsq(known, samples.outputs, rcond=1e-10)[0]
+    at = known if asked is None else scaling.regressors(asked.inputs)
+    found: Array = at @ weights
     return found
+
+
+class Fidelity(NamedTuple):
+    """How far a surrogate is off, in the units of the output and as a share of its range."""
+
+    worst: float
+    rms: float
+    worst_share: float
+    rms_share: float
+
+
+def fidelity(rulebase: RuleBase, samples: Samples) -> Fidelity:
+    """Return how far a rule base is off at the samples that it stands for."""
+    off = samples.outputs - outputs_of(rulebase, samples)
+    width = float(np.ptp(samples.outputs)) or 1.0
+    worst, mean = float(np.abs(off).max()), rms(off)
+    return Fidelity(worst, mean, worst / width, mean / width)
 
 
 def rms(errors: Array) -> float:
