@@ -7,6 +7,7 @@ pipelines, grid searches and cross-validations like every other estimator, and d
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -159,10 +160,8 @@ class FuzzyRegressor(RegressorMixin, _FuzzyModel):
         self.words = words
 
     def _options(self) -> Options:
-        from dataclasses import replace
-
-        words = (self.words, self.words) if isinstance(self.words, int) else tuple(self.words)
-        return replace(super()._options(), method=self.method, words=words)
+        low, high = (self.words, self.words) if isinstance(self.words, int) else self.words
+        return replace(super()._options(), method=self.method, words=(low, high))
 
     def fit(self, X: Any, y: Any) -> FuzzyRegressor:  # noqa: N803
         """Learn a rule base.

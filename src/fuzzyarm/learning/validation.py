@@ -241,7 +241,8 @@ def _errors(samples: Samples, predicted: Array) -> Array:
         return samples.values - predicted[:, 0]
     with np.errstate(invalid="ignore"):
         answers = np.where(np.isnan(predicted), -np.inf, predicted).argmax(axis=1)
-    return np.not_equal(answers, samples.values).astype(float)
+    wrong: NDArray[np.bool_] = np.not_equal(answers, samples.values)
+    return wrong.astype(float)
 
 
 def _share_or_rms(samples: Samples, errors: Array) -> float:
