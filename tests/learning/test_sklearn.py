@@ -17,7 +17,7 @@ from fuzzyarm.inference import infer
 from fuzzyarm.language import parse
 from fuzzyarm.sklearn import FuzzyClassifier, FuzzyRegressor
 
-QUICK = {"folds": 2, "rules": 2}
+QUICK = {"folds": 3, "rules": 2}
 
 
 @pytest.mark.slow

@@ -304,10 +304,15 @@ def _moved(
     judge: Judge, chosen: Candidate, options: Options
 ) -> tuple[Candidate, list[Candidate], bool]:
     """Return the structure with its terms moved, if that is better or wanted."""
+    trials = [chosen]
+    if options.shrinkage is None:  # terms that have moved may leave conclusions more freedom
+        trials.append(replace(chosen, shrinkage=chosen.shrinkage / 30.0))
+    found: list[Candidate] = []
     try:
-        moved = judge.moved(chosen)
+        found += [judge.moved(each) for each in trials]
     except KeyboardInterrupt:
         return chosen, [], False
+    moved = smallest_good(found)
     better = clearly_worse(chosen.squares, moved.squares)
     return (moved if better or options.move else chosen), [moved], True
 
@@ -401,7 +406,7 @@ def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
         f" linear regression {made.linear_cross_validation:.4g}.",
     ]
     if not math.isnan(made.shrinkage):
-        lines.append(f"Shrinkage {made.shrinkage:g}, seed {options.seed}.")
+        lines.append(f"Shrinkage {made.shrinkage:.2g}, seed {options.seed}.")
     if made.interrupted:
         lines.append("The search was interrupted: the best so far.")
     return lines

@@ -191,11 +191,11 @@ def clearly_worse(squares: Array, least: Array) -> bool:
 
 
 def smallest_good(candidates: Iterable[Candidate]) -> Candidate:
-    """Return the smallest candidate that is not clearly worse than the best."""
+    """Return the smallest candidate, then the most linear, not clearly worse than the best."""
     known = list(candidates)
     best = min(known, key=lambda each: each.error)
     good = [each for each in known if not clearly_worse(each.squares, best.squares)]
-    return min(good, key=lambda each: (each.size, each.error))
+    return min(good, key=lambda each: (each.size, -each.shrinkage, each.error))
 
 
 def grown_grids(judge: Judge, most: int, names: Sequence[str]) -> Iterator[Candidate]:

@@ -293,8 +293,8 @@ def commented(
 ) -> str:
     """Return canonical text with comments.
 
-    Rules of samples need not cover every combination of terms, and then this is meant: the
-    first of them says so to the checks.
+    Rules of samples need not cover every combination of terms, for instance, and then this is
+    meant: an ``allow`` says so to the checks.
 
     Parameters
     ----------
@@ -327,14 +327,22 @@ def commented(
     return _allowing(print_document(document._replace(statements=tuple(made))))
 
 
+MEANT = frozenset({"coverage-gap", "jump", "missing-rule"})
+"""Doubts about a text of one's own that are none where samples have said it so."""
+
+
 def _allowing(text: str) -> str:
-    """Return a text that allows its missing rules where a check would find them."""
+    """Return a text that allows what is meant, where a check would doubt it."""
     parsed = parse(text)
     assert parsed.rulebase is not None, parsed.diagnostics
-    found = check(parsed.rulebase, parsed.document)
+    names: dict[int, set[str]] = {}
+    for found in check(parsed.rulebase, parsed.document):
+        if found.name in MEANT:
+            names.setdefault(found.line, set()).add(found.name)
     lines = text.split("\n")
-    for number in {each.line for each in found if each.name == "missing-rule"}:
-        lines[number - 1] = f"{lines[number - 1].partition('  #')[0]}  # allow missing-rule"
+    for number, some in names.items():
+        line = lines[number - 1].partition("  #")[0]
+        lines[number - 1] = f"{line}  # allow {', '.join(sorted(some))}"
     return format_text("\n".join(lines))
 
 
