@@ -21,13 +21,7 @@ QUICK = {"folds": 3, "rules": 2}
 
 
 @pytest.mark.slow
-@parametrize_with_checks(
-    [
-        FuzzyRegressor(**QUICK),
-        FuzzyRegressor(method="wang-mendel", words=5, folds=2),
-        FuzzyClassifier(**QUICK, move=False),
-    ]
-)
+@parametrize_with_checks([FuzzyRegressor(**QUICK), FuzzyClassifier(**QUICK, move=False)])
 def test_scikit_learn_takes_it_for_an_estimator(estimator, check):
     check(estimator)
 
@@ -40,6 +34,13 @@ def test_the_model_is_a_rule_base_and_its_text():
     at = infer(model.rulebase_, x0=x[:, 0])["y"]
     assert np.allclose(model.predict(x), at, rtol=0.0, atol=1e-12)
     assert model.score(x, y) > 0.99
+
+
+def test_wang_and_mendel_by_an_estimator():
+    x = np.linspace(0.0, 1.0, 40)[:, None]
+    model = FuzzyRegressor(method="wang-mendel", words=(3, 5), folds=3).fit(x, x[:, 0])
+    assert "Wang and Mendel" in model.text_
+    assert model.score(x, x[:, 0]) > 0.99
 
 
 def test_names_of_a_frame_are_names_of_inputs():
