@@ -28,6 +28,7 @@ ORDER = (
     "loop",
     "control",
     "learning",
+    "sklearn",
     "study",
     "api",
     "show",
@@ -39,7 +40,9 @@ ORDER = (
 
 FLOOR = {package: floor for floor, package in enumerate(ORDER)}
 
-HEAVY = ("numpy", "numba", "scipy", "skfuzzy", "matplotlib", "rich", "pygls", "textual")
+HEAVY = (
+    "numpy", "numba", "scipy", "skfuzzy", "sklearn", "matplotlib", "rich", "pygls", "textual",
+)  # fmt: skip
 
 
 def package_of(path):

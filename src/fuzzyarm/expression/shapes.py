@@ -72,7 +72,8 @@ def singleton(x: X, value: X) -> X:
 
 def _trapezoid_corners(*p: float) -> Sequence[tuple[float, float]]:
     corners = zip(p, (0.0, 1.0, 1.0, 0.0), strict=True)
-    return [corner for corner in corners if abs(corner[0]) < op.inf]
+    # Without any it is 1 everywhere, which one corner on a flat line says.
+    return [corner for corner in corners if abs(corner[0]) < op.inf] or [(0.0, 1.0)]
 
 
 def _binary_corners(start: float, direction: float) -> Sequence[tuple[float, float]]:
@@ -279,7 +280,7 @@ def register() -> None:
         ordered=True,
         unbounded=("start", "end"),
         centre=_middle,
-        corners=lambda start, end: [(start, 0.0), (start, 1.0), (end, 1.0), (end, 0.0)],
+        corners=lambda start, end: _trapezoid_corners(start, start, end, end),
         names=_names("Rectangle", "rectmf") | {"fml": "rectangularShape"},
     )
     kind(
