@@ -36,6 +36,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from tests.inference import small
 from tests.strategies import (
     CONJUNCTIONS,
     DISJUNCTIONS,
@@ -361,6 +362,19 @@ def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
     finally:
         watch_compiling(lambda name: None)
     assert found == []
+
+
+@pytest.mark.parametrize("implication", ["min", "product"])
+@pytest.mark.parametrize("strength", [0.0, 5e-324, 1e-300, 1e-35, 1e-17])
+def test_a_rule_that_all_but_fails_hides_no_other(strength: float, implication: str) -> None:
+    """Its set is above the foot of the other one, over a stretch that no float can resolve."""
+    terms = small.terms(A=Shape("ramp", (1.0, 2.0)), B=Shape("triangle", (0.0, 1.0, 2.0)))
+    rules = [small.rule("a high", "u A"), small.rule("b high", "u B")]
+    rulebase = small.base(rules, terms, low=1.0, implication=implication)
+    area, moment = 0.5 + 8.0, 0.5 * (1.0 + 2.0 / 3.0) + 8.0 * 6.0
+    point = {"a": 1.0, "b": strength}
+    for found in (compiled(rulebase)(point), infer(rulebase, point)):
+        assert found["u"] == pytest.approx(moment / area, rel=1e-12)
 
 
 @pytest.mark.slow

@@ -680,7 +680,8 @@ def highest(
             if slope > steep:
                 y = heap[line + 1] + slope * (left - heap[line])
                 x = left + (best - y) / (slope - steep)
-                if left < x < until:
+                # At once where the one above is all but zero: the next call takes the steeper.
+                if left <= x < until:
                     until = x
     return best, steep, until
 
