@@ -85,7 +85,7 @@ def _end(plan: OutputPlan, position: float) -> float:
     return plan.output.high if position > 0.0 else plan.output.low
 
 
-def is_rising(plan: OutputPlan, member: Member) -> bool:
+def _is_rising(plan: OutputPlan, member: Member) -> bool:
     """Return whether a set rises over the range of its output; it must rise or fall.
 
     Raises
@@ -104,7 +104,7 @@ def is_rising(plan: OutputPlan, member: Member) -> bool:
 
 
 def _on_pieces(plan: OutputPlan, member: Member, strength: float) -> float:
-    pieces = member.pieces if is_rising(plan, member) else member.pieces[::-1]
+    pieces = member.pieces if _is_rising(plan, member) else member.pieces[::-1]
     for piece in pieces:
         start, end = (piece.x0, piece.x1) if pieces is member.pieces else (piece.x1, piece.x0)
         first, last = (piece.y0, piece.y1) if pieces is member.pieces else (piece.y1, piece.y0)
