@@ -91,22 +91,7 @@ def fold_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict
 
 
 def _aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) -> Array:
-    """Return the aggregate of P points at positions of their own.
-
-    Parameters
-    ----------
-    plan : OutputPlan
-        The output.
-    entries : list of (int, ndarray of shape (P,))
-        Member and strength.
-    xs : ndarray of shape (P, K)
-        K positions for each point.
-
-    Returns
-    -------
-    ndarray of shape (P, K)
-        The aggregate there.
-    """
+    """Return the aggregate of P points at positions of their own, both of shape (P, K)."""
     norm = SNORMS[plan.output.aggregation].array
     total = np.zeros(xs.shape)
     low, high = xs.min(axis=1), xs.max(axis=1)

@@ -86,13 +86,7 @@ def _end(plan: OutputPlan, position: float) -> float:
 
 
 def _is_rising(plan: OutputPlan, member: Member) -> bool:
-    """Return whether a set rises over the range of its output; it must rise or fall.
-
-    Raises
-    ------
-    InferenceError
-        If it does neither.
-    """
+    """Return whether a set rises over the range of its output; it must rise or fall."""
     values = [value for piece in member.pieces for value in (piece.y0, piece.y1)]
     steps = [b - a for a, b in pairwise(values) if abs(b - a) > 1e-12]
     if steps and (min(steps) > 0.0 or max(steps) < 0.0):
