@@ -462,6 +462,36 @@ def test_fcl_of_fuzzylite() -> None:
     assert isinstance(rulebase.rules[1].antecedent, Hedged)
 
 
+def test_fcl_of_fuzzylite_in_capitals() -> None:
+    text = (DATA / "oven_fuzzylite.fcl").read_text()
+    loud = re.sub(r"\b(if|is|and|or|then|with)\b", lambda word: word.group().upper(), text)
+    assert loud != text
+    assert good(parse_fcl(loud)) == good(parse_fcl(text))
+
+
+@pytest.mark.parametrize(
+    ("function", "end", "degree"),
+    [
+        ("GBELL 2 3 5", "high", 1e-3),
+        ("GBELL 2 0.75 5", "low", 1e-3),
+        ("GAUSS 1 0.5", "low", math.exp(-8.0)),
+        ("GAUSS2 1 0.5 2 0.75", "high", math.exp(-8.0)),
+        ("SIGM -4 1", "high", 1.0 / (1.0 + math.exp(9.0))),
+        ("SIGM 3 1", "low", 1.0 / (1.0 + math.exp(9.0))),
+        ("COSINE 2 5", "high", 0.0),
+    ],
+)
+def test_fcl_without_a_range_goes_as_far_as_the_terms(
+    function: str, end: str, degree: float
+) -> None:
+    level = FCL[FCL.index("  TERM low") : FCL.index("END_FUZZIFY")]
+    text = FCL.replace(level, f"  TERM low := {function};\n")
+    text = re.sub(r"  RULE (2|three|4) .*\n", "", text)
+    variable = good(parse_fcl(text)).inputs[0]
+    found = membership_function(variable.terms[0].shape)(getattr(variable, end))
+    assert found == pytest.approx(degree, rel=1e-9, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "name"),
     [
