@@ -193,7 +193,7 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
             raise NotANumberError(variable.name, detail) from None
         if np.isnan(array).any():
             raise NotANumberError(variable.name)
-        arrays[variable.name] = into_range(variable, array)
+        arrays[variable.name] = _into_range(variable, array)
     try:
         np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError:
@@ -202,7 +202,7 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
     return arrays
 
 
-def into_range(variable: Variable, array: Array) -> Array:
+def _into_range(variable: Variable, array: Array) -> Array:
     """Return `array` as `variable.outside` says: clamped, as it is, or an error."""
     if variable.outside == "clamp":
         return np.clip(array, variable.low, variable.high)
@@ -358,8 +358,8 @@ class _Chunk:
             point = ", ".join(f"{n} = {v:.6g}" for n, v in self._point(where).items())
             raise NotANumberError(output.name, f"has none at {point}")
         if fired.all():
-            return into_range(output, value)
-        return np.where(fired, into_range(output, np.where(fired, value, output.low)), value)
+            return _into_range(output, value)
+        return np.where(fired, _into_range(output, np.where(fired, value, output.low)), value)
 
     def _no_rule(self, output: Output, silent: NDArray[np.bool_]) -> float:
         if isinstance(output.no_rule, float | int):
