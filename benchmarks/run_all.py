@@ -20,6 +20,8 @@ PARTS = {
     "lookup": "table look-up against C; memory of a large table",
     "closed_loop": "closed loops against C",
     "sweeps": "many runs of the arm",
+    "controllers": "exported controllers against the kernel",
+    "learning": "rule bases from samples beside regression, boosting and peers",
     "keystroke": "the editor's answer to a key",
 }
 WITH_WORDS = {"compiled"}

@@ -30,6 +30,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "simulate": ("simulate", "run a controller on the robot arm"),
     "sweep": ("sweep", "many runs over ranges of gains, plants and loads"),
     "learn": ("learn", "train a table on the robot arm and see it grow"),
+    "fit": ("fit", "learn a rule base from samples, as text"),
+    "validate": ("validate", "judge a rule base by samples, region by region, rule by rule"),
     "reproduce": ("study", "run the study's published experiments again"),
     "identify": ("study", "fit unprinted gains to published figures"),
     "new": ("start", "a commented rule base to start from"),

@@ -28,7 +28,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.cli.command import JSON, WordError, argument, busy, command, flag, group, print_json
+from fuzzyarm.cli.command import (
+    JSON,
+    WordError,
+    argument,
+    busy,
+    command,
+    flag,
+    group,
+    print_json,
+    progress_bar,
+)
 from fuzzyarm.cli.experiment import (
     DIVERGED,
     RUN,
@@ -65,10 +75,7 @@ def _run(arguments: argparse.Namespace) -> int:
         return 2
     if arguments.sweep or arguments.random is not None:
         return _sweep(arguments)
-    if arguments.plot:
-        from fuzzyarm.study.figures import figure_format
-
-        figure_format(arguments.plot)  # a mistake in the name is told before the run
+    _require_pictures(arguments)
     plant = plant_of(arguments)
     made = [chosen_controller(arguments, name, plant) for name in arguments.controller]
     if arguments.show_gains:
@@ -79,10 +86,7 @@ def _run(arguments: argparse.Namespace) -> int:
         _simulate(controller, changed, name, arguments)
         for (controller, changed), name in zip(made, arguments.controller, strict=True)
     ]
-    if arguments.plot:
-        _plot(results, arguments.plot)
-    if arguments.csv:
-        _write_csv(results, arguments.csv)
+    _write_files(arguments, results, made[0][1])
     if arguments.json:
         shown = [_as_json(result) for result in results]
         print_json(shown if len(shown) > 1 else shown[0])
@@ -92,10 +96,31 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _sweep(arguments: argparse.Namespace) -> int:
-    if len(arguments.controller) > 1 or arguments.csv or arguments.show_gains:
-        raise WordError("--sweep takes one controller, and neither --csv nor --show-gains")
+    if len(arguments.controller) > 1 or arguments.csv or arguments.show_gains or arguments.animate:
+        raise WordError("--sweep takes one controller, no --csv, --animate or --show-gains")
     arguments.controller = arguments.controller[0]
     return sweep(arguments)
+
+
+def _require_pictures(arguments: argparse.Namespace) -> None:
+    """Tell a mistake in the name of a picture before the run."""
+    if arguments.plot:
+        from fuzzyarm.study.figures import figure_format
+
+        figure_format(arguments.plot)
+    if arguments.animate:
+        from fuzzyarm.show.animation import require_animation
+
+        require_animation(arguments.animate)
+
+
+def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant) -> None:
+    if arguments.plot:
+        _plot(results, arguments.plot)
+    if arguments.animate:
+        _animate(results[0], plant, arguments.animate)
+    if arguments.csv:
+        _write_csv(results, arguments.csv)
 
 
 def _simulate(
@@ -202,10 +227,18 @@ def _metric_lines(result: Run) -> list[str]:
 
 
 def _plot(results: list[Run], path: str) -> None:
-    from fuzzyarm.study.figures import draw_profiles, save_figure
+    from fuzzyarm.show.figures.run import draw_runs
+    from fuzzyarm.study.figures import save_figure
 
-    title = results[0].controller if len(results) == 1 else ""
-    save_figure(draw_profiles(results, title), Path(path))
+    save_figure(draw_runs(results), Path(path))
+
+
+def _animate(result: Run, plant: Plant, path: str) -> None:
+    """Write the animation of a run, with a progress bar where a terminal shows it."""
+    from fuzzyarm.show.animation import animate
+
+    with progress_bar("drawing", min(100, result.samples)) as advance:
+        animate(result, plant, path, watch=advance)
 
 
 def _write_csv(results: list[Run], path: str) -> None:
@@ -284,7 +317,8 @@ COMMANDS = (
         *group(
             "output",
             flag("--show-gains", "print the gains and stop"),
-            argument("--plot FIG", "draw the error profiles"),
+            argument("--plot FIG", "draw outputs, errors and drives over time"),
+            argument("--animate FILE", "write the first run as .gif, .html or .mp4"),
             argument("--csv FILE", "write the samples"),
             JSON,
         ),

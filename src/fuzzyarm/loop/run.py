@@ -339,8 +339,10 @@ class Run:
     wanted, outputs, drives : mapping of str to ndarray, shape (n,)
         By port, in the units of the plant: references of the tracked outputs; outputs as they
         are, whatever sensors say; drives as the actuators give them, loads not among them.
-    limits : mapping of str to pair of float
+    limits, drive_units : mapping
         Of each drive.
+    loaded : tuple of bool
+        Of each sample, whether the arm carries another load than at the start.
     diverged : float or None
         When the run was stopped because it had diverged, s.
     seconds : float
@@ -373,6 +375,8 @@ class Run:
     outputs: Mapping[str, Vector] = field(default_factory=dict)
     drives: Mapping[str, Vector] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    drive_units: Mapping[str, str] = field(default_factory=dict)
+    loaded: tuple[bool, ...] = ()
     period: float = SET_POINT_PERIOD
     seed: int = 1
 
@@ -681,6 +685,8 @@ class ClosedLoop:
             {label(port): taps[front + i] for i, port in enumerate(outputs)},
             {label(port): taps[front + len(outputs) + i] for i, port in enumerate(inputs)},
             {label(port): (each.low, each.high) for port, each in inputs.items()},
+            {label(port): each.unit for port, each in inputs.items()},
+            tuple((followed.block[taken] != 0).tolist()),
             followed.period * followed.every,
             course.options.seed if seed is None else seed,
         )
