@@ -25,6 +25,7 @@ import contextlib
 import functools
 import importlib.util
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -156,7 +157,8 @@ def routine(
     def words_of(*given: Any) -> list[int]:
         words: list[int] = []
         for array, name in zip(given, wanted, strict=True):
-            if array.dtype.name != name or not array.flags.c_contiguous:
+            # The name of a type takes Python to make, so it is asked for where types differ only.
+            if array.dtype.str != _NATIVE[name] or not array.flags.c_contiguous:
                 message = f"a contiguous array of {name} is needed, not one of {array.dtype.name}"
                 raise TypeError(message)
             words += [array.ctypes.data, array.size]
@@ -179,6 +181,9 @@ def routine(
 
 
 _NAMES = {"f": "float64", "i": "int64"}
+
+_ORDER = "<" if sys.byteorder == "little" else ">"
+_NATIVE = {"float64": f"{_ORDER}f8", "int64": f"{_ORDER}i8"}
 
 
 def is_at_hand(function: Callable[..., None], arrays: int | str) -> bool:

@@ -290,7 +290,9 @@ class Bench:
         # What is given of the arm holds with a load, too.
         heavy = carrying(float(changes.get("payload", 1.0)))
         limits = self.experiment.options.torque_limits
-        kinds = [replace(heavy if loaded else UNLOADED, **parameters) for loaded in self.loaded]
+        kinds = [heavy if loaded else UNLOADED for loaded in self.loaded]
+        if parameters:
+            kinds = [replace(kind, **parameters) for kind in kinds]
         return tuple(Arm(kind, torque_limits=limits) for kind in kinds)
 
     def rows(

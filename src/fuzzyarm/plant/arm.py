@@ -79,14 +79,10 @@ class ArmParameters:
     g: float = GRAVITY
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not math.isfinite(value) or (value < 0 and field.name != "g"):
-                raise ArmError(
-                    f"arm parameter {field.name} = {value} is out of range",
-                    name=field.name,
-                    value=value,
-                )
+        for name, value in vars(self).items():
+            if not math.isfinite(value) or (value < 0 and name != "g"):
+                message = f"arm parameter {name} = {value} is out of range"
+                raise ArmError(message, name=name, value=value)
 
     def with_values(self, **values: float) -> ArmParameters:
         """Return the arm with some parameters replaced."""
