@@ -212,7 +212,7 @@ def _require_pictures(arguments: argparse.Namespace) -> None:
 
         figure_format(arguments.plot)
     if arguments.animate:
-        from fuzzyarm.show.animation import require_animation
+        from fuzzyarm.show.figures.animation import require_animation
 
         require_animation(arguments.animate)
 
@@ -381,7 +381,7 @@ def _plot(results: list[Run], path: str) -> None:
 
 def _animate(result: Run, plant: Plant, path: str) -> None:
     """Write the animation of a run, with a progress bar where a terminal shows it."""
-    from fuzzyarm.show.animation import animate
+    from fuzzyarm.show.figures.animation import animate
 
     with progress_bar("drawing", min(100, result.samples)) as advance:
         animate(result, plant, path, watch=advance)
