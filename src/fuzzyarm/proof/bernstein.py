@@ -230,8 +230,7 @@ class Quotients:
         found: tuple[Any, int, Array] | None = None
         for near, far, position in _beside_vertices(dimension, self.degree):
             upper, lower = self.upper[:, position], self.lower[:, position]
-            error = 0.0 if self.error is None else self.error[:, position]
-            sure = lower > 1e3 * error
+            sure = lower > (0 if self.error is None else 1e3 * self.error[:, position])
             if near != far:
                 vertex = vertices_of(dimension, self.degree)[near]
                 sure &= (self.lower[:, vertex] == 0) & (self.upper[:, vertex] == 0)
@@ -261,6 +260,21 @@ class Quotients:
         ratio = np.where(empty, -np.inf, np.where(room > 0, ratio, np.inf))
         found = float(ratio.max())
         return float(np.nextafter(found, np.inf)) if np.isfinite(found) else found
+
+    def without(self, pieces: Array) -> Quotients:
+        """Return the simplices that are not parts of some pieces."""
+        return self.take(np.flatnonzero(~pieces[self.owner])) if pieces.any() else self
+
+    def touches(self, bound: Any) -> tuple[int, Array] | None:
+        """Return the piece and the position of a vertex at which N / D is a bound; or None."""
+        for vertex, index in enumerate(vertices_of(self.corners.shape[2], self.degree)):
+            at = (self.lower[:, index] > 0) & (
+                self.upper[:, index] >= bound * self.lower[:, index]
+            )
+            if at.any():
+                row = int(np.flatnonzero(at)[0])
+                return int(self.owner[row]), self.corners[row, vertex]
+        return None
 
     # ── refinement ───────────────────────────────────────────────────────────────────
 
@@ -354,7 +368,15 @@ SMALLEST = 1e-7
 """Simplices with shorter edges, in shares of a cell, are given up: floats do not tell there."""
 
 
-def maximise(quotients: Quotients, tolerance: Any, stop: Stop, *, least: Any = None) -> Extremum:
+def maximise(
+    quotients: Quotients,
+    tolerance: Any,
+    stop: Stop,
+    *,
+    least: Any = None,
+    decide: bool = False,
+    smallest: float = SMALLEST,
+) -> Extremum:
     """Return the supremum of N / D.
 
     Parameters
@@ -367,6 +389,10 @@ def maximise(quotients: Quotients, tolerance: Any, stop: Stop, *, least: Any = N
         When to give up.
     least : number, optional
         A value that is known to be attained elsewhere.
+    decide : bool
+        Ask only whether anything exceeds `least`: the search ends at the first that does.
+    smallest : float
+        Simplices with shorter edges, in shares of a cell, are given up.
 
     Returns
     -------
@@ -381,13 +407,15 @@ def maximise(quotients: Quotients, tolerance: Any, stop: Stop, *, least: Any = N
         if found is not None and (best is None or found[0] > best):
             best, corner = found[0], found[2]
             owner = int(open_.owner[found[1]])
+            if decide:
+                return Extremum(best, best, corner, owner, seen, given_up)
         if best is None:  # no value anywhere yet: only what has none can be discarded
             keep = (open_.lower != 0).any(axis=1)
         else:
             keep = open_.excess(best + tolerance) > 0
         open_ = open_.take(np.flatnonzero(keep))
         shape = open_.corners.astype(float)
-        small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < SMALLEST
+        small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
         if small.any():
             given_up = given_up.joined(open_.take(np.flatnonzero(small)))
             open_ = open_.take(np.flatnonzero(~small))

@@ -189,6 +189,10 @@ class Surface:
             return owner, self.pieces.corners[owner].sum(axis=0) / (self.dimension + 1)
         return owner, self.pieces.corners[owner, columns[0]]
 
+    def nearly_uncovered(self) -> Array:
+        """Return the pieces of which floats cannot say that a rule fires everywhere."""
+        return np.flatnonzero((self._fired() <= 1e-12).any(axis=1))
+
     def _fired(self) -> Array:
         if not self.model.multiplies:
             return np.asarray(self.pieces.heights.sum(axis=2))
