@@ -25,6 +25,7 @@ ORDER = (
     "export",
     "plant",
     "controller",
+    "proof",
     "loop",
     "control",
     "learning",

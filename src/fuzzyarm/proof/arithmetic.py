@@ -7,6 +7,7 @@ rationals that are about five times as fast as the ``Fraction`` of Python.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
@@ -15,7 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FLOATS", "Arithmetic", "Array", "as_fraction", "rationals"]
+from fuzzyarm.errors import FuzzyarmError
+
+__all__ = ["FLOATS", "Arithmetic", "Array", "Stop", "TimeOverError", "as_fraction", "rationals"]
 
 Array = NDArray[Any]
 """Of float64, or of rationals as objects."""
@@ -79,3 +82,38 @@ def as_fraction(number: Any) -> Fraction:
     if hasattr(number, "p") and hasattr(number, "q"):
         return Fraction(int(number.p), int(number.q))
     return Fraction(number)
+
+
+class TimeOverError(FuzzyarmError, TimeoutError):
+    """The time for a proof is over."""
+
+    def __init__(self) -> None:
+        super().__init__("the time is over")
+
+
+class Stop:
+    """When to give up, and whom to tell of the progress.
+
+    Parameters
+    ----------
+    seconds : float
+        How long a proof may take.
+    tell : callable, optional
+        Called with the number of open pieces and the gap between the bounds.
+    """
+
+    def __init__(
+        self, seconds: float = np.inf, tell: Callable[[int, float], None] | None = None
+    ) -> None:
+        self.until = time.monotonic() + seconds
+        self.tell = tell
+
+    @property
+    def now(self) -> bool:
+        """Whether time is over."""
+        return time.monotonic() > self.until
+
+    def check(self) -> None:
+        """Raise TimeOverError when time is over."""
+        if self.now:
+            raise TimeOverError

@@ -15,8 +15,6 @@ Source: G. Farin, *Triangular Bernstein–Bézier patches*, 1986.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -26,9 +24,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, rationals
+from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, Stop, rationals
 
-__all__ = ["Extremum", "Quotients", "Stop", "barycentric", "from_values", "lattice", "maximise", "vertices_of"]
+__all__ = ["Extremum", "Quotients", "barycentric", "from_values", "lattice", "maximise", "vertices_of"]
 
 Index = tuple[int, ...]
 
@@ -309,29 +307,6 @@ class Quotients:
 
 
 # ── branch and bound ─────────────────────────────────────────────────────────────────
-
-
-class Stop:
-    """When to give up, and whom to tell of the progress.
-
-    Parameters
-    ----------
-    seconds : float
-        How long the search may take.
-    tell : callable
-        Called with the number of open pieces and the gap between the bounds.
-    """
-
-    def __init__(
-        self, seconds: float = np.inf, tell: Callable[[int, float], None] | None = None
-    ) -> None:
-        self.until = time.monotonic() + seconds
-        self.tell = tell
-
-    @property
-    def now(self) -> bool:
-        """Whether time is over."""
-        return time.monotonic() > self.until
 
 
 class Extremum(NamedTuple):

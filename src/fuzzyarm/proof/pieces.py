@@ -27,7 +27,7 @@ import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.proof.arithmetic import Arithmetic, Array
+from fuzzyarm.proof.arithmetic import Arithmetic, Array, Stop
 from fuzzyarm.proof.straight import Corners, Node, Straight, StraightRule
 
 __all__ = ["Cell", "Cut", "Grid", "Pieces", "TooManyPiecesError", "cut"]
@@ -233,9 +233,15 @@ class Pieces:
     """
 
     def __init__(
-        self, model: Straight, what: Cut, arithmetic: Arithmetic, only: Array | None = None
+        self,
+        model: Straight,
+        what: Cut,
+        arithmetic: Arithmetic,
+        only: Array | None = None,
+        stop: Stop | None = None,
     ) -> None:
         self.model = model
+        self.stop = stop or Stop()
         self.arithmetic = arithmetic
         self.grid = Grid(model, what, arithmetic)
         self.systems = 2 if what.mirrored else 1
@@ -490,6 +496,7 @@ class Pieces:
         """Cut pieces until none of the differences has both signs on one; return them all."""
         done: list[Array] = []
         while which.size:
+            self.stop.check()
             differences = undecided_on(which)
             cuts = np.full(len(which), -1)
             for number, gap in enumerate(differences):
@@ -536,7 +543,11 @@ def _inner_levels(layers: Layers) -> list[Fraction]:
 
 
 def cut(
-    model: Straight, what: Cut, arithmetic: Arithmetic, only: Array | None = None
+    model: Straight,
+    what: Cut,
+    arithmetic: Arithmetic,
+    only: Array | None = None,
+    stop: Stop | None = None,
 ) -> Pieces:
     """Cut a rule base into pieces on which its heights are affine.
 
@@ -550,13 +561,17 @@ def cut(
         Floats or rationals.
     only : ndarray of int, optional
         Numbers of the cells that are wanted (:attr:`Pieces.flat_cells`); all by default.
+    stop : Stop, optional
+        When to give up.
 
     Raises
     ------
     TooManyPiecesError
         If there are more than :data:`MOST_PIECES`.
+    TimeOverError
+        When time is over.
     """
-    pieces = Pieces(model, what, arithmetic, only)
+    pieces = Pieces(model, what, arithmetic, only, stop)
     if not model.multiplies:
         pieces.fire(model.adds)
     return pieces

@@ -18,8 +18,8 @@ import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.model.rulebase import Output, RuleBase
-from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, as_fraction, rationals
-from fuzzyarm.proof.bernstein import SMALLEST, Quotients, Stop, maximise
+from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, Stop, as_fraction, rationals
+from fuzzyarm.proof.bernstein import SMALLEST, Quotients, maximise
 from fuzzyarm.proof.pieces import Cut, TooManyPiecesError, cut
 from fuzzyarm.proof.straight import NotStraightError, Straight, straight
 from fuzzyarm.proof.surface import Surface, TableValues
@@ -443,10 +443,13 @@ class Prover:
         positions = tuple(tuple(each) for each in question.positions)
         key = (question.box, positions, question.mirrored, arithmetic.exact)
         if cells is None and key in self._surfaces:
-            return self._surfaces[key]
+            known = self._surfaces[key]
+            known.pieces.stop = self.stop
+            return known
         what = Cut(question.box, positions, question.mirrored)
         try:
-            made = Surface(self.model, cut(self.model, what, arithmetic, cells))
+            pieces = cut(self.model, what, arithmetic, cells, self.stop)
+            made = Surface(self.model, pieces)
         except TooManyPiecesError as error:
             raise UnprovableError(str(error)) from None
         if cells is None:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.proof.arithmetic import Arithmetic, Array
+from fuzzyarm.proof.arithmetic import Arithmetic, Array, Stop
 from fuzzyarm.proof.bernstein import (
     MARGIN,
     Quotients,
@@ -217,7 +217,7 @@ class Surface:
         which = np.arange(self.pieces.count) if some is None else some
         step = max(1, _CHUNK // (len(points) * max(self.pieces.heights.shape[2], 4)))
         ends = list(vertices_of(self.dimension, degree))
-        parts = [make(ids, points) for ids in _chunks(which, step)]
+        parts = [make(ids, points) for ids in _chunks(which, step, self.pieces.stop)]
         if not parts:
             parts = [make(which, points)]
         upper = np.concatenate([part.upper for part in parts]) @ matrix.T
@@ -506,8 +506,9 @@ def _pick(
     return (np.maximum if larger else np.minimum)(first, second), slope
 
 
-def _chunks(which: Array, step: int) -> Iterator[Array]:
+def _chunks(which: Array, step: int, stop: Stop) -> Iterator[Array]:
     for start in range(0, len(which), step):
+        stop.check()
         yield which[start : start + step]
 
 

@@ -16,12 +16,11 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
 from fuzzyarm.model.rulebase import Property, RuleBase
-from fuzzyarm.proof.bernstein import Stop
-from fuzzyarm.proof.prover import Bounds, Claim, Prover, UnprovableError, written
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.prover import Bounds, Claim, Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.numbers import number_text
 
@@ -264,9 +263,7 @@ class _Case:
         }[self.claim.kind]
         try:
             return judge()
-        except (UnprovableError, InferenceError) as error:
-            return self._said(UNDECIDED, reason=_sentence(error))
-        except FuzzyarmError as error:  # a table that cannot be compiled
+        except FuzzyarmError as error:  # out of time, nothing to prove, a table that is none
             return self._said(UNDECIDED, reason=_sentence(error))
 
     def _said(self, verdict: str, bounds: Bounds | None = None, **facts: Any) -> Verdict:
