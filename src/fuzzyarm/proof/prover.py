@@ -228,6 +228,12 @@ class Prover:
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
+    def boxes_at_most(
+        self, region: Mapping[str, tuple[float, float]], bound: float, *, negated: bool
+    ) -> tuple[bool, int]:
+        """Tell whether boxes show the output to be at most `bound`, and how many it took."""
+        return self._boxes(self.box(region)).at_most(bound, negated=negated)
+
     def value_at_most(
         self, region: Mapping[str, tuple[float, float]], bound: float, *, negated: bool, strict: bool
     ) -> Claim:

@@ -308,7 +308,12 @@ class _Case:
                 if confirmed is not None:
                     return self._said(REFUTED, bounds, evidence=confirmed)
             if prover.model is None:
-                return self._said(UNDECIDED, bounds)
+                holds, boxes = prover.boxes_at_most(self.region, sign * limit, negated=sign < 0)
+                facts = {"pieces": bounds.pieces + boxes}
+                if not holds or strict:
+                    return self._said(UNDECIDED, bounds, **facts)
+                bounds = _at_most(bounds, sign, limit)
+                continue
             claim = prover.value_at_most(
                 self.region, sign * limit, negated=sign < 0, strict=strict
             )
