@@ -263,16 +263,13 @@ def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Jud
         on_step()
         verdicts.append(verdict)
         if verdict.verdict == "refuted":
-            evidence = "; ".join(verdict.evidence)
-            message = f"refuted: {verdict.property}"
-            detail = verdict.reason if not evidence else evidence
+            message = f"refuted: {verdict.statement}"
+            detail = "; ".join(verdict.evidence) or verdict.reason
             findings.append(
-                Diagnostic(
-                    "refuted-property", f"{message} ({detail})", claim.span, Severity.ERROR
-                )
+                Diagnostic("refuted-property", f"{message} ({detail})", claim.span, Severity.ERROR)
             )
         elif not verdict.proved:
-            message = f"left undecided: {verdict.property} ({verdict.reason})"
+            message = f"left undecided: {verdict.statement} ({verdict.reason})"
             hint = "fuzzyarm prove has more time" if "time is over" in verdict.reason else ""
             findings.append(
                 Diagnostic("undecided-property", message, claim.span, Severity.INFO, hint=hint)

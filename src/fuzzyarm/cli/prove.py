@@ -95,7 +95,7 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
 def _data(verdict: Verdict) -> dict[str, Any]:
     bound = verdict.bound
     return {
-        "property": verdict.property,
+        "property": verdict.statement,
         "verdict": verdict.verdict,
         "bound": [_finite(x) for x in bound] if isinstance(bound, tuple) else _finite(bound),
         "evidence": list(verdict.evidence),

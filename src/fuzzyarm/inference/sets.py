@@ -165,9 +165,7 @@ def profile(
     return tuple(straight)
 
 
-def straight_pieces(
-    corners: Sequence[tuple[float, float]], low: float, high: float
-) -> list[Piece]:
+def straight_pieces(corners: Sequence[tuple[float, float]], low: float, high: float) -> list[Piece]:
     """Cut a line through corners at the ends of a range; exact for exact numbers."""
     first, last = corners[0], corners[-1]
     ends = [(min(low, first[0]), first[1]), *corners, (max(high, last[0]), last[1])]

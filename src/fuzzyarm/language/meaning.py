@@ -384,9 +384,7 @@ def _claimed_output(node: ProveNode, scope: Scope) -> str | None:
     return None
 
 
-def _demand_symmetry(
-    node: ProveNode, region: dict[str, tuple[float, float]], scope: Scope
-) -> None:
+def _demand_symmetry(node: ProveNode, region: dict[str, tuple[float, float]], scope: Scope) -> None:
     for name in scope.names("input"):
         low, high = region.get(name, range_of(scope.drafts[name].node))
         if low != -high and node.output is not None:

@@ -810,9 +810,7 @@ class ProveNode(NamedTuple):
             cursor.expect("in", "after the input")
             low = cursor.figure("the lowest slope")
             cursor.expect("..", "between the ends of the interval")
-            return cls(
-                (), verb, name, input=by, low=low, high=cursor.figure("the highest slope")
-            )
+            return cls((), verb, name, input=by, low=low, high=cursor.figure("the highest slope"))
         return cls((), "value", name, OutcomeNode.read_behind(name, cursor, _VERBS))
 
     @classmethod

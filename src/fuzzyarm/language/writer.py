@@ -413,7 +413,9 @@ def property_node(claim: Property, rulebase: RuleBase) -> ProveNode:
     """Return a property as it would be written in the file of a rule base."""
     alone = claim.kind == "table" and len(rulebase.outputs) == 1
     return ProveNode(
-        tuple(StretchNode(Word(name), Figure(low), Figure(high)) for name, low, high in claim.region),
+        tuple(
+            StretchNode(Word(name), Figure(low), Figure(high)) for name, low, high in claim.region
+        ),
         claim.kind,
         None if alone else Word(claim.output),
         None if claim.outcome is None else _outcome(claim.outcome),

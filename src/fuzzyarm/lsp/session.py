@@ -287,8 +287,8 @@ class Session:
         """Return the promises that fail; those found last, if nothing has changed in meaning."""
         if rulebase is None or not (rulebase.expectations or rulebase.properties):
             return None
-        promises = (*rulebase.expectations, *rulebase.properties)
-        known, spans = self._judged, [each.span for each in promises]
+        known, spans = self._judged, [each.span for each in rulebase.expectations]
+        spans += [each.span for each in rulebase.properties]
         if known is None or known[1] != spans or known[0] != rulebase:
             known = rulebase, spans, judge(rulebase, on_step)
         self._judged = known

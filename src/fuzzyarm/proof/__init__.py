@@ -6,7 +6,7 @@ pieces on which the output is a quotient of polynomials; everything else goes by
 """
 
 from fuzzyarm.proof.prover import Bounds, Prover, UnprovableError
-from fuzzyarm.proof.verdicts import Verdict, prove, prove_all, property_text, read_property
+from fuzzyarm.proof.verdicts import Verdict, property_text, prove, prove_all, read_property
 
 __all__ = [
     "Bounds",

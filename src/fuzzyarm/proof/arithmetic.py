@@ -45,7 +45,7 @@ class Arithmetic(NamedTuple):
         """Return an array of numbers from (nested lists of) Fractions or whole numbers."""
         plain = np.array(values, dtype=object)
         numbers = [self.number(value) for value in plain.ravel()]
-        made = np.empty(plain.size, dtype=object if self.exact else np.float64)
+        made: Array = np.empty(plain.size, dtype=object if self.exact else np.float64)
         made[:] = numbers
         return made.reshape(plain.shape)
 
@@ -53,11 +53,12 @@ class Arithmetic(NamedTuple):
         """Return an array of zeros."""
         if not self.exact:
             return np.zeros(shape)
-        return np.full(shape, self.number(Fraction(0)), dtype=object)
+        made: Array = np.full(shape, self.number(Fraction(0)), dtype=object)
+        return made
 
     def ones(self, *shape: int) -> Array:
         """Return an array of ones."""
-        return self.zeros(*shape) + self.number(Fraction(1))
+        return np.asarray(self.zeros(*shape) + self.number(Fraction(1)))
 
 
 FLOATS = Arithmetic(exact=False, number=float, name="floats")

@@ -26,7 +26,15 @@ import numpy as np
 
 from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, Stop, rationals
 
-__all__ = ["Extremum", "Quotients", "barycentric", "from_values", "lattice", "maximise", "vertices_of"]
+__all__ = [
+    "Extremum",
+    "Quotients",
+    "barycentric",
+    "from_values",
+    "lattice",
+    "maximise",
+    "vertices_of",
+]
 
 Index = tuple[int, ...]
 
@@ -266,9 +274,7 @@ class Quotients:
     def touches(self, bound: Any) -> tuple[int, Array] | None:
         """Return the piece and the position of a vertex at which N / D is a bound; or None."""
         for vertex, index in enumerate(vertices_of(self.corners.shape[2], self.degree)):
-            at = (self.lower[:, index] > 0) & (
-                self.upper[:, index] >= bound * self.lower[:, index]
-            )
+            at = (self.lower[:, index] > 0) & (self.upper[:, index] >= bound * self.lower[:, index])
             if at.any():
                 row = int(np.flatnonzero(at)[0])
                 return int(self.owner[row]), self.corners[row, vertex]

@@ -40,6 +40,9 @@ COARSE = 1e-3
 PANELS = 160
 """Stretches of an output on which its aggregate lies between two straight lines."""
 
+LEVEL_PANELS = 800
+"""The same where the lines are level."""
+
 SLACK = 4e-15
 """Share by which degrees are widened for the rounding of norms."""
 
@@ -48,6 +51,9 @@ MOST = 3_000_000
 
 CHUNK = 4_000
 """Boxes at one time: their aggregates have to fit into the cache."""
+
+PARTS = 4
+"""Parts of a stretch over which a curved membership is bounded."""
 
 Interval = tuple[Array, Array]
 
@@ -131,7 +137,9 @@ class Boxes:
             least, most = self._value_bounds(low, high)
             if mode == "linear":  # multilinear between levels: extremes at corners
                 corners = [
-                    table.lookup(*(np.where(side[i], high[:, i], low[:, i]) for i in order), mode=mode)
+                    table.lookup(
+                        *(np.where(side[i], high[:, i], low[:, i]) for i in order), mode=mode
+                    )
                     for side in product((False, True), repeat=len(self.names))
                 ]
             else:
@@ -221,8 +229,10 @@ class Boxes:
         done, seen = best, 0
         while len(low):
             seen += len(low)
-            tops = np.empty(len(low))
+            tops = np.full(len(low), math.inf)
             for start in range(0, len(low), CHUNK):
+                if self.stop.now:
+                    break
                 part = slice(start, start + CHUNK)
                 tops[part] = over(low[part], high[part])[1]
             if at is not None:
@@ -243,7 +253,9 @@ class Boxes:
                 self.stop.tell(len(low), float(tops.max()) - best)
             tiny = len(low) and float((high - low).max()) < 1e-10 * self.range
             if self.stop.now or seen > MOST or tiny:
-                return _Found(max(done, float(tops.max(initial=done))), best, where, seen, not len(low))
+                return _Found(
+                    max(done, float(tops.max(initial=done))), best, where, seen, not len(low)
+                )
             if len(low):
                 low, high = self._halved(low, high)
         return _Found(max(done, best), best, where, seen, complete=True)
@@ -282,7 +294,7 @@ class Boxes:
         from fuzzyarm.inference import infer
 
         inputs = {name: points[:, i] for i, name in enumerate(self.names)}
-        found = infer(self._silent, inputs)[self.output.output.name]  # type: ignore[arg-type]
+        found = infer(self._silent, inputs)[self.output.output.name]
         return np.asarray(found, dtype=float)
 
     # ── one step: from a box to bounds of the output ─────────────────────────────────
@@ -344,10 +356,11 @@ class Boxes:
         norm = SNORMS[self.output.output.aggregation]
         folded: dict[int, Interval] = {}
         for member, (least, most) in strengths:
-            if member in folded:
-                known = folded[member]
-                least, most = _widened(norm.array(known[0], least), norm.array(known[1], most))
-            folded[member] = least, most
+            if member not in folded:
+                folded[member] = least, most
+                continue
+            known = folded[member]
+            folded[member] = _widened(norm.array(known[0], least), norm.array(known[1], most))
         return folded
 
     # ── the ways to a number ─────────────────────────────────────────────────────────
@@ -502,8 +515,12 @@ def membership_bounds(shape: Shape, low: float, high: float) -> tuple[float, flo
     else:
         record = SHAPES[shape.kind]
         numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
-        found = bounds(specialise(record.expression, numbers), {"x": (low, high)})
-        least, most = shape.height * found.low, shape.height * found.high
+        expression = specialise(record.expression, numbers)
+        # A few parts: an expression in which x stands twice has wide bounds over a long stretch.
+        cuts = [low + (high - low) * i / PARTS for i in range(PARTS)] + [high]
+        parts = [bounds(expression, {"x": pair}) for pair in pairwise(cuts)]
+        least = shape.height * min(part.low for part in parts)
+        most = shape.height * max(part.high for part in parts)
     return max(0.0, least - SLACK), min(shape.height, most + SLACK)
 
 
@@ -534,9 +551,7 @@ class _OfSamples:
         self.weights = np.array(weights(way.resolution, way.sampling))
         self.sets = [np.array([m.membership(y) for y in places]) for m in output.members]
 
-    def __call__(
-        self, strengths: list[tuple[int, Interval]], low: Array, high: Array
-    ) -> Interval:
+    def __call__(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Interval:
         lower, upper = _aggregate(self.output, strengths, self.sets, self.sets)
         return average_bounds(
             self.positions, self.positions, lower * self.weights, upper * self.weights
@@ -598,15 +613,16 @@ class _OfSets:
         self.output = output
         low, high = output.output.low, output.output.high
         ends = {x for member in output.members for piece in member.pieces for x in piece[:3:2]}
-        even = {low + (high - low) * i / PANELS for i in range(PANELS + 1)}
-        self.edges = np.array(sorted({low, high, *ends, *even}))
-        pairs = list(pairwise(self.edges.tolist()))
         self.lined = output.output.aggregation == "max" and all(
             all(piece.straight for piece in member.pieces)
             and TNORMS[member.implication].lines is not None
             and member.implication in {"min", "product"}
             for member in output.members
         )
+        panels = PANELS if self.lined else LEVEL_PANELS
+        even = {low + (high - low) * i / panels for i in range(panels + 1)}
+        self.edges = np.array(sorted({low, high, *ends, *even}))
+        pairs = list(pairwise(self.edges.tolist()))
         if self.lined:
             self.lines = [self._lines(member, pairs) for member in output.members]
             return
@@ -625,9 +641,7 @@ class _OfSets:
             made[i] = piece.y0 + slope * (a - piece.x0), piece.y0 + slope * (b - piece.x0)
         return np.clip(made, 0.0, 1.0)
 
-    def __call__(
-        self, strengths: list[tuple[int, Interval]], low: Array, high: Array
-    ) -> Interval:
+    def __call__(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Interval:
         if not self.lined:
             lower, upper = _aggregate(self.output, strengths, self.least, self.most)
             return centroid_bounds(

@@ -304,7 +304,7 @@ class Pieces:
     def flat_cells(self) -> Array:
         """The number of the cell of each piece, as `only` takes it."""
         numbers = [len(cells) for cells in self.grid.cells]
-        return np.ravel_multi_index(tuple(self.cell.T), numbers)
+        return np.asarray(np.ravel_multi_index(tuple(self.cell.T), numbers))
 
     def widths(self, which: int) -> Array:
         """Return the width of each piece's cell along an input."""
@@ -332,7 +332,7 @@ class Pieces:
             mirrored = self._runs_backwards(axis)[cells[:, axis]]
             which = np.repeat(mirrored, len(orders))
             shape[which, :, axis] = 1 - shape[which, :, axis]
-        made = self.arithmetic.zeros(*shape.shape)
+        made: Array = self.arithmetic.zeros(*shape.shape)
         made[shape == 1] = self.arithmetic.number(Fraction(1))
         return made
 
@@ -375,8 +375,9 @@ class Pieces:
             undecided: list[Array] = []
             found = strength(which, undecided)
             if not adds:
-                for column in rule.columns:
-                    undecided.append(found.values - self.heights[which, :, first + column])
+                undecided += [
+                    found.values - self.heights[which, :, first + column] for column in rule.columns
+                ]
             return undecided
 
         which = np.flatnonzero(self.may_fire(rule.antecedent, shift))
@@ -462,14 +463,14 @@ class Pieces:
 
             for index, layers in enumerate(form.own):
                 levels = [number(level) for level in _inner_levels(layers)]
-                if levels:
-                    which = np.flatnonzero((self.heights[:, :, first + index] > 0).any(axis=1))
-                    self._refine(
-                        which,
-                        lambda ids, index=index, levels=levels, column=column: [
-                            column(index, ids) - level for level in levels
-                        ],
-                    )
+
+                def own_levels(
+                    ids: Array, index: int = index, levels: Any = levels, column: Any = column
+                ) -> list[Array]:
+                    return [column(index, ids) - level for level in levels]
+
+                which = np.flatnonzero((self.heights[:, :, first + index] > 0).any(axis=1))
+                self._refine(which, own_levels)
             for overlap in form.overlaps:
                 levels = [number(level) for level in _inner_levels(overlap.layers)]
                 members = (overlap.member, *overlap.others)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.boxes import Boxes
     from fuzzyarm.table import LookupTable
 
-__all__ = ["Bounds", "Claim", "Prover", "UnprovableError", "WIDENED"]
+__all__ = ["WIDENED", "Bounds", "Claim", "Prover", "UnprovableError"]
 
 WIDENED = 1e-12
 """Share of an output's range by which bounds that floats found are widened outward."""
@@ -154,7 +154,9 @@ class Prover:
 
     # ── the box ──────────────────────────────────────────────────────────────────────
 
-    def box(self, region: Mapping[str, tuple[float, float]]) -> tuple[tuple[Fraction, Fraction], ...]:
+    def box(
+        self, region: Mapping[str, tuple[float, float]]
+    ) -> tuple[tuple[Fraction, Fraction], ...]:
         """Return the stretch of each input, all of its range where the region says nothing.
 
         Raises
@@ -235,7 +237,12 @@ class Prover:
         return self._boxes(self.box(region)).at_most(bound, negated=negated)
 
     def value_at_most(
-        self, region: Mapping[str, tuple[float, float]], bound: float, *, negated: bool, strict: bool
+        self,
+        region: Mapping[str, tuple[float, float]],
+        bound: float,
+        *,
+        negated: bool,
+        strict: bool,
     ) -> Claim:
         """Tell whether the output (or minus the output) is at most `bound`, below it if strict."""
         assert self.model is not None
@@ -275,7 +282,8 @@ class Prover:
         self._demand_value_everywhere("symmetry")
         self._demand_inside_range("symmetry")
         question = _Question(self.box(region), Surface.odd, mirrored=True)
-        return self.at_most(question, Fraction(bound), negated=False)  # −x has the other sign
+        above = self.at_most(question, Fraction(bound), negated=False)
+        return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
     def uncovered(self, region: Mapping[str, tuple[float, float]]) -> dict[str, Fraction] | None:
         """Return a point at which no rule fires, or None where there is none.
@@ -325,9 +333,9 @@ class Prover:
             if found.reached is None:
                 raise UnprovableError(f"no rule fires anywhere for '{self.output.name}'")
             reached, bound = found.reached, found.bound
-            at = {} if found.owner < 0 else self._named(
-                surface.pieces.position(found.owner, found.corner)
-            )  # fmt: skip
+            at: dict[str, Fraction] = {}
+            if found.corner is not None:
+                at = self._named(surface.pieces.position(found.owner, found.corner))
             if left.size and not self.exact:
                 again = self._again(question, surface, left, sign, reached)
                 if again is not None:
@@ -355,7 +363,7 @@ class Prover:
         known = number(Fraction(float(least)))
         found = maximise(chosen, number(Fraction(self.gap)), self.stop, least=known)
         better = None
-        if found.owner >= 0:
+        if found.corner is not None:
             at = self._named(exact.pieces.position(found.owner, found.corner))
             better = found.reached, at
         return float(found.bound), better, found.pieces
@@ -396,6 +404,7 @@ class Prover:
                     return Claim(False, at, seen, True)
             if fails:
                 corner = found.corner
+                assert corner is not None
                 if question.steep:  # a slope has two sides: step inside the piece
                     inside = surface.pieces.corners[found.owner].sum(axis=0) / (corner.size + 1)
                     corner = corner + (inside - corner) / 2**14
@@ -436,9 +445,7 @@ class Prover:
         low, reached_low, at_low = made.get(-1, (-math.inf, math.nan, {}))
         high_, reached_high, at_high = made[1]
         way = "exact" if self.exact else "widened"
-        return Bounds(
-            low, high_, reached_low, reached_high, at_low, at_high, pieces, way, complete
-        )
+        return Bounds(low, high_, reached_low, reached_high, at_low, at_high, pieces, way, complete)
 
     # ── surfaces, remembered ─────────────────────────────────────────────────────────
 
@@ -546,9 +553,9 @@ class Prover:
     def _clamped(self, bounds: Bounds) -> Bounds:
         """Bring bounds of the value into the range, as the value is; a centroid lies in it."""
         low, high = self.output.low, self.output.high
-        if self.output.outside != "clamp" and self.model is not None:
-            if not math.isfinite(self.model.low):
-                return bounds
+        free = self.model is not None and not math.isfinite(self.model.low)
+        if self.output.outside != "clamp" and free:
+            return bounds
         return bounds._replace(
             low=min(max(bounds.low, low), high),
             high=min(max(bounds.high, low), high),

@@ -360,10 +360,10 @@ def _averages(
     values, areas = [], []
     for pieces in profiles:
         area = moment = Fraction(0)
-        for x0, y0, x1, y1, _ in pieces:
-            width = Fraction(x1) - Fraction(x0)
-            area += width * (y0 + y1) / 2  # type: ignore[operator]
-            moment += width * (x0 * (2 * y0 + y1) + x1 * (y0 + 2 * y1)) / 6  # type: ignore[operator]
+        for piece in pieces:
+            x0, y0, x1, y1 = map(Fraction, piece[:4])
+            area += (x1 - x0) * (y0 + y1) / 2
+            moment += (x1 - x0) * (x0 * (2 * y0 + y1) + x1 * (y0 + 2 * y1)) / 6
         values.append(Value(moment / area if area else Fraction(0), (Fraction(0),) * inputs))
         areas.append(area)
     return tuple(values), tuple(areas)

@@ -267,9 +267,8 @@ class Surface:
         form = self.model.form
         assert form is not None
         first = system * self.model.columns
-        positive = (self.pieces.heights[which][:, :, first : first + self.model.columns] > 0).any(
-            axis=1
-        )
+        heights = self.pieces.heights[which][:, :, first : first + self.model.columns]
+        positive = np.asarray((heights > 0).any(axis=1))
         for column, layers in enumerate(form.own):
             rows = np.flatnonzero(positive[:, column])
             if rows.size:
@@ -364,9 +363,7 @@ class Surface:
             for column in rule.columns:
                 yield column, rows, height * weight, slope * weight
 
-    def _product(
-        self, node: Node, which: Array, shares: Array, shift: int
-    ) -> tuple[Array, Array]:
+    def _product(self, node: Node, which: Array, shares: Array, shift: int) -> tuple[Array, Array]:
         if node.kind == "is":
             number = node.proposition + shift
             axis = self.pieces.grid.inputs[number]
@@ -575,7 +572,9 @@ class TableValues:
         return len(self.order) if self.mode == "linear" else 0
 
     @staticmethod
-    def positions(table: TableHeader, mode: str, names: Sequence[str]) -> tuple[list[Fraction], ...]:
+    def positions(
+        table: TableHeader, mode: str, names: Sequence[str]
+    ) -> tuple[list[Fraction], ...]:
         """Return where each input has to be cut."""
         found: dict[str, list[Fraction]] = {}
         for axis in table.axes:

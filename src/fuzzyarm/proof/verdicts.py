@@ -44,7 +44,7 @@ class Verdict:
 
     Attributes
     ----------
-    property : str
+    statement : str
         The statement, as it stands behind ``prove``.
     verdict : str
         ``proved``, ``refuted`` or ``undecided``.
@@ -65,7 +65,7 @@ class Verdict:
         Of the file; 0 for a statement from elsewhere.
     """
 
-    property: str
+    statement: str
     verdict: str
     bound: tuple[float, float] | float | None = None
     evidence: tuple[str, ...] = ()
@@ -81,7 +81,7 @@ class Verdict:
         return self.verdict == PROVED
 
     def __str__(self) -> str:
-        words = [f"{self.verdict}: {self.property}"]
+        words = [f"{self.verdict}: {self.statement}"]
         if self.bound is not None:
             words.append(f"  bound {bound_text(self.bound)}")
         if self.reason:
@@ -295,35 +295,49 @@ class _Case:
         if no_rule is not None:
             return no_rule
         bounds = prover.value(self.region)
-        sides = (
-            (-1, low, bounds.low, bounds.reached_low, bounds.at_low),
-            (1, high, bounds.high, bounds.reached_high, bounds.at_high),
+        for sign, limit in ((-1, low), (1, high)):
+            said, bounds = self._side(bounds, sign, limit, strict=strict)
+            if said != PROVED:
+                evidence = () if isinstance(said, str) else said
+                return self._said(REFUTED if evidence else UNDECIDED, bounds, evidence=evidence)
+        return self._said(PROVED, bounds)
+
+    def _side(
+        self, bounds: Bounds, sign: int, limit: float, *, strict: bool
+    ) -> tuple[str | tuple[str, ...], Bounds]:
+        """Judge one end of an interval: proved, undecided or the evidence against it."""
+        prover = self.prover
+        bound, reached, at = (
+            (bounds.high, bounds.reached_high, bounds.at_high)
+            if sign > 0
+            else (bounds.low, bounds.reached_low, bounds.at_low)
         )
-        facts: dict[str, Any] = {}
-        for sign, limit, bound, reached, at in sides:
-            if not math.isfinite(limit) or sign * (limit - bound) > (0 if not strict else 1e-300):
-                continue
-            if at and sign * (reached - limit) > LIKE_EXPECT * prover.range:
-                confirmed = self._confirmed(at, lambda u, s=sign, v=limit: s * (u - v) > 0)
-                if confirmed is not None:
-                    return self._said(REFUTED, bounds, evidence=confirmed)
-            if prover.model is None:
-                holds, boxes = prover.boxes_at_most(self.region, sign * limit, negated=sign < 0)
-                facts = {"pieces": bounds.pieces + boxes}
-                if not holds or strict:
-                    return self._said(UNDECIDED, bounds, **facts)
-                bounds = _at_most(bounds, sign, limit)
-                continue
-            claim = prover.value_at_most(
-                self.region, sign * limit, negated=sign < 0, strict=strict
-            )
-            facts = {"pieces": bounds.pieces + claim.pieces}
-            if claim.holds is None:
-                return self._said(UNDECIDED, bounds, **facts)
-            if not claim.holds:
-                return self._said(REFUTED, bounds, evidence=self._points([claim.at]), **facts)
-            bounds = _at_most(bounds, sign, limit)
-        return self._said(PROVED, bounds, **facts)
+        if sign * (limit - bound) > 0.0 or (not strict and limit == bound):
+            return PROVED, bounds
+        no_rule = prover.output.no_rule
+        silent = isinstance(no_rule, int | float) and sign * (no_rule - limit) > 0.0
+        beyond = _Beyond(sign, Fraction(limit), strict=strict)
+        if at and (silent or sign * (reached - limit) > LIKE_EXPECT * prover.range):
+            confirmed = self._confirmed(at, beyond)
+            if confirmed is not None:
+                return confirmed, bounds
+        # The pieces do not know the value for no rule; the bounds do.
+        if silent and prover.uncovered(self.region) is not None:
+            return UNDECIDED, bounds
+        if prover.model is None:
+            holds, boxes = prover.boxes_at_most(self.region, sign * limit, negated=sign < 0)
+            bounds = bounds._replace(pieces=bounds.pieces + boxes)
+            if not holds or strict:
+                return UNDECIDED, bounds
+            return PROVED, _at_most(bounds, sign, limit)
+        claim = prover.value_at_most(self.region, sign * limit, negated=sign < 0, strict=strict)
+        bounds = bounds._replace(pieces=bounds.pieces + claim.pieces)
+        if claim.holds:
+            return PROVED, _at_most(bounds, sign, limit)
+        value = prover.exactly(claim.at) if claim.at else None
+        if value is None or not beyond(value):
+            return UNDECIDED, bounds
+        return self._points([claim.at]), bounds
 
     def _without_value(self) -> Verdict | None:
         """Refute a statement on the value where the output has none."""
@@ -337,18 +351,33 @@ class _Case:
     def _confirmed(
         self, at: Mapping[str, float], fails: Callable[[Fraction], bool]
     ) -> tuple[str, ...] | None:
-        """Return a point as evidence, if exact arithmetic says that a statement fails there."""
-        prover = self.prover
-        if prover.model is None:
-            from fuzzyarm.inference import infer
+        """Return a point as evidence, if exact arithmetic says that a statement fails there.
 
-            value = Fraction(float(infer(self.rulebase, dict(at))[self.claim.output]))
-        else:
-            exact = prover.exactly(at)
-            if exact is None:
-                return None
-            value = exact
-        return (self._expect(at, value),) if fails(value) else None
+        The point with the fewest digits that shows it is taken.
+        """
+        for digits in (0, 1, 2, 3, 6, None):
+            near = self._rounded(at, digits)
+            value = self._value_at(near)
+            if value is not None and fails(value):
+                return (self._expect(near, value),)
+        return None
+
+    def _rounded(self, at: Mapping[str, float], digits: int | None) -> dict[str, float]:
+        """Return a point to some digits behind the decimal point, inside the box."""
+        ends = self.prover.box(self.region)
+        return {
+            name: x if digits is None else min(max(round(x, digits), float(low)), float(high))
+            for (name, x), (low, high) in zip(at.items(), ends, strict=True)
+        }
+
+    def _value_at(self, at: Mapping[str, float]) -> Fraction | None:
+        """Return the output at a point: exact, or of floats where there are no exact pieces."""
+        if self.prover.model is not None:
+            return self.prover.exactly(at)
+        from fuzzyarm.inference import infer
+
+        found = infer(self.rulebase, dict(at))[self.claim.output]
+        return Fraction(float(found))
 
     def _points(self, points: list[Mapping[str, Any]]) -> tuple[str, ...]:
         found = []
@@ -386,11 +415,22 @@ class _Case:
         self, at: Mapping[str, Fraction], sign: int
     ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
         """Return two points along the input, of which the second is lower (or higher)."""
+        here = {name: float(x) for name, x in at.items()}
+        for digits in (0, 1, 2, 3, 6, None):
+            pair = self._pair_on_line(
+                self._rounded(here, digits), float(at[self.claim.input]), sign
+            )
+            if pair is not None:
+                return pair
+        return None
+
+    def _pair_on_line(
+        self, fixed: dict[str, float], here: float, sign: int
+    ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
         prover, name = self.prover, self.claim.input
         assert prover.model is not None
         axis = prover.names.index(name)
         low, high = (float(x) for x in prover.box(self.region)[axis])
-        fixed = {other: float(x) for other, x in at.items()}
         corners = [
             float(x)
             for each in prover.model.propositions
@@ -400,26 +440,24 @@ class _Case:
         ]
         steps = 400
         even = [low + (high - low) * i / steps for i in range(steps + 1)]
-        here = float(at[name])
         near = [here + (high - low) * share for share in (-1e-3, -1e-5, 0.0, 1e-5, 1e-3)]
         positions = sorted({x for x in (*corners, *even, *near) if low <= x <= high})
-        from fuzzyarm.inference import infer
-
         import numpy as np
+
+        from fuzzyarm.inference import infer
 
         inputs = {other: np.full(len(positions), x) for other, x in fixed.items()}
         inputs[name] = np.array(positions)
-        values = np.asarray(infer(self.rulebase, inputs)[self.claim.output]) * sign  # type: ignore[arg-type]
+        values = np.asarray(infer(self.rulebase, inputs)[self.claim.output]) * sign
         before = np.maximum.accumulate(values)
         drop = before - values
         second = int(drop.argmax())
         first = int(values[: second + 1].argmax())
         pair = ({**fixed, name: positions[first]}, {**fixed, name: positions[second]})
         exact = [prover.exactly(point) for point in pair]
-        if first < second and exact[0] is not None and exact[1] is not None:
-            if sign * (exact[0] - exact[1]) > 0:
-                return pair
-        return None
+        if first >= second or exact[0] is None or exact[1] is None:
+            return None
+        return pair if sign * (exact[0] - exact[1]) > 0 else None
 
     def _slope(self) -> Verdict:
         claim, prover = self.claim, self.prover
@@ -489,9 +527,7 @@ class _Case:
         way = "boxes" if prover.model is None else "exact"
         if at is None:
             return self._said(PROVED, pieces=pieces, way=way)
-        return self._said(
-            REFUTED, pieces=pieces, way=way, reason=f"no rule fires at {written(at)}"
-        )
+        return self._said(REFUTED, pieces=pieces, way=way, reason=f"no rule fires at {written(at)}")
 
     def _table(self) -> Verdict:
         from fuzzyarm.table import compile_table
@@ -505,11 +541,16 @@ class _Case:
             return self._said(PROVED, **facts)
         above = bounds.reached_high >= -bounds.reached_low
         at = bounds.at_high if above else bounds.at_low
-        if max(bounds.reached_high, -bounds.reached_low) > claim.high:
+        if max(bounds.reached_high, -bounds.reached_low) > claim.high + LIKE_EXPECT * prover.range:
             inputs = [at[name] for name in table.names]
             # The supremum next to a threshold is that of the cell beside it.
             there = Fraction(float(table.lookup(*inputs, mode=claim.mode)))
-            confirmed = self._confirmed(at, lambda u: abs(u - there) > Fraction(claim.high))
+            far = claim.high
+
+            def fails(value: Fraction) -> bool:
+                return abs(value - there) > Fraction(far)
+
+            confirmed = (self._expect(at, u),) if fails(u := self._value_at(at) or there) else None
             if confirmed is not None or claim.mode != "linear":
                 reason = f"the error is {max(bounds.reached_high, -bounds.reached_low):.10g}"
                 return self._said(REFUTED, evidence=confirmed or (), reason=reason, **facts)
@@ -518,6 +559,17 @@ class _Case:
             if found.holds:
                 return self._said(PROVED, **{**facts, "bound": claim.high})
         return self._said(UNDECIDED, **facts)
+
+
+class _Beyond:
+    """Whether a value is above a limit (sign 1) or below it (-1); or on it, where excluded."""
+
+    def __init__(self, sign: int, limit: Fraction, *, strict: bool = False) -> None:
+        self.sign, self.limit, self.strict = sign, limit, strict
+
+    def __call__(self, value: Fraction) -> bool:
+        over = self.sign * (value - self.limit)
+        return over > 0 or (self.strict and over == 0)
 
 
 def _interval(
