@@ -202,11 +202,13 @@ def _table(prover: Prover, which: str) -> Bounds:
 
 
 def _print_single(found: dict[str, Bounds]) -> None:
-    data: dict[str, Any] = {}
-    for key, bounds in found.items():
-        facts = _single_data(key, bounds)
-        data = facts if key in ("worst", "range") else {**data, key: facts}
-    print_json(data, 2)
+    data = {key: _single_data(key, bounds) for key, bounds in found.items()}
+    for key in ("worst", "range"):
+        if key in data:
+            print_json(data[key], 2)
+            return
+    lows, highs = ([bounds[i] for bounds in found.values()] for i in (0, 1))
+    print_json({"low": _finite(min(lows)), "high": _finite(max(highs)), "inputs": data}, 2)
 
 
 def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:

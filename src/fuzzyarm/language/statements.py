@@ -816,7 +816,8 @@ class ProveNode(NamedTuple):
     @classmethod
     def _table(cls, cursor: Cursor) -> ProveNode:
         output = None
-        if cursor.accept("of"):
+        if cursor.next_is("of"):
+            cursor.take()
             output = cursor.variable("the name of an output", "output")
         mode = cursor.word("linear, nearest or bins", TABLE_MODES, "unexpected-token")
         cursor.expect("within", "before the worst error")

@@ -6,6 +6,7 @@ pieces on which the output is a quotient of polynomials; everything else goes by
 """
 
 from fuzzyarm.proof.prover import Bounds, Prover, UnprovableError
+from fuzzyarm.proof.tables import table_proof
 from fuzzyarm.proof.verdicts import Verdict, property_text, prove, prove_all, read_property
 
 __all__ = [
@@ -17,4 +18,5 @@ __all__ = [
     "prove",
     "prove_all",
     "read_property",
+    "table_proof",
 ]

@@ -43,6 +43,10 @@ class UnprovableError(FuzzyarmError, ValueError):
     """Nothing can be proved of a rule base or of one statement; the message names why."""
 
 
+class NothingFiresError(UnprovableError):
+    """No rule of the output fires anywhere in the region."""
+
+
 class Bounds(NamedTuple):
     """What an output, its slope or the error of a table cannot leave.
 
@@ -187,11 +191,19 @@ class Prover:
         box = self.box(region)
         if self.model is None:
             return self._boxes(box).value(self.gap)
-        bounds = self._bounds(_Question(box, Surface.value), shifted=True)
-        if isinstance(self.output.no_rule, int | float):
-            at = self.uncovered(region)
-            if at is not None:
-                bounds = _including(bounds, float(self.output.no_rule), at)
+        no_rule = self.output.no_rule
+        try:
+            bounds = self._bounds(_Question(box, Surface.value), shifted=True)
+        except NothingFiresError:
+            if not isinstance(no_rule, int | float):
+                raise
+            only = float(no_rule)
+            at = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
+            return Bounds(only, only, only, only, at, at, self.pieces_cut, "exact", True)
+        if isinstance(no_rule, int | float):
+            silent = self.uncovered(region)
+            if silent is not None:
+                bounds = _including(bounds, float(no_rule), silent)
         return self._clamped(bounds)
 
     def slope(self, region: Mapping[str, tuple[float, float]], name: str) -> Bounds:
@@ -331,7 +343,7 @@ class Prover:
             left = np.concatenate([found.left.owner, np.flatnonzero(doubtful)])
             pieces = max(pieces, found.pieces)
             if found.reached is None:
-                raise UnprovableError(f"no rule fires anywhere for '{self.output.name}'")
+                raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
             reached, bound = found.reached, found.bound
             at: dict[str, Fraction] = {}
             if found.corner is not None:

@@ -22,7 +22,7 @@ from fuzzyarm.model.rulebase import Property, RuleBase
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.prover import Bounds, Claim, Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
-from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.numbers import number_text, outward_text
 
 if TYPE_CHECKING:
     from fuzzyarm.language.statements import ProveNode
@@ -94,21 +94,6 @@ def bound_text(bound: tuple[float, float] | float) -> str:
     if isinstance(bound, tuple):
         return f"{outward_text(bound[0], up=False)} .. {outward_text(bound[1], up=True)}"
     return outward_text(bound, up=True)
-
-
-def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
-    """Return a number to some digits, rounded up or down."""
-    if not math.isfinite(value) or value == 0.0:
-        return f"{value:g}"
-    from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
-
-    exact = Decimal(value)
-    step = Decimal(1).scaleb(exact.adjusted() - digits + 1)
-    near = exact.quantize(step)
-    if abs(near - exact) <= abs(exact) * Decimal("1e-11"):  # widening alone adds no digit
-        return f"{near.normalize():f}"
-    found = exact.quantize(step, ROUND_CEILING if up else ROUND_FLOOR)
-    return f"{found.normalize():f}"
 
 
 # ── statements ───────────────────────────────────────────────────────────────────────
@@ -324,20 +309,25 @@ class _Case:
         # The pieces do not know the value for no rule; the bounds do.
         if silent and prover.uncovered(self.region) is not None:
             return UNDECIDED, bounds
+        return self._decided(bounds, sign, limit, beyond)
+
+    def _decided(
+        self, bounds: Bounds, sign: int, limit: float, beyond: _Beyond
+    ) -> tuple[str | tuple[str, ...], Bounds]:
+        """Decide one end that the bounds do not: by asking just that."""
+        prover, strict = self.prover, beyond.strict
         if prover.model is None:
             holds, boxes = prover.boxes_at_most(self.region, sign * limit, negated=sign < 0)
             bounds = bounds._replace(pieces=bounds.pieces + boxes)
-            if not holds or strict:
-                return UNDECIDED, bounds
-            return PROVED, _at_most(bounds, sign, limit)
+            proved = holds and not strict
+            return (PROVED, _at_most(bounds, sign, limit)) if proved else (UNDECIDED, bounds)
         claim = prover.value_at_most(self.region, sign * limit, negated=sign < 0, strict=strict)
         bounds = bounds._replace(pieces=bounds.pieces + claim.pieces)
         if claim.holds:
             return PROVED, _at_most(bounds, sign, limit)
         value = prover.exactly(claim.at) if claim.at else None
-        if value is None or not beyond(value):
-            return UNDECIDED, bounds
-        return self._points([claim.at]), bounds
+        shown = value is not None and beyond(value)
+        return (self._points([claim.at]) if shown else UNDECIDED), bounds
 
     def _without_value(self) -> Verdict | None:
         """Refute a statement on the value where the output has none."""
