@@ -282,7 +282,7 @@ def test_what_is_not_straight_says_why() -> None:
 def test_averages_of_linear_forms(method: str) -> None:
     text = (
         "rulebase r\ninput x 0 .. 1\ninput y 0 .. 1\noutput u -9 .. 9\n"
-        "terms x, y: triangles L H\nterm u A: linear 2 x - 1 y + 0.5\nterm u B: singleton 1\n"
+        "terms x, y: triangles L H\nterm u A: linear 2*x - 1*y + 0.5\nterm u B: singleton 1\n"
         f"inference and product, aggregation sum, defuzzifier {method}, no-rule 0\n"
         "rules u\n  x \\ y  L  H\n  L      A  B\n  H      B  A\n"
     )
