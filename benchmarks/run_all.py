@@ -20,6 +20,7 @@ PARTS = {
     "lookup": "table look-up against C; memory of a large table",
     "closed_loop": "closed loops against C",
     "keystroke": "the editor's answer to a key",
+    "proofs": "proved bounds, with their targets",
 }
 WITH_WORDS = {"compiled"}
 READS_ARGV = {"inference"}

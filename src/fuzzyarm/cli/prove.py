@@ -207,8 +207,9 @@ def _print_single(found: dict[str, Bounds]) -> None:
         if key in data:
             print_json(data[key], 2)
             return
-    lows, highs = ([bounds[i] for bounds in found.values()] for i in (0, 1))
-    print_json({"low": _finite(min(lows)), "high": _finite(max(highs)), "inputs": data}, 2)
+    low = min(bounds.low for bounds in found.values())
+    high = max(bounds.high for bounds in found.values())
+    print_json({"low": _finite(low), "high": _finite(high), "inputs": data}, 2)
 
 
 def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:

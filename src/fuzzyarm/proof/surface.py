@@ -267,23 +267,42 @@ class Surface:
         form = self.model.form
         assert form is not None
         first = system * self.model.columns
-        heights = self.pieces.heights[which][:, :, first : first + self.model.columns]
-        positive = np.asarray((heights > 0).any(axis=1))
+        chunk = self.pieces.heights[which]
+        slopes = self.pieces.slopes[which]
+        columns = {
+            column: np.ascontiguousarray(chunk[:, :, first + column])
+            for column in range(self.model.columns)
+        }
+        positive = {column: (heights > 0).any(axis=1) for column, heights in columns.items()}
+        lattice = {  # once for each column: overlaps ask for the same again
+            column: heights @ points.T
+            for column, heights in columns.items()
+            if positive[column].any()
+        }
+
+        def at(column: int, rows: Array) -> tuple[Array, Array]:
+            found = lattice.get(column)
+            if found is None:
+                return self.arithmetic.zeros(len(rows), len(points)), slopes[
+                    rows, :, first + column
+                ]
+            return found[rows], slopes[rows, :, first + column]
+
         for column, layers in enumerate(form.own):
-            rows = np.flatnonzero(positive[:, column])
+            rows = np.flatnonzero(positive[column])
             if rows.size:
-                height, slope = self._heights(which[rows], points, first + column)
+                height, slope = at(column, rows)
                 sums.add_layers(rows, self._as_numbers(layers), height, slope, 1)
         for overlap in form.overlaps:
-            others = positive[:, list(overlap.others)].any(axis=1)
-            rows = np.flatnonzero(positive[:, overlap.member] & others)
+            others = np.logical_or.reduce([positive[other] for other in overlap.others])
+            rows = np.flatnonzero(positive[overlap.member] & others)
             if not rows.size:
                 continue
-            above, above_slope = self._heights(which[rows], points, first + overlap.others[0])
+            above, above_slope = at(overlap.others[0], rows)
             for other in overlap.others[1:]:
-                height, slope = self._heights(which[rows], points, first + other)
+                height, slope = at(other, rows)
                 above, above_slope = _pick(above, above_slope, height, slope, larger=True)
-            own, own_slope = self._heights(which[rows], points, first + overlap.member)
+            own, own_slope = at(overlap.member, rows)
             lower, lower_slope = _pick(own, own_slope, above, above_slope, larger=False)
             sums.add_layers(rows, self._as_numbers(overlap.layers), lower, lower_slope, -1)
 
