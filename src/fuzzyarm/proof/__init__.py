@@ -5,7 +5,8 @@ rule base of straight terms, min and the exact centroid (or averages of numbers)
 pieces on which the output is a quotient of polynomials; everything else goes by boxes.
 """
 
-from fuzzyarm.proof.prover import Bounds, Prover, UnprovableError
+from fuzzyarm.proof.bounds import Bounds, UnprovableError
+from fuzzyarm.proof.prover import Prover
 from fuzzyarm.proof.tables import table_proof
 from fuzzyarm.proof.verdicts import Verdict, property_text, prove, prove_all, read_property
 

@@ -30,7 +30,7 @@ from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, RuleBase
 from fuzzyarm.model.shapes import corners as corners_of_variable
 from fuzzyarm.model.shapes import polyline
 from fuzzyarm.proof.arithmetic import Array, Stop
-from fuzzyarm.proof.prover import WIDENED, Bounds, UnprovableError
+from fuzzyarm.proof.bounds import WIDENED, Bounds, UnprovableError
 
 __all__ = ["Boxes"]
 

@@ -20,7 +20,8 @@ from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
 from fuzzyarm.model.rulebase import Property, RuleBase
 from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.prover import Bounds, Claim, Prover, written
+from fuzzyarm.proof.bounds import Bounds, Claim
+from fuzzyarm.proof.prover import Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.numbers import number_text, outward_text
 
