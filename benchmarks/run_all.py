@@ -22,6 +22,7 @@ PARTS = {
     "controllers": "exported controllers against the kernel",
     "learning": "rule bases from samples beside regression, boosting and peers",
     "keystroke": "the editor's answer to a key",
+    "proofs": "proved bounds, with their targets",
 }
 WITH_WORDS = {"compiled"}
 READS_ARGV = {"inference"}
