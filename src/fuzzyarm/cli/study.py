@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
 
 if TYPE_CHECKING:
-    from fuzzyarm.study import Ensemble, PublishedRow, Reproduced
+    from fuzzyarm.study import Ensemble, Judgement, PublishedRow, Reproduced
+    from fuzzyarm.study.beyond import Beyond
     from fuzzyarm.study.identify import Identified
 
 
@@ -31,9 +32,6 @@ another --runs times, each with the last bit of every state disturbed at every s
 With --plot DIR: fewer than five rows are drawn each, more by chapters and all beside
 each other (overview.png).
 """
-
-_SUMMARY_TABLE = "7.1.1"
-"""The table with which the controller beyond the study is compared."""
 
 _FEW = 5
 """Rows from which on figures are by chapters."""
@@ -70,10 +68,12 @@ def _reproduce(arguments: argparse.Namespace) -> int:
 
 
 def _print(results: list[Reproduced]) -> None:
+    from fuzzyarm.study.beyond import SUMMARY_TABLE
+
     for result in results:
         print(_reproduced_as_text(result), end="\n\n")
     _summary(results)
-    if any(result.published.table == _SUMMARY_TABLE for result in results):
+    if any(result.published.table == SUMMARY_TABLE for result in results):
         _beyond()
 
 
@@ -214,6 +214,7 @@ def _summary(results: list[Reproduced]) -> None:
     for result in printed:
         if not result.judgement.within:
             print(f"  {result.published.identifier}: {result.judgement.sentence}")
+    print(_within_levels([result.judgement for result in printed]))
     both = {r.published.identifier for r in results if r.variant == "as-described"}
     if both:
         print("where the variants differ, the row is reproduced by")
@@ -226,16 +227,40 @@ def _summary(results: list[Reproduced]) -> None:
             print(f"  {name:<20} {_reproduced_by(described, result)}")
 
 
-def _beyond() -> None:
-    """Print the controller that the study does not have."""
-    from fuzzyarm.study.reproduce import run_beyond
+def _within_levels(judgements: Sequence[Judgement]) -> str:
+    from fuzzyarm.study.reproduce import count_within
 
-    beyond = run_beyond()
-    verdict = "better in all four" if beyond.better else "NOT better in all four"
-    print(f"beyond the study: {beyond.name}, against the best of the rows without a model")
-    print("  RMS errors  " + "".join(f"{value:>10.4f}" for value in beyond.rms))
-    print("  to beat     " + "".join(f"{value:>10.4f}" for value in beyond.to_beat))
-    print(f"  {verdict}")
+    found = count_within(judgements)
+    counts = ", ".join(f"{count} within {100 * level:g} %" for level, count in found.items())
+    return f"whatever the bounds, all four RMS errors of a row: {counts}"
+
+
+def _beyond() -> None:
+    """Print the controllers that the study does not have."""
+    from fuzzyarm.study.beyond import run_beyond
+
+    beyond = list(run_beyond())
+    print("beyond the study: RMS errors beside the smallest of each column of the summary table")
+    to_beat = {
+        "rows without a model": beyond[0].best_without_model,
+        "all rows": beyond[0].best_of_all,
+    }
+    for name, figures in to_beat.items():
+        print(_four_line(name, figures))
+    for each in beyond:
+        print(_four_line(each.name, each.rms) + f"   {_beaten(each)}")
+
+
+def _four_line(name: str, figures: Sequence[float]) -> str:
+    return f"  {name:<22}" + "".join(f"{value:>10.4f}" for value in figures)
+
+
+def _beaten(beyond: Beyond) -> str:
+    if beyond.beats_all:
+        return "below every row in all four"
+    if beyond.beats_those_without_model:
+        return "below every row without a model in all four"
+    return "NOT below every row without a model"
 
 
 def _reproduced_by(described: Reproduced, printed: Reproduced) -> str:
@@ -271,11 +296,11 @@ def _plot(results: Sequence[Reproduced], folder: Path) -> None:
 
 def _overview(results: Sequence[Reproduced], path: Path) -> None:
     """Draw the rows of the summary, or, if there are none among them, all."""
+    from fuzzyarm.study.beyond import run_beyond
     from fuzzyarm.study.figures import SUMMARY, draw_overview, save_figure
-    from fuzzyarm.study.reproduce import run_beyond
 
     summary = [result for result in results if result.published.table[0] == SUMMARY]
-    beyond = run_beyond() if summary else None
+    beyond = list(run_beyond()) if summary else []
     save_figure(draw_overview(summary or results, beyond), path)
 
 

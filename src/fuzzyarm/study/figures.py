@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.controller.catalogue import CATALOGUE
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.run import Run
+from fuzzyarm.study.beyond import Beyond
 from fuzzyarm.study.published import RMS_PLACES, PublishedRow
-from fuzzyarm.study.reproduce import Beyond, Reproduced
+from fuzzyarm.study.reproduce import Reproduced
 from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ FAMILIES = {
 """Chapter: what its controllers are, and their colour."""
 
 OWN_COLOUR = "#6a3d9a"
-"""Of the controller that the study does not have."""
+"""Of the controllers that the study does not have."""
 
 ACROSS = 3
 """Rows side by side in the figure of a chapter."""
@@ -161,26 +162,25 @@ def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
 HEADINGS = ("link 1, {first}", "link 2, {first}", "link 1, {second}", "link 2, {second}")
 
 
-def draw_overview(results: Sequence[Reproduced], beyond: Beyond | None = None) -> Figure:
+def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) -> Figure:
     """Draw the RMS errors of all rows: published rings, reproduced dots, bands of chance.
 
-    The rows are on the same pair of trajectories, in the order of the table; a controller that
-    was not published stands below them.
+    The rows are on the same pair of trajectories, in the order of the table; controllers that
+    were not published stand below them.
     """
     from matplotlib.figure import Figure
 
     chosen = [result for result in results if result.variant == "as-printed"]
-    figure = Figure(figsize=(13.0, 1.9 + 0.24 * len(chosen)), layout="constrained")
+    height = 1.9 + 0.24 * (len(chosen) + len(beyond))
+    figure = Figure(figsize=(13.0, height), layout="constrained")
     panels: Any = figure.subplots(1, 4, sharey=True, squeeze=False)[0]
     first, second = chosen[0].published.trajectories
     for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
         for height, result in enumerate(chosen):
             _mark(panel, -height, result, place)
-        if beyond is not None:
-            line = -len(chosen)
-            panel.axhline(line, color="0.94", linewidth=0.7, zorder=0)
-            panel.plot(beyond.figures[place], line, "D", color=OWN_COLOUR, markersize=5.5)
-            panel.axvline(beyond.figures[place], color=OWN_COLOUR, linewidth=0.6, linestyle=":")
+        for line, own in enumerate(beyond, len(chosen)):
+            panel.axhline(-line, color="0.94", linewidth=0.7, zorder=0)
+            panel.plot(own.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
         panel.set_xscale("log")
         panel.xaxis.set_major_formatter("{x:g}")
         panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
@@ -191,9 +191,8 @@ def draw_overview(results: Sequence[Reproduced], beyond: Beyond | None = None) -
         panel.tick_params(axis="y", length=0)
     names = [result.published.row for result in chosen]
     colours = [FAMILIES[chapter_of(result.published)][1] for result in chosen]
-    if beyond is not None:
-        names.append(beyond.name)
-        colours.append(OWN_COLOUR)
+    names += [own.name for own in beyond]
+    colours += [OWN_COLOUR] * len(beyond)
     panels[0].set_yticks([-height for height in range(len(names))])
     panels[0].set_yticklabels(names, fontsize=9)
     panels[0].set_ylim(-len(names) + 0.4, 0.6)
@@ -215,7 +214,7 @@ def _mark(panel: Axes, height: float, result: Reproduced, place: int) -> None:
     panel.plot(wanted, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
 
 
-def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Beyond | None) -> None:
+def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond]) -> None:
     from matplotlib.lines import Line2D
 
     ring: dict[str, Any] = {"marker": "o", "linestyle": "none"}
@@ -230,7 +229,7 @@ def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Beyond | None) ->
     for chapter, (name, colour) in FAMILIES.items():
         if chapter in found:
             entries.append(Line2D([], [], color=colour, markersize=4.0, label=name, **ring))
-    if beyond is not None:
+    if beyond:
         own: dict[str, Any] = {
             "marker": "D",
             "color": OWN_COLOUR,
