@@ -47,6 +47,11 @@ def kernel(function: _Function) -> _Function:
     return function
 
 
+def is_kernel(function: object) -> bool:
+    """Whether a function is marked as one that may be compiled."""
+    return hasattr(function, _MARK)
+
+
 def jit_wanted() -> bool:
     """Whether kernels are to be compiled, by the environment."""
     return os.environ.get(SWITCH, "1").strip().lower() not in {"0", "false", "no", "off"}
@@ -144,18 +149,32 @@ def routine(
     from ctypes import CFUNCTYPE, c_int64, c_void_p
 
     address = address_of(function, arrays, bindings, compiled=True)
-    entry = CFUNCTYPE(None, *[c_void_p, c_int64] * len(arrays))(address)
+    kinds = [c_void_p, c_int64] * len(arrays)
+    entry = CFUNCTYPE(None, *kinds)(address)
     wanted = [_NAMES[letter] for letter in arrays]
 
-    def run(*given: Any) -> None:
+    def words_of(*given: Any) -> list[int]:
         words: list[int] = []
         for array, name in zip(given, wanted, strict=True):
             if array.dtype.name != name or not array.flags.c_contiguous:
                 message = f"a contiguous array of {name} is needed, not one of {array.dtype.name}"
                 raise TypeError(message)
             words += [array.ctypes.data, array.size]
-        entry(*words)
+        return words
 
+    def run(*given: Any) -> None:
+        entry(*words_of(*given))
+
+    def bind(*given: Any) -> Callable[[], None]:
+        """Return what runs it on the same arrays again and again; it keeps them alive."""
+        words = [kind(word) for word, kind in zip(words_of(*given), kinds, strict=True)]
+
+        def again(_arrays: Any = given) -> None:
+            entry(*words)
+
+        return again
+
+    run.bind = bind  # type: ignore[attr-defined]
     return run
 
 

@@ -12,11 +12,11 @@ import pytest
 from fuzzyarm.controller import Controller, SourceError, Sources, controller
 from fuzzyarm.controller.catalogue import Choice, text_controller
 from fuzzyarm.controller.kernel import zoom
-from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.inference import prepare
 from fuzzyarm.language import RuleBaseError, load_rulebase
 from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import PLAIN, STUDY_TABLES, Clock, Reference, State, pick_and_place
+from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
 

@@ -5,7 +5,6 @@ import pytest
 
 from fuzzyarm.controller import controller
 from fuzzyarm.controller.controller import CompiledController
-from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.controller.own import find_controller
 from fuzzyarm.plant import ESTIMATE, UNLOADED, Clock, Reference, State
 from fuzzyarm.plant.arm import (
@@ -17,6 +16,7 @@ from fuzzyarm.plant.arm import (
     parameter_vector,
     regressor,
 )
+from fuzzyarm.plant.setting import Arithmetic
 
 MODEL = UNLOADED.with_values(J_1=0.0, J_2=0.0)
 CLOCK = Clock(0.0006, False, False)

@@ -7,14 +7,14 @@ import pytest
 
 from fuzzyarm.controller import Controller, Sources, controller
 from fuzzyarm.controller.catalogue import CATALOGUE, Choice, text_controller
-from fuzzyarm.controller.law import Arithmetic
-from fuzzyarm.controller.on_arm import learned
+from fuzzyarm.controller.on_plant import learned
 from fuzzyarm.controller.text import teaching
 from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.language import RuleBaseError
 from fuzzyarm.learning.self_organizing import train
 from fuzzyarm.loop import Options, simulate, simulate_batch
 from fuzzyarm.plant import ArmError, pick_and_place, reach_return
+from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
 

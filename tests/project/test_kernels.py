@@ -297,7 +297,7 @@ def test_without_a_home_only_the_folder_of_the_package_is_used(monkeypatch):
 def test_a_damaged_file_is_compiled_again(tmp_path):
     environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
     first, _, _ = in_new_process(RUN_AND_TELL, **environment)
-    loop, law = sorted(tmp_path.glob("*.code"), key=lambda path: "cdid" in path.name)
+    loop, law = (next(tmp_path.glob(f"*{name}*.code")) for name in ("run_loop", "law_at_address"))
     loop.write_bytes(loop.read_bytes()[:-1])
     law.write_bytes(b"")
     again, compiled, _ = in_new_process(RUN_AND_TELL, **environment)
@@ -359,7 +359,7 @@ def test_what_cannot_be_kept_is_compiled_all_the_same(tmp_path, monkeypatch):
 def test_damaged_files_of_numba_are_compiled_again(tmp_path):
     code = (
         "import json; from fuzzyarm.kernels import build, kernel;"
-        "from fuzzyarm.loop.loop import clipped;"
+        "from fuzzyarm.plant.driven_arm import clipped;"
         "run = build(clipped, compiled=True);"
         "print(json.dumps([run(3.0, 2.0), sum(run.stats.cache_hits.values())]))"
     )
@@ -372,8 +372,8 @@ def test_damaged_files_of_numba_are_compiled_again(tmp_path):
 
 
 def test_digest_covers_every_kernel_file(monkeypatch):
-    from fuzzyarm.controller.law import summed_torque
-    from fuzzyarm.controller.on_arm import text_torque
+    from fuzzyarm.controller.law import summed_drives
+    from fuzzyarm.controller.on_plant import text_law
     from fuzzyarm.loop.loop import run_loop
 
     read = []
@@ -384,11 +384,11 @@ def test_digest_covers_every_kernel_file(monkeypatch):
         return real(path)
 
     monkeypatch.setattr(kernels.Path, "read_bytes", watched)
-    kernels._source_digest(run_loop, {"control": summed_torque})
-    assert {"loop.py", "arm.py", "setting.py", "law.py", "kernels.py"} <= set(read)
+    kernels._source_digest(run_loop, {"control": summed_drives})
+    assert {"loop.py", "setting.py", "law.py", "kernels.py"} <= set(read)
     read.clear()
-    kernels._source_digest(text_torque, {})
-    assert {"on_arm.py", "kernel.py", "lookup.py", "arm.py", "setting.py"} <= set(read)
+    kernels._source_digest(text_law, {})
+    assert {"on_plant.py", "kernel.py", "lookup.py", "setting.py"} <= set(read)
 
 
 @pytest.mark.slow

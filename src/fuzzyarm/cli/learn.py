@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from fuzzyarm.controller import Sources
-    from fuzzyarm.controller.on_arm import Learned
+    from fuzzyarm.controller.on_plant import Learned
     from fuzzyarm.learning.self_organizing import Snapshot
 
 
@@ -95,7 +95,7 @@ def _run(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace) -> None:
     if not 1 <= arguments.passes <= _MOST_PASSES:
         raise WordError(f"--passes takes 1 to {_MOST_PASSES}, not {arguments.passes}")
-    from fuzzyarm.controller.on_arm import LARGEST_RATE
+    from fuzzyarm.controller.on_plant import LARGEST_RATE
 
     if arguments.rate is not None and not 0.0 <= arguments.rate <= LARGEST_RATE:
         raise WordError(f"--rate takes 0 to {LARGEST_RATE:g}, not {arguments.rate:g}")
@@ -131,9 +131,9 @@ class _Training:
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         from fuzzyarm.controller.catalogue import CATALOGUE, Choice, TextEntry, text_controller
-        from fuzzyarm.controller.law import Arithmetic
-        from fuzzyarm.controller.on_arm import TextLaw, learned
+        from fuzzyarm.controller.on_plant import TextLaw, learned
         from fuzzyarm.controller.text import teaching
+        from fuzzyarm.plant.setting import Arithmetic
         from fuzzyarm.table import LookupTable
 
         self.arguments = arguments
@@ -164,21 +164,22 @@ class _Training:
     def snapshots(self) -> Iterator[Snapshot]:
         """Train, with a progress bar where a terminal shows it."""
         from fuzzyarm.learning.self_organizing import train
-        from fuzzyarm.plant.trajectory import sample
+        from fuzzyarm.loop import Options
+        from fuzzyarm.loop.course import arm_motion
 
         arguments = self.arguments
         trajectory, conventions, arms = experiment_of(arguments, self.name)
-        points = len(sample(trajectory, conventions).time)
+        motion = arm_motion(trajectory, arms, conventions, Options())
+        points = len(motion.time)
         done = 0
         # A bar and grids on one screen would be in each other's way.
         shown = not arguments.every or arguments.json
         with progress_bar("learning", points * arguments.passes, shown=shown) as advance:
             for snapshot in train(
                 self.controller,
-                trajectory,
+                motion,
                 passes=arguments.passes,
                 every=arguments.every,
-                arms=arms,
                 conventions=conventions,
             ):
                 advance(snapshot.points - done)

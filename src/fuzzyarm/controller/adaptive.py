@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from fuzzyarm.controller.conventional import BANDWIDTH, SLIDING, sliding_reference
 from fuzzyarm.controller.law import (
-    Arithmetic,
     Gain,
     Gains,
     Law,
@@ -19,7 +18,7 @@ from fuzzyarm.controller.law import (
 )
 from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import ESTIMATE, model_torque
-from fuzzyarm.plant.setting import Clock, Moment, Pair, stored
+from fuzzyarm.plant.setting import Arithmetic, Clock, Moment, Pair, stored
 
 # --- Adaptive critically damped inverse dynamics (section 5.4) ---
 

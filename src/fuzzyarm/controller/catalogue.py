@@ -29,9 +29,9 @@ from fuzzyarm.controller.conventional import (
     PURE_FEED_FORWARD_LAW,
 )
 from fuzzyarm.controller.law import Law, Origin
-from fuzzyarm.controller.on_arm import arm_law
+from fuzzyarm.controller.on_plant import make_law
 from fuzzyarm.controller.program import Sheet, SourceError
-from fuzzyarm.controller.text import Change, by_name, read_controller
+from fuzzyarm.controller.text import Change, ControllerText, by_name, read_controller
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.reading import parse, read_text
 from fuzzyarm.model.controller import ControllerModel, Learn, Signal
@@ -361,6 +361,14 @@ def text_controller(
             instead[known[role]] = sheets
             change = _both(change, by_name(known[role], sheets[0]))
     text = read_controller(path, instead, change)
+    made = controller_of(text, choice)
+    made.name = name or made.name
+    return made
+
+
+def controller_of(text: ControllerText, choice: Choice | None = None) -> CompiledController:
+    """Make a controller of its text, for the arm; on other plants a loop makes it anew."""
+    choice = choice or Choice()
 
     def find_law(law: str) -> CompiledController:
         found = CATALOGUE.get(law)
@@ -374,9 +382,7 @@ def text_controller(
             )
         return made
 
-    made = CompiledController(arm_law(text, find_law))
-    made.name = name or made.name
-    return made
+    return CompiledController(make_law(text, find_law))
 
 
 def _both(first: Change | None, second: Change) -> Change:

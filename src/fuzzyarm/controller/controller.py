@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.controller.law import Arithmetic, Block, Gain, GainError, Law, collect, view
-from fuzzyarm.plant.setting import Clock, Moment, Pair, Reference, State, pose_of
+from fuzzyarm.controller.law import Block, Gain, GainError, Law, collect, view
+from fuzzyarm.plant.setting import Arithmetic, Clock, Moment, Pair, Reference, State, pose_of
 
 
 class Controller:

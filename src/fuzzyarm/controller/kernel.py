@@ -27,13 +27,8 @@ import math
 from typing import Any
 
 from fuzzyarm.kernels import call, kernel
-from fuzzyarm.plant.setting import stored
+from fuzzyarm.plant.setting import LAST, PERIOD, SINGLE, stored
 from fuzzyarm.table.lookup import VALUES, cell_index, clamp, looked_up
-
-# The clock stands in the first cells: the period, s; whether this is the last period of a set
-# point; whether what is stored is rounded to single precision.
-PERIOD, LAST, SINGLE = range(3)
-CLOCK = 3
 
 INSTRUCTION = 6
 """Whole numbers of an instruction."""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +13,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
 from fuzzyarm.plant.setting import (
+    Arithmetic,
     Clock,
     Moment,
     Pair,
@@ -111,28 +111,6 @@ Kernel = Callable[..., Any]
 """From what a law is told, its constants, its memory and its links to the torque, N m."""
 
 
-class Arithmetic(NamedTuple):
-    """How the programs of a run count.
-
-    Attributes
-    ----------
-    single : bool
-        Whether stored values are rounded to single precision.
-    pi : float
-        The constant for π, of which some gains are fractions.
-    compiled : bool
-        Whether they run as machine code; addresses of what they call are different then.
-    """
-
-    single: bool = False
-    pi: float = math.pi
-    compiled: bool = False
-
-    def hold(self, value: float) -> float:
-        """Round as a stored gain is rounded."""
-        return float(np.float32(value)) if self.single else float(value)
-
-
 Vector = NDArray[np.float64]
 Pack = Callable[[Gains, Arithmetic], "list[float] | Vector"]
 """From gains to numbers, in the arithmetic of a run."""
@@ -197,7 +175,7 @@ class Law:
     remembers : bool, optional
         Whether the memory at the end of a run says something, or is room to work in.
     at_signals : callable, optional
-        A kernel that takes the signals of :func:`tell` in place of `kernel`, which takes a moment.
+        A kernel that takes what :func:`tell` writes, where `kernel` takes a moment.
     """
 
     name: str
@@ -237,18 +215,23 @@ def model_constants(gains: Gains, arithmetic: Arithmetic) -> list[float]:
     return list(map(float, constants(model_of(gains), single=arithmetic.single)))
 
 
-# --- The compiled control step: laws by address, their torques summed ---
+# --- The compiled control step: laws by address, their drives summed ---
 #
-# The loop knows laws by their addresses, so only those in use are compiled, each apart. What
-# a law is told crosses over in one array, in this order:
+# The loop knows laws by their addresses, so only those in use are compiled, each apart. What a
+# law is told crosses over in one array: the clock, references and outputs (the head of
+# `fuzzyarm.loop.loop` tells it for any plant), and behind them room for its drives. The laws of
+# this package know the arm only, where that is
 #
 #   0 … 2    time step, whether it is the last iteration, whether values are rounded
 #   3 … 8    desired position, velocity and acceleration, joint 1 and joint 2 each
 #   9 … 12   position and velocity
 #   13 … 16  cos θ1, sin θ2, cos θ2, cos(θ1 + θ2)
-#   17, 18   back: the torque of both joints
+#   17 … 20  back: the torque of both joints, and the voltage of both motors
 
-SIGNALS = 19
+TOLD = 17
+"""Numbers that an arm's law is told."""
+
+SIGNALS = 21
 """Length of that array."""
 
 # What the loop knows of the laws is an array of integers: how many they are, then seven for
@@ -275,35 +258,45 @@ def tell(now: Moment, signals: list[float]) -> None:
 
 
 @kernel
-def summed_torque(
-    now: Moment,
+def summed_drives(
+    told: list[float],
     laws: list[int],
     numbers: list[float],
     memory: list[float],
-    signals: list[float],
-) -> Pair:
-    """Return the sum of the torques of all laws, called one after the other."""
-    # Only arrays cross an address, so the moment is written down once for all laws; they read
-    # 0 … 16 and write 17 and 18.
-    tell(now, signals)
+    drives: list[float],
+) -> None:
+    """Fill the drives with the sum of what all laws want, called one after the other.
+
+    Parameters
+    ----------
+    told : float
+        What a law is told, and room for its drives at the end.
+    laws, numbers, memory
+        The laws as :func:`law_integers` writes them down, their constants, what they remember.
+    drives : float
+        Filled.
+    """
+    size = len(drives)
+    room = len(told) - size
+    for i in range(size):
+        drives[i] = 0.0
     # In the order of the sum as it is written: the order of additions is part of the bits.
-    first = 0.0
-    second = 0.0
     for law in range(1, 1 + laws[0] * LAW_HEAD, LAW_HEAD):
+        for i in range(size):
+            told[room + i] = 0.0
         call(
             laws[law + ADDRESS],
-            signals,
+            told,
             numbers[laws[law + NUMBERS] : laws[law + NUMBERS_END]],
             memory[laws[law + MEMORY] : laws[law + MEMORY_END]],
             laws[laws[law + LINKS] : laws[law + LINKS_END]],
         )
-        first += signals[17]
-        second += signals[18]
-    return first, second
+        for i in range(size):
+            drives[i] += told[room + i]
 
 
 def law_integers(laws: Sequence[Law], blocks: Sequence[Block], arithmetic: Arithmetic) -> list[int]:
-    """Write down what :func:`summed_torque` knows of the laws."""
+    """Write down what :func:`summed_drives` knows of the laws."""
     heads: list[int] = []
     links: list[int] = []
     first_link = 1 + LAW_HEAD * len(laws)
@@ -328,7 +321,7 @@ def law_kernel(now: Moment, numbers: list[float], memory: list[float], links: li
 def law_at_address(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]
 ) -> None:
-    """Run a law on the signals of :func:`summed_torque`."""
+    """Run a law of the arm on what it is told."""
     # Back into named tuples, which cost nothing: in machine code they are registers, and the
     # law, inlined here, uses what it needs of them.
     reference = Reference(

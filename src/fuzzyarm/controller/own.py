@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-import traceback
+from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 from fuzzyarm.controller.catalogue import (
     CATALOGUE,
@@ -21,6 +19,7 @@ from fuzzyarm.controller.catalogue import (
 )
 from fuzzyarm.controller.controller import Controller, Sum
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.plant.own import executed, failure
 from fuzzyarm.plant.setting import Clock, Pair, Reference, State
 
 
@@ -90,7 +89,7 @@ def load_own(place: str) -> Controller:
         If the file cannot be read or run, or has no such controller.
     """
     path, _, wanted = place.partition(":")
-    module = _executed(path)
+    module = executed(path, _fault(path))
     found = {
         key: value
         for key, value in vars(module).items()
@@ -137,20 +136,8 @@ class Guarded(Controller):
             raise _failure(self.path, error) from error
 
 
-def _executed(path: str) -> ModuleType:
-    try:
-        source = Path(path).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise OwnControllerError(f"{path} is not UTF-8 text", path=path) from error
-    module = ModuleType(f"fuzzyarm_own_{Path(path).stem}")
-    module.__file__ = path
-    # dataclasses and others look the module of a class up.
-    sys.modules[module.__name__] = module
-    try:
-        exec(compile(source, path, "exec"), vars(module))
-    except Exception as error:
-        raise _failure(path, error) from error
-    return module
+def _fault(path: str) -> Callable[[str], OwnControllerError]:
+    return lambda message: OwnControllerError(message, path=path)
 
 
 def _guarded(path: str, kind: type[Controller]) -> Controller:
@@ -161,12 +148,4 @@ def _guarded(path: str, kind: type[Controller]) -> Controller:
 
 
 def _failure(path: str, error: Exception) -> OwnControllerError:
-    if isinstance(error, SyntaxError):
-        return OwnControllerError(f"{path}:{error.lineno}: {error.msg}", path=path)
-    lines = [
-        frame.lineno
-        for frame in traceback.extract_tb(error.__traceback__)
-        if frame.filename == path
-    ]
-    place = f"{path}:{lines[-1]}" if lines else path
-    return OwnControllerError(f"{place}: {type(error).__name__}: {error}", path=path)
+    return OwnControllerError(failure(path, error), path=path)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller import kernel as to
-from fuzzyarm.controller.law import Arithmetic, Block
+from fuzzyarm.controller.law import Block
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import kernel as block_of
 from fuzzyarm.inference.layout import NotCoveredError, lay_out, make_block
@@ -33,6 +33,7 @@ from fuzzyarm.model.controller import (
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import pack_grid
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.controller.kernel import CLOCK, LAST, PERIOD, SINGLE, step
-from fuzzyarm.controller.law import Arithmetic, view
+from fuzzyarm.controller.kernel import step
+from fuzzyarm.controller.law import view
 from fuzzyarm.controller.program import (
     AXIS,
     Program,
@@ -28,7 +28,15 @@ from fuzzyarm.kernels import jit_wanted, routine
 from fuzzyarm.language.reading import load_rulebase, parse, read_text
 from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Line, Signal, Use
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import stored_double, stored_single
+from fuzzyarm.plant.setting import (
+    CLOCK,
+    LAST,
+    PERIOD,
+    SINGLE,
+    Arithmetic,
+    stored_double,
+    stored_single,
+)
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import SUFFIXES, LookupTable, read_table
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError

@@ -1,17 +1,26 @@
-"""Train self-organizing control along a trajectory, and watch its tables grow."""
+"""Train self-organizing control on a plant, and watch its tables grow."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController
-from fuzzyarm.controller.on_arm import Learned, TextLaw, learned
+from fuzzyarm.controller.on_plant import (
+    Learned,
+    TextLaw,
+    controller_on,
+    driven_by,
+    learned,
+    site_of,
+)
+from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, stretch
 from fuzzyarm.loop.loop import rms
-from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
+from fuzzyarm.loop.run import Program, Record, checked_arms, error_taps, loop_for, shown_errors
+from fuzzyarm.plant.plant import is_compiled
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Schedule, Trajectory
 
@@ -25,15 +34,15 @@ class Snapshot:
     Attributes
     ----------
     passage : int
-        Of the trajectory, counted from 1.
+        Of the set points, counted from 1.
     time : float
         In that pass, s.
     points : int
         Set points since the start of the training.
     learned : Learned
         The tables, and the visits since the start of the training.
-    errors : ndarray, shape (n, 2)
-        Of this pass so far, degrees.
+    errors : ndarray, shape (n, k)
+        Of this pass so far, as they are shown.
     complete : bool
         Whether the pass is over.
     diverged : float or None
@@ -50,13 +59,13 @@ class Snapshot:
 
     @property
     def rms(self) -> Vector:
-        """Root mean square error of each joint in this pass so far, degrees."""
+        """Root mean square of each tracked error in this pass so far."""
         return rms(self.errors)
 
 
 def train(
     controller: CompiledController,
-    trajectory: Trajectory,
+    on: Trajectory | Motion,
     *,
     passes: int = 1,
     every: int | None = None,
@@ -64,20 +73,22 @@ def train(
     arms: Schedule | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
+    connect: Mapping[str, str] | None = None,
 ) -> Iterator[Snapshot]:
-    """Run self-organizing control again and again; the arm begins each pass at rest.
+    """Run self-organizing control again and again; the plant begins each pass anew.
 
     Parameters
     ----------
     controller : CompiledController
         Of a text with a table that learns.
-    trajectory : Trajectory
-        What to follow.
+    on : Trajectory or Motion
+        What the arm is to follow, or set points of any plant, see
+        :func:`fuzzyarm.loop.run.plant_motion`.
     passes : int, optional
         How often.
     every : int, optional
         Set points from one snapshot to the next; by default one snapshot for each pass.
-    payload, arms, conventions, options
+    payload, arms, conventions, options, connect
         See :func:`fuzzyarm.loop.run.simulate`.
 
     Yields
@@ -86,37 +97,48 @@ def train(
         The last one of each pass is complete.
     """
     options = options or Options()
-    arms = checked_arms(trajectory, arms, payload=payload, conventions=conventions)
-    arithmetic = options.arithmetic(conventions)
-    program = Program(controller, arithmetic)
-    law = controller.law
+    motion = on
+    if isinstance(motion, Trajectory):
+        arms = checked_arms(motion, arms, payload=payload, conventions=conventions)
+        motion = arm_motion(motion, arms, conventions, options)
+    site = site_of(motion.plants[0], connect)
+    chosen = controller_on(controller, site)
+    assert isinstance(chosen, CompiledController)
+    law = chosen.law
     assert isinstance(law, TextLaw)
+    arithmetic = options.arithmetic(conventions)
+    program = Program(chosen, arithmetic)
     rings = law.program(arithmetic).rings
-    loop, own = program.loop(options), program.inputs()
-    course = Course(trajectory, arms, conventions, options, as_array=program.compiled)
+    compiled = program.compiled and is_compiled(motion.plants[0])
+    driven = driven_by(chosen, site)
+    course = Course(motion, conventions, options, driven=driven, as_array=compiled)
+    own = program.inputs(as_array=compiled)
     memory = program.memory
-    count = len(course.points.time)
+    count, width = len(motion.time), motion.references.shape[1]
     step = every or count
     for passage in range(1, passes + 1):
-        record = Record(course, memory)
+        record = Record(course, memory, error_taps(course))
+        loop = loop_for(program, course, record)
         for begin, end in rings:
             record.memory[begin:end] = program.memory[begin:end]  # no cell is responsible yet
-        errors = np.zeros((0, 2))
+        errors = np.zeros((0, len(motion.tracked)))
+        inputs = course.inputs()
         for begin in range(0, count, step):
             end = min(begin + step, count)
-            setting = course.setting(options.seed + begin + count * (passage - 1))
+            if options.disturbance:
+                inputs = course.inputs(options.seed + begin + count * (passage - 1))
             with np.errstate(all="ignore"):
-                loop(*course.stretch(begin, end), setting, *own, *record.outputs)
-            errors = np.concatenate([errors, record.degrees(course)])
+                loop(*stretch(inputs, begin, end, width), *own, *record.outputs)
+            errors = np.concatenate([errors, shown_errors(course, record.samples)])
             stopped = int(record.progress[1]) >= 0
             yield Snapshot(
                 passage,
-                float(course.points.time[end - 1]),
+                float(motion.time[end - 1]),
                 end + count * (passage - 1),
                 learned(law, arithmetic, record.memory),
                 errors,
                 end == count or stopped,
-                float(course.points.time[begin + int(record.progress[1])]) if stopped else None,
+                float(motion.time[begin + int(record.progress[1])]) if stopped else None,
             )
             if stopped:
                 return

@@ -11,9 +11,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.on_plant import controller_on, driven_by, site_of
 from fuzzyarm.kernels import in_threads
+from fuzzyarm.loop.course import Course, Options, arm_motion
 from fuzzyarm.loop.loop import final, rms, signed_maximum
-from fuzzyarm.loop.run import Course, Options, Program, Record, checked_arms
+from fuzzyarm.loop.run import (
+    Program,
+    Record,
+    checked_arms,
+    error_taps,
+    loop_of_laws,
+    shown_errors,
+)
 from fuzzyarm.plant.setting import PLAIN, ArmError, Conventions
 from fuzzyarm.plant.trajectory import Schedule, Trajectory
 
@@ -96,27 +105,35 @@ def simulate_batch(
     if not program.compilable:
         raise ArmError(f"'{controller.name}' runs as plain Python; a batch takes compiled ones")
     compiled = program.compiled
-    loop = program.loop(options)
+    loop = loop_of_laws(compiled, conventions.single)
     rows = {name: np.asarray(values, float) for name, values in (gains or {}).items()}
     drawn = np.asarray(seeds) if seeds is not None else None
     arms_of = partial(checked_arms, trajectory, payload=payload, conventions=conventions)
     first_arms = arms_of(arms[0] if arms is not None else None)
-    shared = Course(trajectory, first_arms, conventions, options, as_array=compiled)
+    followed = arm_motion(trajectory, first_arms, conventions, options)
+    site = site_of(followed.plants[0])
+    controller = controller_on(controller, site)
+    driven = driven_by(controller, site)
+    shared = Course(followed, conventions, options, driven=driven, as_array=compiled)
+    taps = error_taps(shared)
     shared_inputs = program.inputs()
 
     def one(run: int) -> tuple[Vector, Vector, Vector, float]:
-        course = shared if arms is None else shared.with_arms(arms_of(arms[run]))
+        course = shared
+        if arms is not None:
+            own_arms = arms_of(arms[run])
+            course = shared.with_plants(arm_motion(trajectory, own_arms, conventions, options))
         memory, inputs = program.memory, shared_inputs
         if rows:
             gains_of_run = {name: np.atleast_1d(values[run]) for name, values in rows.items()}
             changed = {name: values.tolist() for name, values in gains_of_run.items()}
             own = Program(controller.with_gains(changed), arithmetic)
             memory, inputs = own.memory, own.inputs()
-        record = Record(course, memory)
-        setting = course.setting(int(drawn[run]) if drawn is not None else None)
-        loop(*course.inputs, setting, *inputs, *record.outputs)
-        errors = record.degrees(course)
-        diverged = record.diverged(course)
+        seed = int(drawn[run]) if drawn is not None else None
+        record = Record(course, memory, taps, seed)
+        loop(*course.inputs(seed), *inputs, *record.outputs)
+        errors = shown_errors(course, record.samples)
+        diverged = record.diverged()
         if watch is not None:
             watch(1)
         return (

@@ -1,30 +1,31 @@
-"""The two-rate loop: a set point every 3 ms, control and arm every 0.6 ms; and its error norms."""
+"""The closed loop: a reference, sensors, control laws, actuators and a plant; its error norms.
+
+Everything that the loop shares with laws and plant stands in one array, the **board**:
+
+=============  =====================================================================
+0 … 2          the clock: control period, s; whether this is the last period of a set
+               point; whether values are stored in single precision
+references     what is wanted, see :class:`fuzzyarm.plant.plant.Interface`
+seen           the outputs as sensors have them, in the order of the plant
+wanted         room for the drives that a law leaves
+=============  =====================================================================
+
+So far it is what a law is told. Behind it stand the outputs as they are, and the drives as the
+plant feels them. Laws and plant are called by address and know parts of this array only.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.kernels import kernel
-from fuzzyarm.plant.arm import PLANT_SIZE, runge_kutta, semi_implicit
-from fuzzyarm.plant.setting import (
-    ITERATIONS,
-    Clock,
-    Moment,
-    Pair,
-    Pose,
-    Reference,
-    State,
-    pose_of,
-    stored,
-)
-
-# --- The two-rate loop: a set point every 3 ms, control and arm every 0.6 ms ---
-
-LAST = ITERATIONS - 1
-"""The iteration of a set point in which its sample is taken."""
+from fuzzyarm.controller.law import summed_drives
+from fuzzyarm.kernels import call, kernel
+from fuzzyarm.plant.plant import ACTUATE, ADVANCE, DERIVE, MEASURE
+from fuzzyarm.plant.setting import CLOCK, stored
 
 
 class Setting(NamedTuple):
@@ -36,175 +37,365 @@ class Setting(NamedTuple):
         Control period, s.
     single : bool
         Whether stored values are rounded to single precision.
-    parts : int
-        Runge-Kutta steps in a control period; 0 for the study's integrator.
-    limit_1, limit_2 : float
-        Largest torques, N m; infinite for none.
-    error_bound : float
-        Largest tracking error, rad; beyond it the run has diverged.
-    speed_bound : float
-        Largest joint velocity, rad/s.
+    every : int
+        Control periods of a set point; the last of them is sampled.
+    interpolated : bool
+        Whether the reference moves in a straight line from one set point to the next.
     disturbance : float
         Largest relative disturbance of each state at each step; 0 for none.
     seed : int
         Of the disturbance, below 2³¹.
+    states : int
+        States that are disturbed, from the first on.
     """
 
     step: float
     single: bool
-    parts: int
-    limit_1: float
-    limit_2: float
-    error_bound: float
-    speed_bound: float
+    every: int
+    interpolated: bool
     disturbance: float
     seed: int
+    states: int
 
 
-@kernel
-def control(
-    now: Moment,
-    laws: list[int],
-    numbers: list[float],
-    memory: list[float],
-    signals: list[float],
-) -> Pair:
-    """Leave the arm alone; whoever builds the loop binds a controller to this name."""
-    return 0.0, 0.0
-
-
-@kernel
-def advance(
-    state: State, torque: Pair, pose: Pose, plants: list[float], plant: int, setting: Setting
-) -> State:
-    """Advance the arm by a control period, as the study's programs do."""
-    return semi_implicit(state, torque, pose, plants, plant, setting.step, setting.single)
-
-
-@kernel
-def advance_exactly(
-    state: State, torque: Pair, pose: Pose, plants: list[float], plant: int, setting: Setting
-) -> State:
-    """Advance by Runge-Kutta steps; bound to ``advance`` where the setting asks for some."""
-    return runge_kutta(state, torque, plants, plant, setting.step, setting.parts, setting.single)
+# The array `links` has the address of the plant, the size of its block of numbers, and whether it
+# makes its drives itself and derives more than its outputs.
+ADDRESS, BLOCK, ACTUATES, DERIVES = range(4)
 
 
 @kernel
 def run_loop(
-    motion: list[float],
+    references: list[float],
     iterations: list[int],
     plant_of: list[int],
     plants: list[float],
     setting_numbers: list[float],
+    links: list[int],
+    sensors: list[float],
+    noise: list[float],
+    pushes: list[float],
+    limits: list[float],
+    checks: list[int],
+    bounds: list[float],
     laws: list[int],
     numbers: list[float],
     memory: list[float],
-    signals: list[float],
+    taps: list[int],
+    board: list[float],
     state: list[float],
-    errors: list[float],
-    torques: list[float],
+    clock: list[float],
+    record: list[float],
     progress: list[int],
 ) -> None:
     """Follow the set points from `state` on; all arrays are flat.
 
     Parameters
     ----------
-    motion : float, length 6 n
-        Set points: desired position (rad), velocity (rad/s) and acceleration (rad/s²), of
-        joint 1 and joint 2 each.
+    references : float, length R n
+        Set points, each R numbers.
     iterations, plant_of : int, length n
-        Control iterations of each set point, and which arm it meets.
+        Control periods of each set point, and which block of the plant it meets.
     plants : float
-        Nine constants for each arm.
+        Blocks of numbers of the plant.
     setting_numbers : float
         A :class:`Setting`.
-    laws, numbers, memory, signals
-        Passed on to the controller: its laws, its constants, what it remembers, and room
-        for what it is told, see :func:`fuzzyarm.controller.law.summed_torque`.
-    state : float, length 4
-        Position and velocity at the start; holds those at the end afterwards.
-    errors, torques : float, length 2 n
-        Filled with the tracking error (rad) and the torque (N m) in the last full
-        iteration of each set point.
-    progress : int, length 3
-        Filled with the number of samples, and, where the run diverged, the set point
-        and the iteration in which it did (-1 otherwise).
+    links : int
+        See above.
+    sensors, noise
+        See :func:`sense`.
+    pushes : float
+        Disturbances of the drives at each control period; empty for none.
+    limits : float, length 4 D
+        Lowest and highest value, largest change in a control period and last value of each
+        drive; where the plant drives itself, unused.
+    checks : int
+        Pairs of cells of the board: a reference and an output, or -1 and an output.
+    bounds : float
+        For each pair the largest difference, or magnitude; beyond it the run has diverged.
+    laws, numbers, memory
+        Passed on to the laws, see :func:`fuzzyarm.controller.law.summed_drives`.
+    taps : int
+        Cells of the board that are recorded.
+    board : float
+        See the head of this module.
+    state : float
+        States of the plant and room; holds those at the end afterwards.
+    clock : float
+        Time, control period, steps of the integrator and precision, for the plant.
+    record : float
+        Filled with the taps in the last period of each set point.
+    progress : int, length 4
+        Filled with the number of samples, and, where the run diverged, the set point and the
+        iteration in which it did (-1 otherwise). In and out: control periods since the start.
     """
     # Read once: as scalars of a tuple they stay in registers over the whole run.
     s = setting_numbers
-    setting = Setting(s[0], s[1] != 0.0, int(s[2]), s[3], s[4], s[5], s[6], s[7], int(s[8]))
-    single = setting.single
-    now = State((state[0], state[1]), (state[2], state[3]))
+    setting = Setting(s[0], s[1] != 0.0, int(s[2]), s[3] != 0.0, s[4], int(s[5]), int(s[6]))
+    frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
+    outputs, drives = board[frame.true : frame.driven], board[frame.driven :]
+    block = links[BLOCK]
     random = setting.seed
     samples = 0
     progress[1] = -1
     progress[2] = -1
+    board[0] = setting.step
+    board[2] = 1.0 if setting.single else 0.0
+    first = plant_of[0] * block
+    ask_plant(MEASURE, links, state, outputs, drives, plants[first : first + block], clock)
     for point in range(len(iterations)):
-        j = 6 * point
-        reference = Reference(
-            (motion[j], motion[j + 1]),
-            (motion[j + 2], motion[j + 3]),
-            (motion[j + 4], motion[j + 5]),
-        )
-        plant = plant_of[point] * PLANT_SIZE
-        # The set point is held for its iterations. Where a segment ends with one iteration
-        # only (the study's clock does that) LAST is not reached, and there is no sample.
+        first = plant_of[point] * block
+        constants = plants[first : first + block]
+        # A set point is held for its periods. Where a segment ends with one period only (the
+        # study's clock does that) the last one is not reached, and there is no sample.
         for iteration in range(iterations[point]):
-            last = iteration == LAST
-            pose = pose_of(now.position)
-            moment = Moment(reference, now, pose, Clock(setting.step, last, single))
-            # Errors, then control, then the arm: a law never sees the state that it causes.
-            wanted = control(moment, laws, numbers, memory, signals)
-            torque = (
-                clipped(stored(wanted[0], single), setting.limit_1),
-                clipped(stored(wanted[1], single), setting.limit_2),
-            )
-            if last:  # before the arm moves: the error that this torque answers
-                errors[2 * samples] = reference.position[0] - now.position[0]
-                errors[2 * samples + 1] = reference.position[1] - now.position[1]
-                torques[2 * samples] = torque[0]
-                torques[2 * samples + 1] = torque[1]
+            last = iteration == setting.every - 1
+            board[1] = 1.0 if last else 0.0
+            if iteration == 0 or setting.interpolated:
+                refer(board, frame, references, point, iteration, setting)
+            # Sensors, then control, then the plant: a law never sees the state that it causes.
+            sense(board, frame, sensors, noise, progress[3])
+            if len(sensors) > 0 and links[DERIVES] != 0:
+                ask_plant(
+                    DERIVE, links, state, board[frame.seen : frame.told], drives, constants, clock
+                )
+            control(board[0 : frame.true], laws, numbers, memory, drives)
+            push(drives, pushes, progress[3])
+            if links[ACTUATES] != 0:
+                ask_plant(ACTUATE, links, state, outputs, drives, constants, clock)
+            else:
+                limit(drives, limits, setting.single)
+            if last:  # before the plant moves: the error that these drives answer
+                tap(board, taps, record, samples)
                 samples += 1
-            now = advance(now, torque, pose, plants, plant, setting)
+            ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
+            progress[3] += 1
+            clock[0] = progress[3] * setting.step
             if setting.disturbance > 0.0:
-                now, random = disturbed(now, random, setting.disturbance, single)
-            # Asked after every step: a lost arm reaches infinity within a few set points.
-            if not within(now, reference, setting):
+                random = disturbed(state, setting, random)
+            ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
+            # Asked after every step: a lost plant reaches infinity within a few set points.
+            if not within(board, checks, bounds):
                 progress[1] = point
                 progress[2] = iteration
                 break
         if progress[1] >= 0:
             break
     progress[0] = samples
-    state[0], state[1] = now.position
-    state[2], state[3] = now.velocity
 
 
-LOOP_ARRAYS = "fiiffiffffffi"
+LOOP_ARRAYS = "fiiffiffffififfiffffi"
 """Of floats and of integers, see :func:`fuzzyarm.kernels.routine`."""
 
 
-@kernel
-def clipped(torque: float, limit: float) -> float:
-    """Bound a torque, N m; not a number passes."""
-    # It fails both comparisons; so does the state that it leads to, and `within` ends the run.
-    if torque > limit:
-        return limit
-    if torque < -limit:
-        return -limit
-    return torque
+class Frame(NamedTuple):
+    """Where on the board things begin: references, seen outputs, room for drives, outputs, drives.
+
+    Attributes
+    ----------
+    references : int
+        How many they are.
+    seen, told, true, driven : int
+        First cells; what stands before `told` is what a law is told.
+    """
+
+    references: int
+    seen: int
+    told: int
+    true: int
+    driven: int
 
 
 @kernel
-def within(state: State, reference: Reference, setting: Setting) -> bool:
-    """Tell whether the arm is near enough and slow enough; not a number is neither."""
-    # Written as what has to be true, for a comparison with not a number is false.
-    return (
-        abs(reference.position[0] - state.position[0]) <= setting.error_bound
-        and abs(reference.position[1] - state.position[1]) <= setting.error_bound
-        and abs(state.velocity[0]) <= setting.speed_bound
-        and abs(state.velocity[1]) <= setting.speed_bound
+def frame_of(count: int, size: int, cells: int) -> Frame:
+    """Divide a board of so many cells, with so many references and drives."""
+    outputs = (cells - CLOCK - count - 2 * size) // 2
+    seen = CLOCK + count
+    told = seen + outputs
+    return Frame(count, seen, told, told + size, told + size + outputs)
+
+
+@kernel
+def refer(
+    board: list[float],
+    frame: Frame,
+    references: list[float],
+    point: int,
+    iteration: int,
+    setting: Setting,
+) -> None:
+    """Fill in the references of a set point, or what lies between it and the next."""
+    at = point * frame.references
+    for i in range(frame.references):
+        board[CLOCK + i] = references[at + i]
+    if setting.interpolated and at + frame.references < len(references):
+        share = iteration / setting.every
+        for i in range(frame.references):
+            way = references[at + frame.references + i] - references[at + i]
+            board[CLOCK + i] = references[at + i] + way * share
+
+
+@kernel
+def tap(board: list[float], taps: list[int], record: list[float], samples: int) -> None:
+    """Record a sample."""
+    for i in range(len(taps)):
+        record[samples * len(taps) + i] = board[taps[i]]
+
+
+# What the loop calls of a plant and of the laws; plain Python is bound to these names.
+
+
+@kernel
+def ask_plant(
+    task: int,
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+) -> None:
+    """Have the plant do a task, see :mod:`fuzzyarm.plant.plant`."""
+    clock[4] = task
+    call(links[0], x, y, u, p, clock)
+
+
+@kernel
+def control(
+    told: list[float],
+    laws: list[int],
+    numbers: list[float],
+    memory: list[float],
+    drives: list[float],
+) -> None:
+    """Fill the drives with what all laws together want."""
+    summed_drives(told, laws, numbers, memory, drives)
+
+
+# --- Actuators ---
+
+
+@kernel
+def push(drives: list[float], pushes: list[float], tick: int) -> None:
+    """Add the loads of a control period, where there are any."""
+    if len(pushes) > 0:
+        for i in range(len(drives)):
+            drives[i] += pushes[tick * len(drives) + i]
+
+
+@kernel
+def limit(drives: list[float], limits: list[float], single: bool) -> None:
+    """Hold all drives within their limits."""
+    for i in range(len(drives)):
+        drives[i] = limited(drives[i], limits, 4 * i, single)
+
+
+@kernel
+def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
+    """Hold a drive within its limits, and near its last value; not a number passes."""
+    value = stored(wanted, single)
+    # The range first, then the slew: a drive leaves its limit as fast as it may.
+    value = max(value, limits[at])
+    value = min(value, limits[at + 1])
+    value = max(value, limits[at + 3] - limits[at + 2])
+    value = min(value, limits[at + 3] + limits[at + 2])
+    limits[at + 3] = value
+    return value
+
+
+# --- Sensors ---
+#
+# For each output nine numbers, behind them the rings of delayed values. An output that is the
+# rate of another may be formed from what the sensor of that one says.
+
+QUANTUM, LOWEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(9)
+SENSOR = 9
+"""Numbers of a sensor: resolution (0: none) and where its steps begin; delay in periods and where
+its ring begins; the output whose rate it forms (-1: none), the time constant of its filter, s, and
+what it remembers; its column of the noise (-1: none)."""
+
+
+@kernel
+def sense(
+    board: list[float], frame: Frame, sensors: list[float], noise: list[float], tick: int
+) -> None:
+    """Fill in what sensors make of the outputs; without sensors they are exact.
+
+    `noise` is added before a value is quantised; it has a row of columns for each control period,
+    drawn beforehand, so that a seed says all.
+    """
+    if len(sensors) == 0:
+        for i in range(frame.told - frame.seen):
+            board[frame.seen + i] = board[frame.true + i]
+        return
+    columns = 0
+    for i in range(frame.told - frame.seen):
+        if sensors[SENSOR * i + NOISY] >= 0.0:
+            columns += 1
+    for i in range(frame.told - frame.seen):
+        at = SENSOR * i
+        value = board[frame.true + i]
+        source = int(sensors[at + RATE_OF])
+        if source >= 0:
+            value = differentiated(sensors, at, board[frame.seen + source], board[0])
+        if sensors[at + NOISY] >= 0.0:
+            value += noise[tick * columns + int(sensors[at + NOISY])]
+        board[frame.seen + i] = delayed(sensors, at, quantised(sensors, at, value), tick)
+
+
+@kernel
+def quantised(sensors: list[float], at: int, value: float) -> float:
+    """Round to the next step of a sensor."""
+    quantum = sensors[at + QUANTUM]
+    if quantum > 0.0:
+        steps = math.floor((value - sensors[at + LOWEST]) / quantum + 0.5)
+        return sensors[at + LOWEST] + steps * quantum
+    return value
+
+
+@kernel
+def delayed(sensors: list[float], at: int, value: float, tick: int) -> float:
+    """Return what a sensor said some periods ago; at first what it said at the start."""
+    delay = int(sensors[at + DELAY])
+    if delay == 0:
+        return value
+    ring = int(sensors[at + RING])
+    late = value
+    if tick >= delay:
+        late = sensors[ring + tick % delay]
+    elif tick > 0:
+        late = sensors[ring]
+    sensors[ring + tick % delay] = value
+    return late
+
+
+@kernel
+def differentiated(sensors: list[float], at: int, value: float, step: float) -> float:
+    """Form the rate of a value by difference, filtered by a lag of first order."""
+    before = sensors[at + BEFORE]
+    sensors[at + BEFORE] = value
+    if math.isnan(before):  # nothing was seen yet
+        return 0.0
+    slope = (value - before) / step
+    sensors[at + FILTERED] += (
+        (slope - sensors[at + FILTERED]) * step / (sensors[at + FILTER] + step)
     )
+    return sensors[at + FILTERED]
+
+
+# --- Divergence, and disturbances of the states ---
+
+
+@kernel
+def within(board: list[float], checks: list[int], bounds: list[float]) -> bool:
+    """Tell whether the outputs are near enough and slow enough; not a number is neither."""
+    for i in range(len(bounds)):
+        value = board[checks[2 * i + 1]]
+        if checks[2 * i] >= 0:
+            value = board[checks[2 * i]] - value
+        # Written as what has to be true, for a comparison with not a number is false.
+        if not abs(value) <= bounds[i]:
+            return False
+    return True
 
 
 @kernel
@@ -215,25 +406,15 @@ def drawn(random: int) -> int:
 
 
 @kernel
-def disturbed(state: State, random: int, size: float, single: bool) -> tuple[State, int]:
-    """Multiply each state by 1 + `size` times a random number in [-1, 1)."""
-    # Always four draws in the order q₁, q₂, q̇₁, q̇₂: a seed says all, on any machine and with any
-    # number of threads. 2³⁰ is the middle of the generator's range.
-    first = drawn(random)
-    second = drawn(first)
-    third = drawn(second)
-    fourth = drawn(third)
-    scale = size / 1073741824.0
-    return State(
-        (
-            stored(state.position[0] * (1.0 + scale * (first - 1073741824)), single),
-            stored(state.position[1] * (1.0 + scale * (second - 1073741824)), single),
-        ),
-        (
-            stored(state.velocity[0] * (1.0 + scale * (third - 1073741824)), single),
-            stored(state.velocity[1] * (1.0 + scale * (fourth - 1073741824)), single),
-        ),
-    ), fourth
+def disturbed(state: list[float], setting: Setting, random: int) -> int:
+    """Multiply each state by 1 + size times a random number in [-1, 1)."""
+    # One draw for each state in turn: a seed says all, on any machine and with any number of
+    # threads. 2³⁰ is the middle of the generator's range.
+    scale = setting.disturbance / 1073741824.0
+    for i in range(setting.states):
+        random = drawn(random)
+        state[i] = stored(state[i] * (1.0 + scale * (random - 1073741824)), setting.single)
+    return random
 
 
 # --- Error norms of a run (section 3.4) ---

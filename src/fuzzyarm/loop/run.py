@@ -1,12 +1,12 @@
-"""Close the loop: controller, trajectory and arm give errors over time."""
+"""Close the loop: controller, references and plant give errors over time."""
 
 from __future__ import annotations
 
-import math
+import sys
 import time
-from collections.abc import Callable
-from copy import copy
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -14,60 +14,53 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.law import SIGNALS, Arithmetic, law_integers, summed_torque, view
-from fuzzyarm.kernels import build, jit_wanted, routine
-from fuzzyarm.loop.loop import (
-    LOOP_ARRAYS,
-    Setting,
-    advance,
-    advance_exactly,
-    final,
-    rms,
-    run_loop,
-    signed_maximum,
+from fuzzyarm.controller.law import Law, law_integers, summed_drives
+from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.kernels import build, routine
+from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, flat, motion
+from fuzzyarm.loop.loop import LOOP_ARRAYS, final, rms, run_loop, signed_maximum
+from fuzzyarm.loop.metrics import Metrics, metrics_of
+from fuzzyarm.loop.reference import Signal
+from fuzzyarm.plant.own import failure
+from fuzzyarm.plant.plant import (
+    ADVANCE,
+    Address,
+    Plant,
+    PlantError,
+    is_compiled,
+    measure_states,
+    runge_kutta_4,
 )
-from fuzzyarm.plant.arm import constants
 from fuzzyarm.plant.setting import (
-    ITERATIONS,
     PLAIN,
     SET_POINT_PERIOD,
+    Arithmetic,
     ArmError,
+    Clock,
     Conventions,
-    Moment,
-    Pair,
+    State,
     stored_double,
     stored_single,
 )
-from fuzzyarm.plant.trajectory import Schedule, Trajectory, sample, schedule
+from fuzzyarm.plant.setting import Reference as ArmReference
+from fuzzyarm.plant.trajectory import Schedule, Trajectory, schedule
 
-# --- What the loop is called with: arrays of a trajectory, a controller and a setting ---
-
-ERROR_BOUND = 20.0 * math.pi
-"""A tracking error beyond ten turns has diverged, rad."""
-
-SPEED_BOUND = 1e5
-"""So has a joint faster than this, rad/s."""
+# --- A controller as the loop takes it ---
 
 
 @cache
-def loop_of_laws(compiled: bool, single: bool, exact: bool = False) -> Callable[..., None]:
-    """Return the loop around the compiled laws, as machine code or as plain Python.
+def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
+    """Return the loop around laws and plant by address, as machine code or as plain Python.
 
-    Each precision has its own: what is stored need not be asked whether to be rounded. So has
-    each integrator (`exact`: Runge-Kutta): what is not used need not be compiled.
+    Each precision has its own: what is stored need not be asked whether to be rounded.
     """
-    bindings: dict[str, Callable[..., Any]] = {
-        "control": summed_torque,
-        "stored": stored_single if single else stored_double,
-        "advance": advance_exactly if exact else advance,
-    }
-    return routine(run_loop, LOOP_ARRAYS, bindings, compiled=compiled)
+    return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=compiled)
 
 
-def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
-    """Return numbers in one row, as an array or, for an interpreter, as a view on one."""
-    row: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
-    return row if as_array else view(row)
+def _held(single: bool) -> dict[str, Callable[..., Any]]:
+    return {"stored": stored_single if single else stored_double}
 
 
 class Program:
@@ -97,219 +90,247 @@ class Program:
         """Whether it runs as machine code: wanted, and possible."""
         return self.arithmetic.compiled and self.compilable
 
-    def inputs(self) -> tuple[Any, Any]:
+    def inputs(self, *, as_array: bool | None = None) -> tuple[Any, Any]:
         """Return laws and constants as the loop takes them."""
         laws = law_integers(self._laws, self._blocks, self.arithmetic)
-        as_array = self.compiled
+        as_array = self.compiled if as_array is None else as_array
         return flat(laws, np.int64, as_array=as_array), flat(self.numbers, as_array=as_array)
+
+    def law_of(self, law: Law) -> int:
+        """Return where among the laws one is."""
+        return next(index for index, each in enumerate(self._laws) if each is law)
+
+    def memory_of(self, law: Law, memory: Any) -> Any:
+        """Return the stretch of a memory that belongs to a law."""
+        begin = 0
+        for each, block in zip(self._laws, self._blocks, strict=True):
+            end = begin + len(block.memory)
+            if each is law:
+                return memory[begin:end]
+            begin = end
+        raise ValueError("not a law of this program")
 
     def remembered(self, memory: Any) -> list[float]:
         """Return what the laws remember, of the memory after a run."""
-        found: list[float] = []
-        begin = 0
-        for law, block in zip(self._laws, self._blocks, strict=True):
-            end = begin + len(block.memory)
-            if law.remembers:
-                found += map(float, memory[begin:end])
-            begin = end
-        return found
-
-    def loop(self, options: Options) -> Callable[..., None]:
-        """Return the loop that runs it."""
-        exact = options.runge_kutta > 0
-        if self.compilable:
-            return loop_of_laws(self.compiled, self.arithmetic.single, exact)
-        torque = self.controller.torque
-
-        def control(now: Moment, *_arrays: object) -> Pair:
-            first, second = torque(now.reference, now.state, now.clock)
-            return float(first), float(second)
-
-        integrator = advance_exactly if exact else advance
-        return build(run_loop, {"control": control, "advance": integrator}, compiled=False)
-
-
-class Course:
-    """A trajectory with the arm that each set point meets: the inputs of the loop.
-
-    Parameters
-    ----------
-    trajectory : Trajectory
-        What to follow.
-    arms : tuple of ArmParameters
-        One for each segment.
-    conventions : Conventions
-        Precision, π, timing.
-    options : Options
-        The rest of the setting.
-    as_array : bool
-        Arrays, or views for the interpreter.
-    """
-
-    def __init__(
-        self,
-        trajectory: Trajectory,
-        arms: Schedule,
-        conventions: Conventions,
-        options: Options,
-        *,
-        as_array: bool,
-    ) -> None:
-        self.points = sample(trajectory, conventions)
-        self.conventions = conventions
-        self.as_array = as_array
-        points = self.points
-        self._motion = (
-            self._flat(np.hstack([points.position, points.velocity, points.acceleration])),
-            self._flat(points.iterations, np.int64),
-        )
-        self.inputs = (*self._motion, *self._plants(arms))
-        step = SET_POINT_PERIOD / ITERATIONS
-        if conventions.single:
-            step = float(np.float32(np.float64(np.float32(SET_POINT_PERIOD)) / ITERATIONS))
-        self._setting = Setting(
-            step,
-            conventions.single,
-            options.runge_kutta,
-            float(options.torque_limits[0]),
-            float(options.torque_limits[1]),
-            ERROR_BOUND,
-            SPEED_BOUND,
-            float(options.disturbance),
-            options.seed,
-        )
-
-    def _plants(self, arms: Schedule) -> tuple[Any, Any]:
-        """Return which arm each set point meets, and the constants of each."""
-        kinds = list(dict.fromkeys(arms))
-        which = np.array([kinds.index(arm) for arm in arms])[self.points.segment]
-        plants = [constants(arm, single=self.conventions.single) for arm in kinds]
-        return self._flat(which, np.int64), self._flat(plants)
-
-    def with_arms(self, arms: Schedule) -> Course:
-        """Return the same trajectory with other arms."""
-        other = copy(self)
-        other.inputs = (*self._motion, *self._plants(arms))
-        return other
-
-    def setting(self, seed: int | None = None) -> Any:
-        """Return the rest of the setting, for a seed other than that of the options."""
-        chosen = self._setting.seed if seed is None else seed
-        # The generator works with 31 bits; more would not fit into a float.
-        return self._flat(self._setting._replace(seed=chosen % 2**31))
-
-    def _flat(self, values: Any, kind: type = np.float64) -> Any:
-        return flat(values, kind, as_array=self.as_array)
-
-    def stretch(self, begin: int, end: int) -> tuple[Any, ...]:
-        """Return the inputs of set points `begin` to `end` alone."""
-        return (
-            self.inputs[0][6 * begin : 6 * end],
-            *(each[begin:end] for each in self.inputs[1:3]),
-            self.inputs[3],
-        )
+        return [
+            float(value)
+            for law in self._laws
+            if law.remembers
+            for value in self.memory_of(law, memory)
+        ]
 
 
 class Record:
-    """What a call of the loop writes, and what it starts from."""
+    """What a call of the loop writes, and what it starts from.
 
-    def __init__(self, course: Course, memory: Any) -> None:
-        count = len(course.points.time)
+    Parameters
+    ----------
+    course : Course
+        The experiment.
+    memory : array_like
+        Of the laws.
+    taps : sequence of int
+        Cells of the board that are recorded.
+    seed : int, optional
+        Of the start.
+    """
+
+    def __init__(self, course: Course, memory: Any, taps: Any, seed: int | None = None) -> None:
+        self.course = course
+        count = len(course.motion.time)
 
         def new(values: Any, kind: type = np.float64) -> Any:
             return flat(values, kind, as_array=course.as_array)
 
+        self.columns = len(taps)
         self.memory = new(memory)
-        self.signals = new(np.zeros(SIGNALS))
-        self.state = new(np.zeros(4))
-        self.errors = new(np.zeros(2 * count))
-        self.torques = new(np.zeros(2 * count))
-        self.progress = new([0, -1, -1], np.int64)
+        self.taps = new(taps, np.int64)
+        self.board = new(np.zeros(course.board_size))
+        self.state = course.state(seed)
+        self.clock = course.clock()
+        self.record = new(np.zeros(self.columns * count))
+        self.progress = new([0, -1, -1, 0], np.int64)
 
     @property
     def outputs(self) -> tuple[Any, ...]:
         """The last arguments of the loop, from the memory on."""
-        return self.memory, self.signals, self.state, self.errors, self.torques, self.progress
+        return (
+            self.memory,
+            self.taps,
+            self.board,
+            self.state,
+            self.clock,
+            self.record,
+            self.progress,
+        )
 
-    def diverged(self, course: Course) -> float | None:
+    @property
+    def samples(self) -> NDArray[np.float64]:
+        """What was recorded, shape (samples, taps)."""
+        count = int(self.progress[0])
+        return np.array(self.record[: count * self.columns]).reshape(-1, self.columns)
+
+    @property
+    def taken(self) -> NDArray[np.int64]:
+        """Indices of the set points that were sampled."""
+        whole = np.flatnonzero(self.course.motion.iterations == self.course.motion.every)
+        return whole[: int(self.progress[0])]
+
+    def diverged(self) -> float | None:
         """Return when the run was stopped because it had diverged, s."""
-        _, point, iteration = (int(each) for each in self.progress)
+        point, iteration = int(self.progress[1]), int(self.progress[2])
         if point < 0:
             return None
-        period = SET_POINT_PERIOD / ITERATIONS
-        return float(course.points.time[point]) + (iteration + 1) * period
-
-    def degrees(self, course: Course) -> NDArray[np.float64]:
-        """Return the errors, shape (samples, 2), degrees."""
-        samples = int(self.progress[0])
-        errors = np.array(self.errors[: 2 * samples]).reshape(-1, 2)
-        return np.asarray(errors * (180.0 / course.conventions.pi))
+        motion = self.course.motion
+        return float(motion.time[point]) + (iteration + 1) * motion.period
 
 
-# --- Close the loop: controller, trajectory and arm give errors over time ---
+def error_taps(course: Course) -> list[int]:
+    """Return the cells of the tracked outputs, then those of their references."""
+    tracked = course.motion.tracked
+    return [
+        *(course.output_cell(port) for port in tracked),
+        *(course.reference_cell(port) for port in tracked),
+    ]
+
+
+def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the errors of the first columns of :func:`error_taps`, as they are shown."""
+    count = len(course.motion.tracked)
+    return np.asarray((samples[:, count : 2 * count] - samples[:, :count]) * scales(course))
+
+
+def scales(course: Course) -> NDArray[np.float64]:
+    """Return what makes of each tracked output what is shown: degrees of radians."""
+    outputs = course.site.interface.outputs
+    turn = 180.0 / course.conventions.pi
+    return np.array([turn if outputs[p].unit == "rad" else 1.0 for p in course.motion.tracked])
+
+
+def shown_unit(unit: str) -> str:
+    """Return the unit in which an error is shown."""
+    return "degrees" if unit == "rad" else unit
+
+
+# --- Loops in which something is plain Python ---
+
+
+def loop_for(program: Program, course: Course, record: Record) -> Callable[..., None]:
+    """Return the loop that runs a program; what it calls of plain Python is bound to its arrays."""
+    single = course.conventions.single
+    if program.compilable and is_compiled(course.plant):
+        return loop_of_laws(program.compiled, single)
+    bindings: dict[str, Callable[..., Any]] = _held(single)
+    if not is_compiled(course.plant):
+        bindings |= plain_plant(course)
+    if not program.compilable:
+        bindings["control"] = plain_law(program.controller)
+    elif program.arithmetic.compiled:
+        bindings["control"] = compiled_law(program, course, record)
+    return build(run_loop, bindings, compiled=False)
+
+
+def plain_law(controller: Controller) -> Callable[..., None]:
+    """Return what asks a controller in plain Python, on the arm."""
+
+    def control(told: Any, _laws: Any, _numbers: Any, _memory: Any, drives: Any) -> None:
+        t = told
+        reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
+        state = State((t[9], t[10]), (t[11], t[12]))
+        clock = Clock(t[0], t[1] != 0.0, t[2] != 0.0)
+        first, second = controller.torque(reference, state, clock)
+        drives[0], drives[1] = float(first), float(second)
+
+    return control
+
+
+def compiled_law(program: Program, course: Course, record: Record) -> Callable[..., None]:
+    """Return what runs compiled laws from a loop in plain Python, on the arrays of a record."""
+    run = routine(summed_drives, "fifff", _held(course.conventions.single), compiled=True)
+    laws, numbers = program.inputs(as_array=True)
+    board = np.asarray(record.board)
+    size = len(course.site.interface.inputs)
+    told = board[: course.site.told + size]
+    step = run.bind(told, laws, numbers, np.asarray(record.memory), board[len(board) - size :])  # type: ignore[attr-defined]
+
+    def control(*_arrays: object) -> None:
+        step()
+
+    return control
+
+
+def plain_plant(course: Course) -> dict[str, Callable[..., Any]]:
+    """Return what asks a plant in plain Python."""
+    plant, states = course.plant, len(course.plant.states)
+    moved, measured = plain_motion(plant, states), plain_outputs(plant, states)
+
+    def ask_plant(task: int, _links: Any, x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
+        (moved if task == ADVANCE else measured)(x, y, u, p, clock)
+
+    return {"ask_plant": ask_plant}
+
+
+def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what advances a plant in plain Python."""
+    if plant.step is None:
+        slope = plant.derivative
+        assert slope is not None
+
+        def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
+            return slope(t, x[:states].tolist(), u.tolist(), p.tolist())
+
+        return build(runge_kutta_4, {"derivative": derivative}, compiled=False)
+    step = plant.step
+
+    def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
+        h = clock[1] / clock[2]
+        for part in range(int(clock[2])):
+            found = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
+            for i in range(states):
+                x[i] = float(found[i])
+
+    return advance
+
+
+def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what measures a plant in plain Python."""
+    if plant.measure is None:
+        return measure_states
+    ask = plant.measure
+
+    def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
+        found = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
+        for i in range(len(y)):
+            y[i] = float(found[i])
+
+    return measured
+
+
+# --- What came of a run ---
 
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Options:
-    """How to run, beyond conventions.
-
-    Parameters
-    ----------
-    torque_limits : pair of float, optional
-        N m; infinite by default.
-    runge_kutta : int, optional
-        Runge-Kutta steps in each control period; 0 for the study's integrator.
-    disturbance : float, optional
-        Largest relative disturbance of each state at each step.
-    seed : int, optional
-        Of the disturbance.
-    compiled : bool, optional
-        Whether to run machine code; by default as the environment wants it.
-    """
-
-    torque_limits: Pair = (math.inf, math.inf)
-    runge_kutta: int = 0
-    disturbance: float = 0.0
-    seed: int = 1
-    compiled: bool | None = None
-
-    def __post_init__(self) -> None:
-        for limit in self.torque_limits:
-            if not limit > 0:
-                raise ArmError(f"a torque limit of {limit} N m is out of range", value=limit)
-        if not 0 <= self.runge_kutta <= 1000:
-            raise ArmError(
-                f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range",
-                value=self.runge_kutta,
-                hint="0 to 1000",
-            )
-
-    def arithmetic(self, conventions: Conventions) -> Arithmetic:
-        """Return how the laws count under some conventions."""
-        compiled = jit_wanted() if self.compiled is None else self.compiled
-        return Arithmetic(conventions.single, conventions.pi, compiled)
-
-
-@dataclass(frozen=True)
 class Run:
-    """What came of it.
+    """What came of it; angles are shown in degrees, all else in the units of the plant.
 
     Attributes
     ----------
-    controller, trajectory : str
+    controller, trajectory, plant : str
         Names.
     conventions : Conventions
         As run.
     time : ndarray, shape (n,)
         Of the samples, s.
-    reference : ndarray, shape (n, 2)
-        Set points, degrees.
-    errors : ndarray, shape (n, 2)
-        Set point minus position, degrees.
-    torques : ndarray, shape (n, 2)
-        N m.
+    reference, errors : ndarray, shape (n, k)
+        Of each tracked output: what was wanted, and that minus what was.
+    labels, units : tuple of str
+        Of the tracked outputs.
+    outputs, drives : mapping of str to ndarray, shape (n,)
+        By port, in the units of the plant; drives as the plant felt them.
+    limits : mapping of str to pair of float
+        Of each drive.
     diverged : float or None
         When the run was stopped because it had diverged, s.
     seconds : float
@@ -318,6 +339,10 @@ class Run:
         Whether it ran as machine code.
     memory : list of float
         What the laws remember at the end.
+    period : float
+        From sample to sample, s.
+    seed : int
+        Of noise and disturbance.
     """
 
     controller: str
@@ -326,11 +351,18 @@ class Run:
     time: Vector
     reference: Vector
     errors: Vector
-    torques: Vector
     diverged: float | None
     seconds: float
     compiled: bool
     memory: list[float]
+    plant: str = "arm"
+    labels: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    outputs: Mapping[str, Vector] = field(default_factory=dict)
+    drives: Mapping[str, Vector] = field(default_factory=dict)
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    period: float = SET_POINT_PERIOD
+    seed: int = 1
 
     @property
     def samples(self) -> int:
@@ -339,37 +371,80 @@ class Run:
 
     @property
     def rms(self) -> Vector:
-        """Root mean square error of each joint, degrees."""
+        """Root mean square error of each tracked output."""
         return rms(self.errors)
 
     @property
     def final(self) -> Vector:
-        """Last error of each joint, degrees."""
+        """Last error of each tracked output."""
         return final(self.errors)
 
     @property
     def maximum(self) -> Vector:
-        """Largest error of each joint, as the conventions count it, degrees."""
+        """Largest error of each tracked output, as the conventions count it."""
         return signed_maximum(self.errors, self.conventions.maximum)
+
+    @property
+    def torques(self) -> Vector:
+        """Torques of the arm's joints, shape (n, 2), N m."""
+        return np.column_stack([self.drives["joint1.torque"], self.drives["joint2.torque"]])
+
+    @property
+    def metrics(self) -> dict[str, Metrics]:
+        """Metrics of each tracked output."""
+        found = {}
+        for column, label in enumerate(self.labels):
+            axis = label.rpartition(".")[0]
+            names = [name for name in self.drives if name.rpartition(".")[0] == axis]
+            drives = np.column_stack([self.drives[name] for name in names] or [np.zeros((0, 0))])
+            found[label] = metrics_of(
+                self.time,
+                self.reference[:, column],
+                self.errors[:, column],
+                drives,
+                [self.limits[name] for name in names],
+                self.period,
+            )
+        return found
+
+    def frame(self) -> Any:
+        """Return the samples as a pandas DataFrame with the time as its index."""
+        import pandas as pd
+
+        return pd.DataFrame(self.columns(), index=pd.Index(self.time, name="time"))
+
+    def columns(self) -> dict[str, Vector]:
+        """Return the samples by name: references, outputs and drives."""
+        found = {
+            f"{label} wanted": self.reference[:, column] for column, label in enumerate(self.labels)
+        }
+        return {**found, **self.outputs, **self.drives}
+
+
+# --- Runs ---
 
 
 def simulate(
-    controller: Controller,
-    trajectory: Trajectory,
+    controller: Controller | ControllerText,
+    on: Trajectory | Plant | Motion,
     *,
     payload: bool = False,
     arms: Schedule | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
+    references: Mapping[str, Signal] | None = None,
+    duration: float | None = None,
+    connect: Mapping[str, str] | None = None,
 ) -> Run:
-    """Run a controller along a trajectory.
+    """Run a controller along a trajectory of the arm, or on any plant.
 
     Parameters
     ----------
-    controller : Controller
-        Any; sums of compiled ones run as machine code.
-    trajectory : Trajectory
-        What to follow.
+    controller : Controller or ControllerText
+        Any on the arm, where sums of compiled ones run as machine code; on other plants
+        controllers as text.
+    on : Trajectory, Plant or Motion
+        What the arm is to follow, the plant, or set points that were made before.
     payload : bool, optional
         Whether the arm carries its load where the trajectory says.
     arms : tuple of ArmParameters, optional
@@ -377,7 +452,13 @@ def simulate(
     conventions : Conventions, optional
         Precision, π, timing.
     options : Options, optional
-        Torque limits, integrator, disturbance.
+        Sensors, disturbances, limits, integrator.
+    references : mapping of str to Signal, optional
+        Of a plant, by port; a step to 1 of the first output by default.
+    duration : float, optional
+        Of a run on a plant, s; by default the plant's own.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
 
     Returns
     -------
@@ -388,36 +469,148 @@ def simulate(
     ------
     ArmError
         If `arms` does not fit the segments.
+    PlantError
+        If the plant does not have a port, or cannot be run.
+    SourceError
+        If the plant does not have what the controller measures or drives.
     """
     options = options or Options()
-    arms = checked_arms(trajectory, arms, payload=payload, conventions=conventions)
+    chosen = as_controller(controller)
+    if isinstance(on, Trajectory):
+        arms = checked_arms(on, arms, payload=payload, conventions=conventions)
+        on = arm_motion(on, arms, conventions, options)
+    elif isinstance(on, Plant):
+        on = plant_motion(chosen, on, references, duration, connect)
+    return run_along(chosen, on, conventions, options, connect)
+
+
+def as_controller(controller: Controller | ControllerText) -> Controller:
+    """Return a controller, of its text where that is what is given."""
+    if isinstance(controller, ControllerText):
+        from fuzzyarm.controller.catalogue import controller_of
+
+        return controller_of(controller)
+    return controller
+
+
+def plant_motion(
+    controller: Controller,
+    plant: Plant,
+    references: Mapping[str, Signal] | None = None,
+    duration: float | None = None,
+    connect: Mapping[str, str] | None = None,
+) -> Motion:
+    """Return the set points of a plant, at the period of a controller as text."""
+    site = site_of(plant, connect)
+    text = text_of(controller, site)
+    if not references:
+        tracked = first_error(text, site)
+        references = {site.interface.label(tracked): Signal("step", (1.0,))}
+    period, every = text.model.period, text.model.every
+    if duration is None:
+        duration = plant.duration or 1000 * period * every
+    return motion(plant, references, duration, period, every)
+
+
+def text_of(controller: Controller, site: Site) -> ControllerText:
+    """Return the text of a controller, or of the first addend.
+
+    Raises
+    ------
+    SourceError
+        If it is a law of the arm.
+    """
+    found = next(iter(controller_on(controller, site).parts()))
+    assert isinstance(found, CompiledController)
+    assert isinstance(found.law, TextLaw)
+    return found.law.text
+
+
+def first_error(text: ControllerText, site: Site) -> Address:
+    """Return the first output that a controller asks a reference of, or the first of the plant."""
+    from fuzzyarm.controller.text import ports_of
+
+    for asked in ports_of(text.model, "reference"):
+        port = site.find(text.model, "reference", asked)
+        if port in site.interface.outputs:
+            return site.interface.references[port].of
+    return next(iter(site.interface.outputs))
+
+
+def run_along(
+    controller: Controller,
+    followed: Motion,
+    conventions: Conventions = PLAIN,
+    options: Options | None = None,
+    connect: Mapping[str, str] | None = None,
+) -> Run:
+    """Run a controller along set points; see :func:`simulate`."""
+    options = options or Options()
+    site = site_of(followed.plants[0], connect)
+    controller = controller_on(controller, site)
     arithmetic = options.arithmetic(conventions)
     program = Program(controller, arithmetic)
-    compiled = program.compiled
-    loop = program.loop(options)
-    course = Course(trajectory, arms, conventions, options, as_array=compiled)
-    record = Record(course, program.memory)
-    own = program.inputs()
+    compiled = program.compiled and is_compiled(followed.plants[0])
+    driven = driven_by(controller, site) if program.compilable else torques_only(site)
+    course = Course(followed, conventions, options, driven=driven, as_array=compiled)
+    outputs, inputs = site.interface.outputs, site.interface.inputs
+    taps = [
+        *error_taps(course),
+        *map(course.output_cell, outputs),
+        *map(course.drive_cell, inputs),
+    ]
+    record = Record(course, program.memory, taps)
     controller.prepare(arithmetic)
+    loop = loop_for(program, course, record)
+    own = program.inputs(as_array=compiled)
     begin = time.perf_counter()
-    with np.errstate(all="ignore"):
-        loop(*course.inputs, course.setting(), *own, *record.outputs)
+    with np.errstate(all="ignore"), plain_errors(followed.plants[0]):
+        loop(*course.inputs(), *own, *record.outputs)
     seconds = time.perf_counter() - begin
-    errors = record.degrees(course)
-    taken = np.flatnonzero(course.points.iterations == ITERATIONS)[: len(errors)]
+    samples, taken = record.samples, record.taken
+    count = len(followed.tracked)
+    label = site.interface.label
+    front = 2 * count
+    turned = scales(course)
     return Run(
         controller.name,
-        trajectory.name,
+        followed.name,
         conventions,
-        course.points.time[taken],
-        course.points.position[taken] * (180.0 / conventions.pi),
-        errors,
-        np.array(record.torques[: 2 * len(errors)]).reshape(-1, 2),
-        record.diverged(course),
+        followed.time[taken],
+        samples[:, count:front] * turned,
+        shown_errors(course, samples),
+        record.diverged(),
         seconds,
         compiled,
         program.remembered(record.memory),
+        followed.plants[0].name,
+        tuple(map(label, followed.tracked)),
+        tuple(shown_unit(outputs[port].unit) for port in followed.tracked),
+        {label(port): samples[:, front + i] for i, port in enumerate(outputs)},
+        {label(port): samples[:, front + len(outputs) + i] for i, port in enumerate(inputs)},
+        {label(port): (each.low, each.high) for port, each in inputs.items()},
+        followed.period * followed.every,
+        options.seed,
     )
+
+
+def torques_only(site: Site) -> frozenset[Address]:
+    """Return what a controller in plain Python drives: torques, those of motors included."""
+    return frozenset(port for port in site.interface.inputs if port[1] == "torque")
+
+
+@contextmanager
+def plain_errors(plant: Plant) -> Iterator[None]:
+    """Make one clear sentence of what a plant in plain Python raises."""
+    try:
+        yield
+    except FuzzyarmError:
+        raise
+    except Exception as error:
+        if is_compiled(plant):
+            raise
+        path = sys.modules[type(plant).__module__].__file__ or ""
+        raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error
 
 
 def checked_arms(

@@ -1,12 +1,16 @@
-"""The two-link arm of the study: dynamics, trajectories, payload, loop, error norms.
+"""Plants: the protocol, the two-link arm of the study and its trajectories, shipped ones.
 
 Angles are degrees where people write them (trajectories, errors) and radians inside;
-everything else is SI. See ``docs/arm.md`` for the equations.
+everything else is SI. See ``docs/arm.md`` and ``docs/plants.md`` for the equations.
 """
 
 from __future__ import annotations
 
 from fuzzyarm.plant.arm import ESTIMATE, INEXACT, LOADED, UNLOADED, ArmParameters
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.library import BallAndBeam, CartPole, Motor, Room, Tanks
+from fuzzyarm.plant.own import PLANTS, find_plant
+from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port
 from fuzzyarm.plant.setting import (
     PLAIN,
     STUDY_CONVENTIONAL,
@@ -34,19 +38,31 @@ __all__ = [
     "INEXACT",
     "LOADED",
     "PLAIN",
+    "PLANTS",
     "STUDY_CONVENTIONAL",
     "STUDY_DIRECT",
     "STUDY_TABLES",
     "UNLOADED",
+    "Arm",
     "ArmError",
     "ArmParameters",
+    "BallAndBeam",
+    "CartPole",
     "Clock",
     "Conventions",
+    "Motor",
     "Pair",
+    "Parameter",
+    "Plant",
+    "PlantError",
+    "Port",
     "Reference",
+    "Room",
     "Segment",
     "State",
+    "Tanks",
     "Trajectory",
+    "find_plant",
     "pick_and_place",
     "reach",
     "reach_return",

@@ -70,6 +70,28 @@ STUDY_TABLES = Conventions("study", "float32", STUDY_PI, False, True, "magnitude
 STUDY_DIRECT = Conventions("study", "float64", math.pi, False, False, "magnitude")
 
 
+class Arithmetic(NamedTuple):
+    """How the programs of a run count.
+
+    Attributes
+    ----------
+    single : bool
+        Whether stored values are rounded to single precision.
+    pi : float
+        The constant for π, of which some gains are fractions.
+    compiled : bool
+        Whether they run as machine code; addresses of what they call are different then.
+    """
+
+    single: bool = False
+    pi: float = math.pi
+    compiled: bool = False
+
+    def hold(self, value: float) -> float:
+        """Round as a stored gain is rounded."""
+        return float(np.float32(value)) if self.single else float(value)
+
+
 # --- What can be wrong with an experiment on the arm ---
 
 
@@ -154,6 +176,13 @@ class Moment(NamedTuple):
     state: State
     pose: Pose
     clock: Clock
+
+
+# What a law and a controller as text find first in their array.
+PERIOD, LAST, SINGLE = range(3)
+CLOCK = 3
+"""Control period, s; whether this is the last period of a set point; whether what is stored is
+rounded to single precision."""
 
 
 @kernel

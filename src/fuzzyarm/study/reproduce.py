@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.catalogue import CATALOGUE, Start, Variant, controller
 from fuzzyarm.controller.controller import CompiledController, Controller, Sum
-from fuzzyarm.controller.law import Arithmetic
 from fuzzyarm.loop.batch import Batch, simulate_batch
-from fuzzyarm.loop.run import Options, Run, simulate
-from fuzzyarm.plant.setting import Conventions
+from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.plant.setting import Arithmetic, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach, reach_return
 from fuzzyarm.study.published import MAXIMUM_ON, RMS_PLACES, Eight, PublishedRow
 

@@ -1,0 +1,415 @@
+"""A controller as text on a plant, and what it learns there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.controller import CompiledController, Controller, Sum
+from fuzzyarm.controller.kernel import step
+from fuzzyarm.controller.law import SIGNALS, TOLD, Gain, Gains, Law, law_address, tell
+from fuzzyarm.controller.program import (
+    AXIS,
+    Program,
+    Sheet,
+    SourceError,
+    Wiring,
+    inference_address,
+    write_down,
+)
+from fuzzyarm.controller.text import ControllerText, ports_of
+from fuzzyarm.kernels import kernel
+from fuzzyarm.model.controller import ControllerModel, Learn, Zoom
+from fuzzyarm.plant.arm import RATIOS, motor_torque
+from fuzzyarm.plant.driven_arm import JOINTS, POSES, Arm
+from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of
+from fuzzyarm.plant.setting import CLOCK, SINGLE, Arithmetic, Moment, Pair, stored
+from fuzzyarm.table import Axis, LookupTable
+from fuzzyarm.text.names import near_hint
+
+# --- The ports that a controller asks for, and those that the plant has ---
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where a controller runs.
+
+    Attributes
+    ----------
+    name : str
+        Of the plant.
+    interface : Interface
+        Its ports.
+    extra : int
+        Numbers behind its outputs that are no port, see :mod:`fuzzyarm.plant.driven_arm`.
+    connect : mapping of str to str
+        From names of the controller to ports of the plant, where they differ.
+    """
+
+    name: str
+    interface: Interface
+    extra: int = 0
+    connect: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def told(self) -> int:
+        """How many numbers a controller is told: clock, references, outputs."""
+        interface = self.interface
+        return CLOCK + len(interface.references) + len(interface.outputs) + self.extra
+
+    def wiring(self, model: ControllerModel) -> Wiring:
+        """Give the ports that a controller asks for their cells.
+
+        Raises
+        ------
+        SourceError
+            If the plant does not have one.
+        """
+        interface, told, size = self.interface, self.told, len(self.interface.inputs)
+        first = {"reference": CLOCK, "measured": CLOCK + len(interface.references)}
+        first["drive"] = told + size
+        cells: dict[str, dict[Address, int]] = {kind: {} for kind in first}
+        for kind, found in cells.items():
+            places = {port: at for at, port in enumerate(self._ports(kind))}
+            for asked in ports_of(model, kind):
+                found[asked] = first[kind] + places[self.find(model, kind, asked)]
+        return Wiring(
+            cells["reference"],
+            cells["measured"],
+            cells["drive"],
+            tuple(range(told, told + len(interface.axes))),
+            told + 2 * size + (SIGNALS if self.name == Arm.name else 0),
+        )
+
+    def driven(self, model: ControllerModel) -> frozenset[Address]:
+        """Return the inputs that a controller drives."""
+        return frozenset(self.find(model, "drive", each) for each in ports_of(model, "drive"))
+
+    def find(self, model: ControllerModel, kind: str, asked: Address) -> Address:
+        """Return axis and port of the plant for those of a controller.
+
+        One axis on both sides is the same one, whatever it is called.
+
+        Raises
+        ------
+        SourceError
+            If the plant does not have it.
+        """
+        axis, port = asked
+        named = self.connect.get(".".join(asked), self.connect.get(port, port))
+        if "." in named:
+            axis, _, named = named.rpartition(".")
+        elif len(model.axis_names) == len(self.interface.axes) == 1:
+            axis = self.interface.axes[0]
+        ports = self._ports(kind)
+        if (axis, named) in ports:
+            return axis, named
+        if axis not in self.interface.axes:
+            hint = f"it has {', '.join(self.interface.axes)}"
+            raise SourceError(f"the {self.name} has no axis '{axis}'", hint=hint)
+        names = list(dict.fromkeys(name for _, name in ports))
+        what = "drive" if kind == "drive" else f"{kind} value"
+        hint = f"it has {', '.join(names)}; --connect {port}={near(named, names)} joins them"
+        raise SourceError(f"the {self.name} has no {what} '{named}'", hint=hint)
+
+    def _ports(self, kind: str) -> Mapping[Address, object]:
+        interface = self.interface
+        return {
+            "reference": interface.references,
+            "measured": interface.outputs,
+            "drive": interface.inputs,
+        }[kind]
+
+
+def near(word: str, names: list[str]) -> str:
+    """Return the name that looks most like a word, or the first."""
+    return near_hint(word, names)[1] or names[0]
+
+
+def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
+    """Describe a plant as a controller finds it."""
+    extra = POSES if isinstance(plant, Arm) else 0
+    return Site(plant.name, interface_of(plant), extra, dict(connect or {}))
+
+
+ARM = site_of(Arm())
+"""The study's arm."""
+
+
+# --- The law ---
+#
+# The first cells are what every law is told; behind them room for the drives of a partner, then
+# the drives of this controller, then (on the arm) room for `text_kernel`.
+
+FIRST_RATIO, SECOND_RATIO = RATIOS
+
+
+@kernel
+def text_law(
+    signals: list[float], numbers: list[float], memory: list[float], links: list[int]
+) -> None:
+    """Leave the drives of a controller as text among the signals.
+
+    Constants: how many signals it is told, and how many drives the plant has. Memory: the cells;
+    links: the code.
+    """
+    told = int(numbers[0])
+    size = int(numbers[1])
+    for i in range(told):
+        memory[i] = signals[i]
+    step(links, memory)
+    for i in range(size):
+        signals[told + i] = memory[told + size + i]
+
+
+@kernel
+def text_kernel(now: Moment, numbers: list[float], memory: list[float], links: list[int]) -> Pair:
+    """Return the torque of both joints, motors included, from a moment."""
+    signals = memory[2 * SIGNALS - TOLD : 3 * SIGNALS - TOLD]
+    tell(now, signals)
+    text_law(signals, numbers, memory, links)
+    first, second = signals[TOLD], signals[TOLD + 1]
+    single = memory[SINGLE] != 0.0
+    velocity = now.state.velocity
+    if numbers[2] != 0.0:
+        first += stored(motor_torque(signals[TOLD + 2], velocity[0], FIRST_RATIO), single)
+    if numbers[3] != 0.0:
+        second += stored(motor_torque(signals[TOLD + 3], velocity[1], SECOND_RATIO), single)
+    return first, second
+
+
+class FindLaw(Protocol):
+    """From the name of a law of the catalogue to its controller."""
+
+    def __call__(self, law: str, /) -> CompiledController:
+        """Return it with its gains."""
+
+
+@dataclass(frozen=True)
+class TextLaw(Law):
+    """The law of a controller as text.
+
+    Attributes
+    ----------
+    text : ControllerText
+        Which.
+    site : Site
+        Where it runs.
+    find_law : callable
+        From the name of a partner to its law.
+    program : callable
+        From the arithmetic of a run to what the kernel reads.
+    """
+
+    text: ControllerText = field(kw_only=True)
+    site: Site = field(kw_only=True)
+    find_law: FindLaw = field(kw_only=True)
+    program: Any = field(kw_only=True)
+
+    def on(self, site: Site) -> TextLaw:
+        """Return the law for another plant."""
+        return make_law(self.text, self.find_law, site)
+
+
+def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextLaw:
+    """Make the law that runs a controller on a plant.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    find_law : callable
+        From the name of a partner to its law.
+    site : Site, optional
+        The arm by default. What the plant does not have is an error when the law is used.
+    """
+    model = text.model
+    gains = tuple(_gains(model))
+
+    @cache
+    def partners() -> dict[str, CompiledController]:
+        found = {}
+        for each in model.partners:
+            if site.name != Arm.name:
+                message = f"the partner '{each.name}' is a law of the arm and runs there only"
+                raise SourceError(message)
+            law = find_law(each.law)
+            found[each.name] = law.with_gains({name: [value] for name, value in each.gains})
+        return found
+
+    @cache
+    def program(arithmetic: Arithmetic) -> Program:
+        laws = {
+            name: (law_address(each.law, arithmetic), each.block(arithmetic))
+            for name, each in partners().items()
+        }
+        address = inference_address(compiled=arithmetic.compiled)
+        return write_down(model, text.sheets, laws, site.wiring(model), arithmetic, address)
+
+    def pack(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
+        driven = site.driven(model)
+        powered = [float((joint, "voltage") in driven) for joint in JOINTS]
+        return [float(site.told), float(len(site.interface.inputs)), *powered]
+
+    def remember(chosen: Gains, arithmetic: Arithmetic) -> NDArray[np.float64]:
+        # A gain of the text counts with the π of the run, one that is given as it is.
+        given = {each.name: chosen[each.name].value for each in gains if chosen[each.name] != each}
+        return program(arithmetic).cells_with(given, arithmetic)
+
+    def links(arithmetic: Arithmetic) -> list[int]:
+        return program(arithmetic).code
+
+    return TextLaw(
+        model.name,
+        text_kernel,
+        model.description,
+        gains,
+        pack,
+        remember,
+        links,
+        remembers=any(True for _ in text.learners()),
+        at_signals=text_law,
+        text=text,
+        site=site,
+        find_law=find_law,
+        program=program,
+    )
+
+
+def controller_on(controller: Controller, site: Site) -> Controller:
+    """Return a controller, or a sum of them, for a plant.
+
+    Raises
+    ------
+    SourceError
+        If one is a law of the arm and the plant is another, or the plant does not have what one
+        measures or drives.
+    """
+    if isinstance(controller, Sum):
+        return Sum([controller_on(each, site) for each in controller.addends], controller.name)
+    if isinstance(controller, CompiledController) and isinstance(controller.law, TextLaw):
+        law = controller.law
+        site.wiring(law.text.model)  # tells what is missing
+        if site != law.site:
+            made = CompiledController(law.on(site), controller.gains)
+            made.name = controller.name
+            return made
+    elif site.name != Arm.name:
+        hint = "controllers as text run on any plant"
+        raise SourceError(f"{controller.name} runs on the arm only", hint=hint)
+    return controller
+
+
+def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
+    """Return the inputs of a plant that a controller drives; laws of the arm drive torques."""
+    found: set[Address] = set()
+    for part in controller.parts():
+        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
+            found |= site.driven(part.law.text.model)
+        else:
+            found |= {(joint, "torque") for joint in JOINTS}
+    return frozenset(found)
+
+
+LARGEST_RATE = 10.0
+"""Of a learner: with more, one judgement fills the table."""
+
+
+def _gains(model: ControllerModel) -> Iterator[Gain]:
+    """Yield the gains of a text, with the range that their use allows."""
+    lines = [line for _, line in model.lines()]
+    rates = {line.rate for line in lines if isinstance(line, Learn)}
+    positive = {line.bound for line in lines if isinstance(line, Learn)}
+    for line in lines:
+        if isinstance(line, Zoom):
+            positive |= {line.by, line.inside}
+    for each in model.gains:
+        yield Gain(
+            each.name,
+            tuple(value.value(np.pi) for value in each.values),
+            each.unit or "1",
+            "",
+            positive=each.name in positive,
+            bounds=(0.0, LARGEST_RATE) if each.name in rates else None,
+        )
+
+
+# --- What it has learned ---
+
+
+@dataclass(frozen=True)
+class Learned:
+    """Tables that a controller has learned.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+        The inputs of each table.
+    values : ndarray, shape (axes of the controller, levels of each input …)
+        One table for each axis.
+    visits : ndarray of int64, same shape
+        How often each cell was used.
+    """
+
+    axes: tuple[Axis, ...]
+    values: NDArray[np.float64]
+    visits: NDArray[np.int64]
+
+    def readable(self, *, single: bool) -> Learned:
+        """Return the tables without the last digits that only rounding made.
+
+        Parameters
+        ----------
+        single : bool
+            Whether they were kept in single precision; 6 decimals are kept then, otherwise 12.
+        """
+        decimals = 6 if single else 12
+        return replace(self, values=np.round(self.values, decimals) + 0.0)  # + 0.0: no -0
+
+    def tables(self, like: LookupTable) -> list[LookupTable]:
+        """Return the table of each axis of the controller; the rest as `like` has it."""
+        return [replace(like, axes=self.axes, values=each) for each in self.values]
+
+    def table(self, like: LookupTable) -> LookupTable:
+        """Return all tables as one, whose first input tells the axes of the controller apart."""
+        levels = tuple(float(i + 1) for i in range(len(self.values)))
+        axes = (Axis(AXIS, levels, description="axis of the controller"), *self.axes)
+        return replace(like, axes=axes, values=self.values)
+
+
+def learned(law: TextLaw, arithmetic: Arithmetic, memory: Any = None) -> Learned:
+    """Read the first table that learns from the memory of a law.
+
+    Parameters
+    ----------
+    law : TextLaw
+        Of a controller that learns.
+    arithmetic : Arithmetic
+        Of the run.
+    memory : array_like, optional
+        As a run left it; as it is before the first one by default.
+    """
+    line = next(law.text.learners())
+    program: Program = law.program(arithmetic)
+    if memory is None:
+        memory = program.cells
+    axes = tuple(axis for axis in _table(law.text.sheets[line.table][0]).axes if axis.name != AXIS)
+    shape = tuple(len(axis.levels) for axis in axes)
+    places = [program.learned[axis, line.table] for axis in law.text.model.axis_names]
+    values = [memory[each.values : each.values + each.count] for each in places]
+    visits = [memory[each.visits : each.visits + each.count] for each in places]
+    return Learned(
+        axes,
+        np.array(values).reshape(-1, *shape),
+        np.array(visits).astype(np.int64).reshape(-1, *shape),
+    )
+
+
+def _table(sheet: Sheet) -> LookupTable:
+    assert isinstance(sheet, LookupTable)
+    return sheet

@@ -1,0 +1,508 @@
+"""What the loop is told of an experiment: set points, plant, sensors, disturbances, limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.law import view
+from fuzzyarm.controller.on_plant import site_of
+from fuzzyarm.kernels import jit_wanted
+from fuzzyarm.loop.loop import SENSOR, Setting
+from fuzzyarm.loop.reference import Signal
+from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, Arm
+from fuzzyarm.plant.plant import (
+    CLOCK_SIZE,
+    WORK,
+    Address,
+    Plant,
+    PlantError,
+    dynamics_of,
+    is_compiled,
+    numbers_of,
+)
+from fuzzyarm.plant.setting import (
+    CLOCK,
+    ITERATIONS,
+    PLAIN,
+    SET_POINT_PERIOD,
+    Arithmetic,
+    ArmError,
+    Conventions,
+    Pair,
+)
+from fuzzyarm.plant.trajectory import Schedule, Trajectory, sample
+
+Vector = NDArray[np.float64]
+
+
+# --- How to run ---
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """What a sensor makes of an output.
+
+    Parameters
+    ----------
+    noise : float, optional
+        Standard deviation of white noise, in the unit of the port.
+    resolution : float, optional
+        Step of the values; 0 for none.
+    delay : float, optional
+        s; rounded to whole control periods.
+    difference : float, optional
+        Form this rate from what the sensor of its port says, by difference, with a filter of
+        this time constant (s, 0 for none), in place of a sensor of its own.
+    """
+
+    noise: float = 0.0
+    resolution: float = 0.0
+    delay: float = 0.0
+    difference: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("noise", "resolution", "delay", "difference"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 <= value < 1e12:
+                hint = "zero or a positive number"
+                raise PlantError(f"{name} = {value} is out of range", name=name, hint=hint)
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to run, beyond conventions.
+
+    Parameters
+    ----------
+    torque_limits : pair of float, optional
+        Of the arm's joints, N m; infinite by default.
+    runge_kutta : int, optional
+        Steps of the integrator in each control period; 0 for the study's integrator on the arm,
+        and for as many as the plant needs on others.
+    disturbance : float, optional
+        Largest relative disturbance of each state at each step.
+    seed : int, optional
+        Of disturbance and noise.
+    compiled : bool, optional
+        Whether to run machine code; by default as the environment wants it.
+    interpolate : bool, optional
+        Whether the reference moves in a straight line from one set point to the next, instead
+        of being held.
+    sensors : mapping of str to Sensor, optional
+        By port; the others are exact.
+    loads : mapping of str to Signal, optional
+        By input: what is added to a drive behind its limits.
+    """
+
+    torque_limits: Pair = (math.inf, math.inf)
+    runge_kutta: int = 0
+    disturbance: float = 0.0
+    seed: int = 1
+    compiled: bool | None = None
+    interpolate: bool = False
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    loads: Mapping[str, Signal] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for limit in self.torque_limits:
+            if not limit > 0:
+                raise ArmError(f"a torque limit of {limit} N m is out of range", value=limit)
+        if not 0 <= self.runge_kutta <= 1000:
+            raise ArmError(
+                f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range",
+                value=self.runge_kutta,
+                hint="0 to 1000",
+            )
+
+    def arithmetic(self, conventions: Conventions) -> Arithmetic:
+        """Return how the laws count under some conventions."""
+        compiled = jit_wanted() if self.compiled is None else self.compiled
+        return Arithmetic(conventions.single, conventions.pi, compiled)
+
+
+# --- The references of a run ---
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Set points of a run.
+
+    Attributes
+    ----------
+    name : str
+        Under which it is reported.
+    time : ndarray, shape (n,)
+        s.
+    references : ndarray, shape (n, R)
+        In the order of the plant's references.
+    iterations : ndarray of int64, shape (n,)
+        Control periods of each.
+    block : ndarray of int64, shape (n,)
+        Which of the plants each meets.
+    plants : tuple of Plant
+        One, or one for each load of the arm.
+    tracked : tuple of (str, str)
+        The outputs whose errors count.
+    period, step : float
+        Of control, s; and as the run stores it.
+    every : int
+        Control periods of a whole set point.
+    """
+
+    name: str
+    time: Vector
+    references: Vector
+    iterations: NDArray[np.int64]
+    block: NDArray[np.int64]
+    plants: tuple[Plant, ...]
+    tracked: tuple[Address, ...]
+    period: float
+    step: float
+    every: int
+
+
+def arm_motion(
+    trajectory: Trajectory, arms: Schedule, conventions: Conventions, options: Options
+) -> Motion:
+    """Return the set points of a trajectory of the arm, and the arm that each of them meets."""
+    points = sample(trajectory, conventions)
+    kinds = list(dict.fromkeys(arms))
+    period = step = SET_POINT_PERIOD / ITERATIONS
+    if conventions.single:
+        step = float(np.float32(np.float64(np.float32(SET_POINT_PERIOD)) / ITERATIONS))
+    return Motion(
+        trajectory.name,
+        points.time,
+        np.hstack([points.position, points.velocity, points.acceleration]),
+        points.iterations,
+        np.array([kinds.index(arm) for arm in arms])[points.segment],
+        tuple(Arm(arm, torque_limits=options.torque_limits) for arm in kinds),
+        tuple((joint, "position") for joint in JOINTS),
+        period,
+        step,
+        ITERATIONS,
+    )
+
+
+MOST_POINTS = 20_000_000
+"""Set points of a run."""
+
+
+def motion(
+    plant: Plant,
+    references: Mapping[str, Signal],
+    duration: float,
+    period: float,
+    every: int = 1,
+) -> Motion:
+    """Return the set points of any plant.
+
+    Parameters
+    ----------
+    plant : Plant
+        Any.
+    references : mapping of str to Signal
+        By port; other ports have the reference 0. The first is tracked.
+    duration : float
+        s.
+    period : float
+        Of control, s.
+    every : int, optional
+        Control periods of a set point.
+
+    Raises
+    ------
+    PlantError
+        If the plant has no such output, or the run would be too long.
+    """
+    interface = site_of(plant).interface
+    count = math.ceil(duration / (period * every) - 1e-9) if duration < math.inf else 0
+    if not 1 <= count <= MOST_POINTS:
+        hint = f"up to {MOST_POINTS:,} set points of {period * every:g} s"
+        raise PlantError(f"a run of {duration:g} s is out of range", name="duration", hint=hint)
+    time = np.arange(count, dtype=np.float64) * (period * every)
+    wanted = {}
+    for name, signal in references.items():
+        port = interface.port(name)
+        if port not in interface.outputs:
+            raise PlantError(f"'{name}' is an input, which has no reference", name=name)
+        wanted[port] = signal.at(time)
+    columns = np.zeros((count, len(interface.references)))
+    for column, (address, reference) in enumerate(interface.references.items()):
+        if address in wanted:
+            columns[:, column] = wanted[address][0]
+        elif reference.of in wanted:
+            columns[:, column] = wanted[reference.of][reference.order]
+    words = [f"{name} {signal}" for name, signal in references.items()]
+    return Motion(
+        ", ".join(words) or "at rest",
+        time,
+        columns,
+        np.full(count, every),
+        np.zeros(count, np.int64),
+        (plant,),
+        tuple(wanted) or tuple(interface.outputs)[:1],
+        period,
+        period,
+        every,
+    )
+
+
+# --- What the loop is called with ---
+
+
+def flat(values: Any, kind: type = np.float64, *, as_array: bool = True) -> Any:
+    """Return numbers in one row, as an array or, for an interpreter, as a view on one."""
+    row: NDArray[Any] = np.ascontiguousarray(np.array(values, kind).ravel())
+    return row if as_array else view(row)
+
+
+class Course:
+    """An experiment as the loop takes it.
+
+    Parameters
+    ----------
+    motion : Motion
+        Set points and plants.
+    conventions : Conventions
+        Precision and π.
+    options : Options
+        The rest of the setting.
+    driven : collection of (str, str)
+        Inputs that the controller drives.
+    as_array : bool
+        Arrays, or views for the interpreter.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        conventions: Conventions = PLAIN,
+        options: Options | None = None,
+        *,
+        driven: Collection[Address] = (),
+        as_array: bool,
+    ) -> None:
+        self.motion = motion
+        self.conventions = conventions
+        self.options = options or Options()
+        self.as_array = as_array
+        self.plant = motion.plants[0]
+        self.site = site_of(self.plant)
+        self.arithmetic = self.options.arithmetic(conventions)._replace(compiled=as_array)
+        self.driven = driven
+        self.steps = int(motion.iterations.sum())
+        self._links = self._write_links()
+        self._points = (
+            self._flat(motion.references),
+            self._flat(motion.iterations, np.int64),
+        )
+        self.plants = (self._flat(motion.block, np.int64), self._blocks())
+        self._fixed = (
+            self._flat(self._links, np.int64),
+            *map(self._flat, self._sensing(self.options.seed)),
+            self._flat(self._pushes()),
+        )
+        self._judged = (self._flat(self._checks()[0], np.int64), self._flat(self._checks()[1]))
+        self._setting = Setting(
+            motion.step,
+            conventions.single,
+            motion.every,
+            self.options.interpolate,
+            float(self.options.disturbance),
+            self.options.seed,
+            len(self.plant.states),
+        )
+
+    # --- Cells of the board ---
+
+    @property
+    def _seen(self) -> int:
+        return CLOCK + len(self.site.interface.references)
+
+    @property
+    def _true(self) -> int:
+        """Cell of the first output as it is: behind what laws are told and the room for drives."""
+        return self.site.told + len(self.site.interface.inputs)
+
+    @property
+    def board_size(self) -> int:
+        """Number of cells."""
+        outputs = len(self.site.interface.outputs) + self.site.extra
+        return self._true + outputs + len(self.site.interface.inputs)
+
+    def reference_cell(self, port: Address) -> int:
+        """Return the cell of a reference."""
+        return CLOCK + list(self.site.interface.references).index(port)
+
+    def output_cell(self, port: Address) -> int:
+        """Return the cell of an output as it is."""
+        return self._true + list(self.site.interface.outputs).index(port)
+
+    def drive_cell(self, port: Address) -> int:
+        """Return the cell of a drive as the plant feels it."""
+        outputs = len(self.site.interface.outputs) + self.site.extra
+        return self._true + outputs + list(self.site.interface.inputs).index(port)
+
+    def seen_cell(self, port: Address) -> int:
+        """Return the cell of an output as its sensor has it."""
+        return self._seen + list(self.site.interface.outputs).index(port)
+
+    # --- Parts ---
+
+    def _flat(self, values: Any, kind: type = np.float64) -> Any:
+        return flat(values, kind, as_array=self.as_array)
+
+    def _write_links(self) -> list[int]:
+        size = len(numbers_of(self.plant, self.driven, self.arithmetic))
+        if not is_compiled(self.plant):
+            return [0, size, 0, 0]
+        finely = self.options.runge_kutta > 0
+        found = dynamics_of(self.plant, self.arithmetic, finely=finely)
+        return [found.address, size, int(found.actuates), int(found.extra > 0)]
+
+    def _blocks(self) -> Any:
+        return self._flat(
+            [numbers_of(each, self.driven, self.arithmetic) for each in self.motion.plants]
+        )
+
+    def with_plants(self, motion: Motion) -> Course:
+        """Return the same set points for other plants of the kind."""
+        other = copy(self)
+        other.motion = motion
+        other.plant = motion.plants[0]
+        other.plants = (other._flat(motion.block, np.int64), other._blocks())
+        return other
+
+    def _sensing(self, seed: int) -> tuple[Any, Any]:
+        """Write sensors and their noise down; both are empty where all sensors are exact."""
+        interface = self.site.interface
+        known = {interface.port(name): each for name, each in self.options.sensors.items()}
+        for port in known:
+            if port not in interface.outputs:
+                message = f"'{interface.label(port)}' is an input, which has no sensor"
+                raise PlantError(message, name=interface.label(port))
+        if not known:
+            return [], []
+        heads: list[float] = []
+        ring = SENSOR * (len(interface.outputs) + self.site.extra)
+        noisy: list[float] = []
+        for port, output in interface.outputs.items():
+            sensor = known.get(port, Sensor())
+            delay = round(sensor.delay / self.motion.period)
+            source = -1
+            if sensor.difference is not None:
+                if not output.rate_of:
+                    label = interface.label(port)
+                    raise PlantError(f"'{label}' is not the rate of another output", name=label)
+                source = list(interface.outputs).index((port[0], output.rate_of))
+            column = len(noisy) if sensor.noise > 0 else -1
+            if sensor.noise > 0:
+                noisy.append(sensor.noise)
+            lowest = output.low if math.isfinite(output.low) else 0.0
+            heads += [sensor.resolution, lowest, delay, ring, source]
+            heads += [sensor.difference or 0.0, math.nan, 0.0, column]
+            ring += delay
+        heads += [0.0, 0.0, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0] * self.site.extra
+        heads += [0.0] * (ring - len(heads))
+        drawn = np.random.default_rng(seed).standard_normal((self.steps, len(noisy)))
+        return heads, drawn * noisy
+
+    def _pushes(self) -> Any:
+        loads = {
+            self.site.interface.port(name): signal for name, signal in self.options.loads.items()
+        }
+        if not loads:
+            return []
+        time = np.arange(self.steps, dtype=np.float64) * self.motion.period
+        columns = np.zeros((self.steps, len(self.site.interface.inputs)))
+        for column, port in enumerate(self.site.interface.inputs):
+            if port in loads:
+                columns[:, column] = loads.pop(port).at(time)[0]
+        if loads:
+            label = self.site.interface.label(next(iter(loads)))
+            raise PlantError(f"'{label}' is an output; a load acts on an input", name=label)
+        return columns
+
+    def _checks(self) -> tuple[list[int], list[float]]:
+        cells: list[int] = []
+        bounds: list[float] = []
+        if isinstance(self.plant, Arm):
+            for port in self.motion.tracked:
+                cells += [self.reference_cell(port), self.output_cell(port)]
+                bounds.append(ERROR_BOUND)
+        for port, output in self.site.interface.outputs.items():
+            if output.bound < math.inf:
+                cells += [-1, self.output_cell(port)]
+                bounds.append(output.bound)
+        return cells, bounds
+
+    # --- What is handed over ---
+
+    def inputs(self, seed: int | None = None) -> tuple[Any, ...]:
+        """Return what the loop reads of the experiment, for a seed other than that of the options.
+
+        The limits of the drives remember the last values, so each run has its own.
+        """
+        chosen = self._setting.seed if seed is None else seed
+        # The generator works with 31 bits; more would not fit into a float.
+        setting = self._flat(self._setting._replace(seed=chosen % 2**31))
+        links, sensors, noise, pushes = self._fixed
+        if len(sensors):
+            sensors, noise = map(self._flat, self._sensing(chosen))
+        return (
+            *self._points,
+            *self.plants,
+            setting,
+            links,
+            sensors,
+            noise,
+            pushes,
+            self._flat(self._limits()),
+            *self._judged,
+        )
+
+    def _limits(self) -> list[float]:
+        period = self.motion.period
+        rows: list[float] = []
+        for port in self.site.interface.inputs.values():
+            resting = min(max(0.0, port.low), port.high)
+            rows += [port.low, port.high, port.slew * period, resting]
+        return rows
+
+    def clock(self) -> Any:
+        """Return the clock of the plant at the start."""
+        parts = self.options.runge_kutta
+        if not parts:
+            parts = max(1, math.ceil(self.motion.period / self.plant.longest_step - 1e-9))
+        clock = np.zeros(CLOCK_SIZE)
+        clock[1:4] = self.motion.step, parts, float(self.conventions.single)
+        return self._flat(clock)
+
+    def state(self, seed: int | None = None) -> Any:
+        """Return the states at the start, and room for the integrator."""
+        generator = np.random.default_rng(self._setting.seed if seed is None else seed)
+        start = [float(each) for each in self.plant.start(generator)]
+        if len(start) != len(self.plant.states):
+            message = f"start gives {len(start)} values for {len(self.plant.states)} states"
+            raise PlantError(f"plant {self.plant.name}: {message}", name="start")
+        room = 0 if isinstance(self.plant, Arm) else WORK * len(start)
+        return self._flat([*start, *[0.0] * room])
+
+
+def stretch(inputs: Sequence[Any], begin: int, end: int, references: int) -> tuple[Any, ...]:
+    """Return the inputs of set points `begin` to `end` alone."""
+    points, iterations, plant_of, *rest = inputs
+    return (
+        points[references * begin : references * end],
+        iterations[begin:end],
+        plant_of[begin:end],
+        *rest,
+    )

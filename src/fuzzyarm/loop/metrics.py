@@ -1,0 +1,132 @@
+"""Metrics of a run: how near, how fast, how calm, at what cost."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+SETTLED = 0.02
+"""Share of the step within which an output has settled."""
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """Of one axis; errors in the unit that is shown, times in s, drives in their unit.
+
+    Attributes
+    ----------
+    rms, max, final : float
+        Root mean square, largest magnitude with its sign, and last error.
+    rise : float or None
+        From 10 to 90 % of a step; None where the reference is not a step, or it is not reached.
+    overshoot : float or None
+        Beyond a step, in the unit of the error; None where the reference is not a step.
+    settling : float or None
+        Until the error stays within 2 % of a step.
+    ise, iae, itae : float
+        Integrals over time of the square, the magnitude, and time times magnitude of the error.
+    effort : float
+        Root mean square of the drives of the axis.
+    variation : float
+        Sum of all changes of the drives from sample to sample, for each second: chatter.
+    saturated : float
+        Share of the samples in which a drive is at a limit.
+    """
+
+    rms: float
+    max: float
+    final: float
+    rise: float | None
+    overshoot: float | None
+    settling: float | None
+    ise: float
+    iae: float
+    itae: float
+    effort: float
+    variation: float
+    saturated: float
+
+    def as_dict(self) -> dict[str, float | None]:
+        """Return it by name; what is not finite is None."""
+        found = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {
+            name: None if value is None or not math.isfinite(value) else float(value)
+            for name, value in found.items()
+        }
+
+
+def metrics_of(
+    time: Vector,
+    reference: Vector,
+    errors: Vector,
+    drives: Vector,
+    limits: list[tuple[float, float]],
+    period: float,
+) -> Metrics:
+    """Measure the run of an axis.
+
+    Parameters
+    ----------
+    time, reference, errors : ndarray, shape (n,)
+        Of the samples; reference and errors in one unit.
+    drives : ndarray, shape (n, k)
+        Those of the axis.
+    limits : list of pair of float
+        Lowest and highest value of each drive.
+    period : float
+        Time from sample to sample, s.
+    """
+    if not len(errors):
+        none = math.nan
+        return Metrics(none, none, none, None, None, None, none, none, none, none, none, none)
+    magnitude = np.abs(errors)
+    elapsed = time - time[0]
+    rise, overshoot, settling = _step_response(time, reference, errors)
+    held = np.zeros(len(errors), bool)
+    for column, (low, high) in enumerate(limits):
+        held |= (drives[:, column] <= low) | (drives[:, column] >= high)
+    span = len(errors) * period
+    return Metrics(
+        float(np.sqrt(np.mean(errors**2))),
+        float(errors[magnitude.argmax()]),
+        float(errors[-1]),
+        rise,
+        overshoot,
+        settling,
+        float(np.sum(errors**2) * period),
+        float(np.sum(magnitude) * period),
+        float(np.sum(elapsed * magnitude) * period),
+        float(np.sqrt(np.mean(drives**2))) if drives.size else 0.0,
+        float(np.abs(np.diff(drives, axis=0)).sum() / span) if drives.size else 0.0,
+        float(held.mean()),
+    )
+
+
+def _step_response(
+    time: Vector, reference: Vector, errors: Vector
+) -> tuple[float | None, float | None, float | None]:
+    """Return rise time, overshoot and settling time, where the reference is one step."""
+    output = reference - errors
+    jumps = np.flatnonzero(np.diff(reference))
+    begin = 0 if not len(jumps) else int(jumps[0]) + 1
+    if len(jumps) > 1 or reference[-1] != reference[begin]:
+        return None, None, None
+    start, target = float(output[max(begin - 1, 0)]), float(reference[-1])
+    size = target - start
+    if size == 0.0:
+        return None, None, None
+    way = (output[begin:] - start) / size
+    after = time[begin:] - time[begin]
+    low, high = np.flatnonzero(way >= 0.1), np.flatnonzero(way >= 0.9)
+    rise = float(after[high[0]] - after[low[0]]) if len(high) else None
+    overshoot = max(0.0, float(way.max()) - 1.0) * abs(size)
+    outside = np.flatnonzero(np.abs(way - 1.0) > SETTLED)
+    settling = 0.0 if not len(outside) else None
+    if len(outside) and outside[-1] + 1 < len(after):
+        settling = float(after[outside[-1] + 1])
+    return rise, overshoot, settling

@@ -1,0 +1,165 @@
+"""References over time: step, ramp, sine, quintic move, a file; each with its derivatives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.plant.plant import PlantError
+from fuzzyarm.text.names import near_hint
+
+Vector = NDArray[np.float64]
+
+Derivatives = tuple[Vector, Vector, Vector]
+"""A signal at some times, its rate and its acceleration."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """What a port should do over time.
+
+    Parameters
+    ----------
+    kind : str
+        ``step``, ``ramp``, ``sine``, ``quintic`` or ``file``.
+    numbers : tuple of float
+        Of the kind, see :data:`KINDS`.
+    path : str, optional
+        Of a file.
+
+    Raises
+    ------
+    PlantError
+        If the kind is unknown or a number out of range.
+    """
+
+    kind: str
+    numbers: tuple[float, ...] = ()
+    path: str = ""
+
+    def __post_init__(self) -> None:
+        known = KINDS.get(self.kind)
+        if known is None:
+            hint = near_hint(self.kind, KINDS)[0] or f"one of {', '.join(KINDS)}"
+            raise PlantError(f"no reference is called '{self.kind}'", name=self.kind, hint=hint)
+        if self.kind != "file" and not known.least <= len(self.numbers) <= len(known.words):
+            hint = f"{self.kind}:{','.join(known.words)}"
+            message = f"a {self.kind} does not take {len(self.numbers)} numbers"
+            raise PlantError(message, name=self.kind, hint=hint)
+        for number in self.numbers:
+            if not math.isfinite(number) or abs(number) > 1e12:
+                raise PlantError(f"{number} in a reference is out of range", name=self.kind)
+        if self.kind == "quintic" and not self.numbers[1] > 0:
+            message = f"a move of {self.numbers[1]:g} s is out of range"
+            raise PlantError(message, name=self.kind)
+
+    def __str__(self) -> str:
+        return f"{self.kind}:{self.path or ','.join(f'{number:g}' for number in self.numbers)}"
+
+    def at(self, time: Vector) -> Derivatives:
+        """Return value, rate and acceleration at some times, s."""
+        if self.kind == "file":
+            return _from_file(self.path, time)
+        return KINDS[self.kind].form(time, *self.numbers)
+
+
+def read_signal(text: str) -> Signal:
+    """Read a reference as a user writes it: ``step:1``, ``sine:0.5,2`` or ``FILE.csv``.
+
+    Raises
+    ------
+    PlantError
+        If it is none.
+    """
+    if text.endswith(".csv"):
+        return Signal("file", path=text)
+    kind, _, rest = text.partition(":")
+    try:
+        numbers = tuple(float(word) for word in rest.split(",")) if rest else ()
+        if kind and not rest:  # a number alone is a step
+            return Signal("step", (float(kind),))
+    except ValueError:
+        hint = "as in step:1, ramp:0.5, sine:1,0.5, quintic:1,2 or a FILE.csv"
+        raise PlantError(f"'{text}' is not a reference", name=text, hint=hint) from None
+    return Signal(kind, numbers)
+
+
+# --- The kinds ---
+
+
+def _step(t: Vector, to: float, at: float = 0.0, start: float = 0.0) -> Derivatives:
+    zero = np.zeros_like(t)
+    return np.where(t >= at, to, start), zero, zero
+
+
+def _ramp(t: Vector, rate: float, at: float = 0.0, start: float = 0.0) -> Derivatives:
+    moves = t >= at
+    zero = np.zeros_like(t)
+    return start + rate * np.maximum(t - at, 0.0), np.where(moves, rate, 0.0), zero
+
+
+def _sine(t: Vector, amplitude: float, frequency: float, offset: float = 0.0) -> Derivatives:
+    w = 2.0 * math.pi * frequency
+    value = amplitude * np.sin(w * t)
+    return offset + value, w * amplitude * np.cos(w * t), -w * w * value
+
+
+def _quintic(t: Vector, to: float, duration: float, start: float = 0.0) -> Derivatives:
+    # From rest to rest with no jump of the acceleration: 10 s³ - 15 s⁴ + 6 s⁵ of the way.
+    s = np.clip(t / duration, 0.0, 1.0)
+    way = to - start
+    value = start + way * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+    rate = way / duration * s * s * (30.0 - 60.0 * s + 30.0 * s * s)
+    acceleration = way / duration**2 * s * (60.0 - 180.0 * s + 120.0 * s * s)
+    return value, rate, acceleration
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of reference: its numbers, how many of them are needed, its form."""
+
+    words: tuple[str, ...]
+    least: int
+    form: Callable[..., Derivatives]
+
+
+KINDS = {
+    "step": Kind(("TO", "AT", "FROM"), 1, _step),
+    "ramp": Kind(("RATE", "AT", "FROM"), 1, _ramp),
+    "sine": Kind(("AMPLITUDE", "HERTZ", "OFFSET"), 2, _sine),
+    "quintic": Kind(("TO", "SECONDS", "FROM"), 2, _quintic),
+    "file": Kind((), 0, _step),
+}
+"""Every kind by its name; times in s, the rest in the unit of the port."""
+
+
+def _from_file(path: str, time: Vector) -> Derivatives:
+    """Read ``time,value`` lines; between them the reference is a straight line."""
+    rows: list[tuple[float, float]] = []
+    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip() or (number == 1 and any(c.isalpha() for c in line)):
+            continue
+        try:
+            first, second = (float(word) for word in line.split(","))
+        except ValueError:
+            hint = "a line is TIME,VALUE"
+            raise PlantError(f"{path}:{number}: '{line}' is not two numbers", hint=hint) from None
+        if rows and not first > rows[-1][0]:
+            raise PlantError(f"{path}:{number}: the times do not rise", name=path)
+        if not (math.isfinite(first) and math.isfinite(second)):
+            raise PlantError(f"{path}:{number}: '{line}' is not finite", name=path)
+        rows.append((first, second))
+    if len(rows) < 2:
+        raise PlantError(f"{path} has fewer than two times", name=path, hint="TIME,VALUE lines")
+    times, values = np.array(rows).T
+    slopes = np.append(np.diff(values) / np.diff(times), 0.0)
+    place = np.clip(np.searchsorted(times, time, "right") - 1, 0, len(times) - 1)
+    inside = (time >= times[0]) & (time < times[-1])
+    rate = np.where(inside, slopes[place], 0.0)
+    return np.interp(time, times, values), rate, np.zeros_like(time)

@@ -1,0 +1,218 @@
+"""The arm with its motors as a plant: torque or voltage in, positions and velocities out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.kernels import kernel
+from fuzzyarm.plant.arm import (
+    PLANT_SIZE,
+    RATIOS,
+    UNITS,
+    UNLOADED,
+    ArmParameters,
+    constants,
+    motor_torque,
+    runge_kutta,
+    semi_implicit,
+)
+from fuzzyarm.plant.plant import (
+    ACTUATE,
+    ADVANCE,
+    MEASURE,
+    Address,
+    Dynamics,
+    Parameter,
+    Plant,
+    Port,
+    parameter,
+)
+from fuzzyarm.plant.setting import (
+    Arithmetic,
+    Pair,
+    Pose,
+    State,
+    pose_of,
+    stored,
+    stored_double,
+    stored_single,
+)
+
+JOINTS = ("joint1", "joint2")
+
+ERROR_BOUND = 20.0 * math.pi
+"""A tracking error beyond ten turns has diverged, rad."""
+
+SPEED_BOUND = 1e5
+"""So has a joint faster than this, rad/s."""
+
+POSES = 4
+"""Outputs behind the ports: cos θ1, sin θ2, cos θ2, cos(θ1 + θ2), which the laws share."""
+
+
+class Arm(Plant):
+    """The two-link arm of the study; its motors take a voltage, or the joints a torque.
+
+    Parameters
+    ----------
+    arm : ArmParameters, optional
+        Masses, lengths, inertias, friction.
+    torque_limits : pair of float, optional
+        Of the joints, N m.
+    """
+
+    name = "arm"
+    summary = "the study's two-link arm: torque or motor voltage to joint positions"
+
+    def __init__(
+        self, arm: ArmParameters = UNLOADED, *, torque_limits: Pair = (math.inf, math.inf)
+    ) -> None:
+        self.torque_limits = torque_limits
+        self.inputs = {
+            f"{joint}.{port}": Port(unit)
+            for port, unit in (("torque", "N m"), ("voltage", "V"))
+            for joint in JOINTS
+        }
+        self.outputs = {
+            f"{joint}.{port.rpartition(' ')[2]}": given
+            for port, given in (
+                ("position", Port("rad", -2 * math.pi, 2 * math.pi, bound=math.inf)),
+                ("velocity", Port("rad/s", -10.0, 10.0, rate_of="position", bound=SPEED_BOUND)),
+            )
+            for joint in JOINTS
+        }
+        self.states = {"q_1": "rad", "q_2": "rad", "v_1": "rad/s", "v_2": "rad/s"}
+        self.parameters = {
+            each.name: Parameter(getattr(arm, each.name), UNITS[each.name])
+            for each in fields(ArmParameters)
+        }
+
+    @property
+    def arm(self) -> ArmParameters:
+        """Its parameters as the equations have them."""
+        return ArmParameters(**{name: parameter(self, name).value for name in self.parameters})
+
+    def pack(self, driven: Collection[Address], arithmetic: Arithmetic) -> NDArray[np.float64]:
+        """Return the numbers that the kernels read.
+
+        Parameters
+        ----------
+        driven : collection of (str, str)
+            Axes and ports that the controller drives.
+        arithmetic : Arithmetic
+            Of the run.
+        """
+        powered = [float((joint, "voltage") in driven) for joint in JOINTS]
+        limits = [float(limit) for limit in self.torque_limits]
+        return np.array([*constants(self.arm, single=arithmetic.single), *powered, *limits])
+
+    def dynamics(
+        self, arithmetic: Arithmetic, address: Callable[..., int], *, finely: bool
+    ) -> Dynamics:
+        """Give the kernel an address; each precision has its own.
+
+        With `finely` the arm moves by Runge-Kutta steps, which check the study's integrator.
+        """
+        held: dict[str, Callable[..., Any]] = {
+            "stored": stored_single if arithmetic.single else stored_double
+        }
+        if finely:
+            held["advance_arm"] = advance_arm_finely
+        return Dynamics(address(run_arm, **held), actuates=True, extra=POSES)
+
+
+# --- Its kernels: x are positions and velocities, y those and the pose, u torques and voltages ---
+
+POWERED, LIMITS = PLANT_SIZE, PLANT_SIZE + 2
+"""Behind the constants of the arm: which motors are driven, and the torque limits."""
+
+FIRST_RATIO, SECOND_RATIO = RATIOS
+
+
+@kernel
+def run_arm(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Do what the clock says."""
+    if clock[4] == ADVANCE:
+        advance_arm(x, y, u, p, clock)
+    elif clock[4] == ACTUATE:
+        drive_arm(x, y, u, p, clock)
+    elif clock[4] == MEASURE:
+        measure_arm(x, y, u, p, clock)
+    else:
+        derive_pose(x, y, u, p, clock)
+
+
+@kernel
+def measure_arm(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Give positions, velocities and the pose."""
+    for i in range(4):
+        y[i] = x[i]
+    y[4], y[5], y[6], y[7] = pose_of((x[0], x[1]))
+
+
+@kernel
+def derive_pose(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Give the pose of positions as sensors have them."""
+    y[4], y[5], y[6], y[7] = pose_of((y[0], y[1]))
+
+
+@kernel
+def drive_arm(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Make the torque of each joint of the torque asked for and that of its motor."""
+    single = clock[3] != 0.0
+    first, second = u[0], u[1]
+    if p[9] != 0.0:
+        first += stored(motor_torque(u[2], x[2], FIRST_RATIO), single)
+    if p[10] != 0.0:
+        second += stored(motor_torque(u[3], x[3], SECOND_RATIO), single)
+    u[0] = clipped(stored(first, single), p[11])
+    u[1] = clipped(stored(second, single), p[12])
+
+
+@kernel
+def clipped(torque: float, limit: float) -> float:
+    """Bound a torque, N m; not a number passes."""
+    # It fails both comparisons; so does the state that it leads to, which ends the run.
+    if torque > limit:
+        return limit
+    if torque < -limit:
+        return -limit
+    return torque
+
+
+@kernel
+def advance_arm(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Advance by a control period, as the study's programs do."""
+    pose = Pose(y[4], y[5], y[6], y[7])
+    state = State((x[0], x[1]), (x[2], x[3]))
+    now = semi_implicit(state, (u[0], u[1]), pose, p, 0, clock[1], clock[3] != 0.0)
+    x[0], x[1] = now.position
+    x[2], x[3] = now.velocity
+
+
+@kernel
+def advance_arm_finely(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Advance by Runge-Kutta steps."""
+    state = State((x[0], x[1]), (x[2], x[3]))
+    parts = int(clock[2])
+    now = runge_kutta(state, (u[0], u[1]), p, 0, clock[1], parts, clock[3] != 0.0)
+    x[0], x[1] = now.position
+    x[2], x[3] = now.velocity

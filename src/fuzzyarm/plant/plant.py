@@ -1,0 +1,472 @@
+"""What a plant is: ports, states, parameters and equations; its kernels for the closed loop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.kernels import address_of, is_kernel, kernel
+from fuzzyarm.plant.setting import Arithmetic
+from fuzzyarm.text.names import near_hint
+
+
+class PlantError(FuzzyarmError, ValueError):
+    """A plant does not fit, or cannot be run; `name` is the port or quantity at fault."""
+
+    def __init__(self, message: str, *, name: str = "", hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+        self.name = name
+
+
+# --- Ports and parameters ---
+
+
+@dataclass(frozen=True)
+class Port:
+    """One quantity that a plant takes or gives.
+
+    Parameters
+    ----------
+    unit : str, optional
+        ``rad`` is shown in degrees.
+    low, high : float, optional
+        Of an input: the limits of the actuator. Of an output: the range of the sensor, over
+        which its bits are spread and from which a check judges gains.
+    slew : float, optional
+        Of an input: the largest change, units for each second.
+    rate_of : str, optional
+        Of an output: the port of the same axis whose rate it is. The reference of that rate
+        follows from the reference of the port.
+    bound : float, optional
+        Of an output: beyond this magnitude the run has diverged.
+    """
+
+    unit: str = "1"
+    low: float = -math.inf
+    high: float = math.inf
+    slew: float = math.inf
+    rate_of: str = ""
+    bound: float = 1e9
+
+    def __post_init__(self) -> None:
+        if not self.low < self.high:
+            message = f"a port from {self.low:g} to {self.high:g} has no range"
+            raise PlantError(message)
+        if not self.slew > 0:
+            raise PlantError(f"a slew of {self.slew:g} is out of range", hint="a positive number")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of a plant that ``--set`` and ``--sweep`` may change.
+
+    Parameters
+    ----------
+    value : float
+        By default.
+    unit : str, optional
+        SI; "1" for none.
+    meaning : str, optional
+        What it is.
+    """
+
+    value: float
+    unit: str = "1"
+    meaning: str = ""
+
+
+# --- What a user writes ---
+
+
+class Plant:
+    """Base of all plants. One of your own needs `inputs`, `outputs`, `states`, `derivative`.
+
+    The equations may be a kernel (a function marked with :func:`fuzzyarm.kernels.kernel`, which
+    runs as machine code) or any plain Python.
+
+    Attributes
+    ----------
+    name : str
+        Under which it is reported.
+    axis : str
+        Name of its only axis. Where there are several, ports are called ``axis.port``.
+    inputs, outputs : mapping of str to Port
+        What it takes from a controller and what is measured. The first output is tracked where
+        nothing else is asked for.
+    states : mapping of str to str
+        Names and units.
+    parameters : mapping of str to Parameter or float
+        In the order in which the equations find them.
+    longest_step : float
+        Longest step of the integrator, s; a longer control period is divided.
+    duration : float or None
+        Of a run where nothing else is asked for, s.
+
+    Examples
+    --------
+    >>> class Kiln(Plant):
+    ...     name = "kiln"
+    ...     inputs = {"power": Port("%", 0, 100)}
+    ...     outputs = {"temperature": Port("°C")}
+    ...     states = {"T": "°C"}
+    ...     parameters = {"loss": 0.01}
+    ...
+    ...     def derivative(self, t, x, u, p):
+    ...         return [0.2 * u[0] - p[0] * (x[0] - 20.0)]
+    >>> Kiln().derivative(0.0, [20.0], [50.0], [0.01])
+    [10.0]
+    """
+
+    name: str = ""
+    summary: ClassVar[str] = ""
+    axis: str = ""
+    inputs: Mapping[str, Port] = MappingProxyType({})
+    outputs: Mapping[str, Port] = MappingProxyType({})
+    states: Mapping[str, str] = MappingProxyType({})
+    parameters: Mapping[str, Parameter | float] = MappingProxyType({})
+    longest_step: float = math.inf
+    duration: float | None = None
+
+    def start(self, rng: np.random.Generator) -> Sequence[float]:
+        """Return the states at the start; zeros by default."""
+        return [0.0] * len(self.states)
+
+    # One of these two. `t` is the time, s; `x` the states, `u` the inputs and `p` the parameters,
+    # each in the order of its mapping.
+    derivative: Callable[..., Sequence[float]] | None = None
+    """``derivative(t, x, u, p)``: the rate of each state."""
+
+    step: Callable[..., Sequence[float]] | None = None
+    """``step(t, x, u, p, dt)``: the states after `dt` seconds."""
+
+    measure: Callable[..., Sequence[float]] | None = None
+    """``measure(t, x, u, p)``: the outputs; by default the first states."""
+
+    dynamics: Callable[..., Dynamics] | None = None
+    """Of a plant that brings its own kernels, see :func:`dynamics_of`."""
+
+
+# --- How controllers see it ---
+
+Address = tuple[str, str]
+"""Axis and port."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A quantity that a controller may ask a reference of.
+
+    Attributes
+    ----------
+    of : tuple of str
+        Axis and port of the output whose reference is given.
+    order : int
+        0 for that reference, 1 for its rate, 2 for its acceleration.
+    """
+
+    of: Address
+    order: int = 0
+
+
+@dataclass(frozen=True)
+class Interface:
+    """The ports of a plant, by axis.
+
+    Attributes
+    ----------
+    axes : tuple of str
+        In the order of the outputs.
+    inputs, outputs : mapping
+        In the order of the plant's arrays.
+    references : mapping
+        What a controller may ask for, in the order of the loop's array.
+    """
+
+    axes: tuple[str, ...]
+    inputs: Mapping[Address, Port]
+    outputs: Mapping[Address, Port]
+    references: Mapping[Address, Reference]
+
+    def port(self, name: str) -> Address:
+        """Return axis and port of an output or input that a user names.
+
+        Parameters
+        ----------
+        name : str
+            ``axis.port``, or ``port`` where one axis has it.
+
+        Raises
+        ------
+        PlantError
+            If there is no such port, or several.
+        """
+        known = [*self.outputs, *self.inputs]
+        found = [each for each in known if name in (each[1], ".".join(each))]
+        if len(found) == 1:
+            return found[0]
+        names = [self.label(each) for each in known]
+        if found:
+            hint = " or ".join(self.label(each) for each in found)
+            raise PlantError(f"several axes have a port '{name}'", name=name, hint=hint)
+        raise PlantError(f"no port '{name}'", name=name, hint=near_hint(name, names)[0])
+
+    def label(self, port: Address) -> str:
+        """Return how a port is called: without its axis where there is one only."""
+        return port[1] if len(self.axes) == 1 else ".".join(port)
+
+
+def interface_of(plant: Plant) -> Interface:
+    """Sort the ports of a plant by axis.
+
+    Raises
+    ------
+    PlantError
+        If the plant does not say what it has, or says it in two ways.
+    """
+    _require_complete(plant)
+    inputs = {_address(plant, name): port for name, port in plant.inputs.items()}
+    outputs = {_address(plant, name): port for name, port in plant.outputs.items()}
+    axes = tuple(dict.fromkeys(axis for axis, _ in (*outputs, *inputs)))
+    references: dict[Address, Reference] = {}
+    for address in outputs:
+        references[address] = _reference(outputs, address)
+    for (axis, name), port in outputs.items():
+        third = (axis, "acceleration")
+        if name == "velocity" and port.rate_of and third not in references:
+            references[third] = Reference((axis, port.rate_of), 2)
+    return Interface(axes, inputs, outputs, references)
+
+
+def _address(plant: Plant, name: str) -> Address:
+    axis, _, port = name.rpartition(".")
+    return (axis or plant.axis or plant.name, port)
+
+
+def _reference(outputs: Mapping[Address, Port], address: Address) -> Reference:
+    axis, order = address[0], 0
+    while outputs[address].rate_of:
+        address = (axis, outputs[address].rate_of)
+        order += 1
+        if address not in outputs or order > 2:
+            message = f"'{address[1]}' is not an output of which there can be a rate"
+            raise PlantError(message, name=address[1])
+    return Reference(address, order)
+
+
+def _require_complete(plant: Plant) -> None:
+    name = plant.name or type(plant).__name__
+    for what in ("inputs", "outputs", "states"):
+        if not getattr(plant, what):
+            raise PlantError(f"plant {name} has no {what}", name=what)
+    if plant.derivative is None and plant.step is None and plant.dynamics is None:
+        hint = "derivative(self, t, x, u, p) returns the rate of each state"
+        raise PlantError(f"plant {name} has no equations", name="derivative", hint=hint)
+    if plant.measure is None and len(plant.outputs) > len(plant.states):
+        message = f"plant {name} has {len(plant.outputs)} outputs and {len(plant.states)} states"
+        raise PlantError(message, name="measure", hint="measure(self, t, x, u, p) returns outputs")
+
+
+def parameter(plant: Plant, name: str) -> Parameter:
+    """Return a parameter of a plant.
+
+    Raises
+    ------
+    PlantError
+        If it has none of this name.
+    """
+    found = plant.parameters.get(name)
+    if found is None:
+        hint = near_hint(name, plant.parameters)[0]
+        raise PlantError(f"{plant.name} has no parameter '{name}'", name=name, hint=hint)
+    return found if isinstance(found, Parameter) else Parameter(float(found))
+
+
+# --- Kernels: a plant as the loop calls it ---
+#
+# One kernel takes five arrays: x, the states and behind them room to work in; y, the outputs; u,
+# the inputs; p, the parameters; and the clock, which says what to do, too.
+
+TIME, STEP, PARTS, IN_SINGLE, TASK = range(5)
+"""Cells of the clock: time, s; control period, s; steps of the integrator; single precision."""
+
+CLOCK_SIZE = 5
+
+MEASURE, ADVANCE, ACTUATE, DERIVE = range(4)
+"""Tasks: outputs of the states; the states a control period on; of what a controller asks for what
+drives the plant; what follows from outputs as sensors have them."""
+
+WORK = 2
+"""Numbers of room behind the states, for each state."""
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """The kernel of a plant.
+
+    Attributes
+    ----------
+    address : int
+        Where the loop finds it.
+    actuates : bool
+        Whether it makes its drives itself; otherwise their limits do.
+    extra : int
+        How many numbers it derives, behind the outputs.
+    """
+
+    address: int
+    actuates: bool = False
+    extra: int = 0
+
+
+@kernel
+def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
+    """Stand for the equations of a plant, which are bound to this name."""
+    return (0.0,)
+
+
+@kernel
+def measure(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
+    """Stand for the outputs of a plant, which are bound to this name."""
+    return (0.0,)
+
+
+@kernel
+def measure_states(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Measure the first states."""
+    for i in range(len(y)):
+        y[i] = x[i]
+
+
+@kernel
+def measure_outputs(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Measure what the plant says."""
+    found = measure(clock[0], x, u, p)
+    for i in range(len(y)):
+        y[i] = found[i]
+
+
+@kernel
+def run_plant(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Do what the clock says with a plant of which there are equations."""
+    if clock[4] == ADVANCE:
+        runge_kutta_4(x, y, u, p, clock)
+    else:
+        measure_states(x, y, u, p, clock)
+
+
+@kernel
+def runge_kutta_4(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Advance by classical fourth-order steps with the inputs held."""
+    # Behind the n states stand the states at the start of the step and the weighted slopes.
+    n = len(x) // 3
+    h = clock[1] / clock[2]
+    t = clock[0]
+    for _ in range(int(clock[2])):
+        slope = derivative(t, x, u, p)
+        for i in range(n):
+            x[n + i] = x[i]
+            x[2 * n + i] = slope[i]
+            x[i] = x[n + i] + 0.5 * h * slope[i]
+        slope = derivative(t + 0.5 * h, x, u, p)
+        for i in range(n):
+            x[2 * n + i] += 2.0 * slope[i]
+            x[i] = x[n + i] + 0.5 * h * slope[i]
+        slope = derivative(t + 0.5 * h, x, u, p)
+        for i in range(n):
+            x[2 * n + i] += 2.0 * slope[i]
+            x[i] = x[n + i] + h * slope[i]
+        t += h
+        slope = derivative(t, x, u, p)
+        for i in range(n):
+            x[i] = x[n + i] + h / 6.0 * (x[2 * n + i] + slope[i])
+
+
+ARRAYS = "fffff"
+"""Of a kernel of a plant, see :func:`fuzzyarm.kernels.address_of`."""
+
+
+def is_compiled(plant: Plant) -> bool:
+    """Whether the equations of a plant are kernels."""
+    if plant.dynamics is not None:
+        return True
+    equations = [each for each in (plant.derivative, plant.measure) if each is not None]
+    return plant.step is None and all(is_kernel(each) for each in equations)
+
+
+def dynamics_of(plant: Plant, arithmetic: Arithmetic, *, finely: bool = False) -> Dynamics:
+    """Give the kernel of a plant an address.
+
+    Parameters
+    ----------
+    plant : Plant
+        Whose equations are kernels.
+    arithmetic : Arithmetic
+        Of the run.
+    finely : bool, optional
+        Whether the arm is to move by Runge-Kutta steps, as all others do.
+    """
+
+    def address(function: Callable[..., None], **bindings: Any) -> int:
+        return address_of(function, ARRAYS, bindings, compiled=arithmetic.compiled, inline=True)
+
+    if plant.dynamics is not None:  # the arm, whose numerics are those of the study
+        return plant.dynamics(arithmetic, address, finely=finely)
+    if plant.measure is None:
+        return Dynamics(address(run_plant, derivative=plant.derivative))
+    bound = {"measure_states": measure_outputs, "measure": plant.measure}
+    return Dynamics(address(run_plant, derivative=plant.derivative, **bound))
+
+
+def numbers_of(
+    plant: Plant, driven: Collection[Address], arithmetic: Arithmetic
+) -> NDArray[np.float64]:
+    """Return the numbers that the equations of a plant read.
+
+    Parameters
+    ----------
+    plant : Plant
+        Any.
+    driven : collection of (str, str)
+        Axes and ports that the controller drives.
+    arithmetic : Arithmetic
+        Of the run.
+    """
+    own = getattr(plant, "pack", None)
+    if own is not None:
+        return np.asarray(own(driven, arithmetic), float)
+    return np.array([parameter(plant, name).value for name in plant.parameters], float)
+
+
+def with_parameters(plant: Plant, values: Mapping[str, float]) -> Plant:
+    """Return a plant with some parameters changed.
+
+    Raises
+    ------
+    PlantError
+        If it has none of this name, or a value is not a finite number.
+    """
+    changed = dict(plant.parameters)
+    for name, value in values.items():
+        old = parameter(plant, name)
+        if not math.isfinite(value):
+            raise PlantError(f"parameter {name} = {value} is out of range", name=name)
+        changed[name] = replace(old, value=float(value))
+    other = copy(plant)
+    other.parameters = changed
+    return other
