@@ -139,6 +139,30 @@ def read_performance(word: str) -> LookupTable:
     return load_table(str(shipped(name)) if known else word)
 
 
+# --- The arm and its motors, and how set points come: what `compare` says in the same words ---
+
+ARM_OPTIONS = group(
+    "conditions",
+    flag("--interpolate", "lead the reference in straight lines from set point to set point"),
+    argument("--inductance H", "of the arm's motors; 0 by default", type=float),
+    argument("--supply V", "largest voltage at the arm's motors", type=float),
+    argument("--limits T1 T2", "largest torques of the arm's joints, N m", type=float),
+)
+
+
+def arm_options(arguments: argparse.Namespace) -> Options:
+    """Return the conditions that the arguments name."""
+    from fuzzyarm.loop import Options
+
+    given: dict[str, Any] = {"interpolate": arguments.interpolate}
+    for name in ("inductance", "supply"):
+        if getattr(arguments, name) is not None:
+            given[name] = getattr(arguments, name)
+    if arguments.limits is not None:
+        given["torque_limits"] = tuple(arguments.limits)
+    return Options(**given)
+
+
 # --- The run ---
 
 DIVERGED = 3
@@ -162,6 +186,7 @@ def _run(arguments: argparse.Namespace) -> int:
     ).with_gains(overrides(arguments.set))
     if arguments.show_gains:
         _show_gains(controller, arguments.json)
+        _print_notes(arguments.controller)
         return 0
     if arguments.plot:
         from fuzzyarm.study.figures import figure_format
@@ -174,7 +199,18 @@ def _run(arguments: argparse.Namespace) -> int:
         print_json(_as_json(result))
     else:
         print(_as_text(result))
-    return 0 if result.diverged is None else DIVERGED
+    if result.diverged is None:
+        return 0
+    _print_notes(arguments.controller)
+    return DIVERGED
+
+
+def _print_notes(name: str) -> None:
+    """Say where a controller of the catalogue must not be used."""
+    from fuzzyarm.controller.catalogue import notes_on
+
+    for note in notes_on(name):
+        print(f"fuzzyarm: note: {note}", file=sys.stderr)
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:
@@ -209,12 +245,7 @@ def _simulate(controller: Controller, arguments: argparse.Namespace) -> Run:
 
 
 def _options(arguments: argparse.Namespace) -> Options:
-    from fuzzyarm.loop import Options
-
-    given: dict[str, Any] = {"runge_kutta": arguments.runge_kutta}
-    if arguments.limits is not None:
-        given["torque_limits"] = tuple(arguments.limits)
-    return Options(**given)
+    return replace(arm_options(arguments), runge_kutta=arguments.runge_kutta)
 
 
 def overrides(words: list[str]) -> dict[str, list[float]]:
@@ -338,6 +369,8 @@ def _list(as_json: bool) -> None:
     width = max(map(len, CATALOGUE))
     for entry in CATALOGUE.values():
         print(f"{entry.name:<{width}}  {entry.summary}")
+        if entry.note:
+            print(f"{'':<{width}}  note: {entry.note}")
 
 
 COMMANDS = (
@@ -366,9 +399,9 @@ COMMANDS = (
                 default="as-printed",
             ),
             SET,
-            argument("--limits T1 T2", "torque, N m", type=float),
             argument("--runge-kutta N", "N fine steps in a control period", type=int, default=0),
         ),
+        *ARM_OPTIONS,
         *group(
             "output",
             flag("--show-gains", "print the gains and stop"),

@@ -16,12 +16,13 @@ import numpy as np
 from fuzzyarm.controller import find_controller
 from fuzzyarm.controller.catalogue import study_conventions
 from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import driven_by, site_of
 from fuzzyarm.kernels import call, kernel, routine
 from fuzzyarm.loop.course import Course, Options, arm_motion
 from fuzzyarm.loop.loop import LOOP_ARRAYS, rms, run_loop
 from fuzzyarm.loop.run import Program, Record, checked_arms, error_taps, shown_errors
-from fuzzyarm.plant.plant import CLOCK_SIZE
+from fuzzyarm.plant.plant import ACTUATE, CLOCK_SIZE
 from fuzzyarm.plant.setting import Conventions, stored_double, stored_single
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach_return
 from fuzzyarm.study.beyond import NAMES as BEYOND
@@ -145,7 +146,8 @@ LAST, SUMS = CLOCK_SIZE, CLOCK_SIZE + 2
 
 
 @kernel
-def actuate_watched(
+def ask_watched(
+    task: int,
     links: list[int],
     x: list[float],
     y: list[float],
@@ -153,18 +155,20 @@ def actuate_watched(
     p: list[float],
     clock: list[float],
 ) -> None:
-    """Have the arm make torques of what is wanted, and add up by how much they change."""
-    call(links[2], x, y, u, p, clock)
-    for joint in range(2):
-        clock[SUMS + joint] += abs(u[joint] - clock[LAST + joint])
-        clock[LAST + joint] = u[joint]
+    """Do what `ask_plant` does, and add up by how much the torques of the arm change."""
+    clock[4] = task
+    call(links[0], x, y, u, p, clock)
+    if task == ACTUATE:
+        for joint in range(2):
+            clock[SUMS + joint] += abs(u[joint] - clock[LAST + joint])
+            clock[LAST + joint] = u[joint]
 
 
 @cache
 def _watched_loop(compiled: bool, single: bool) -> Callable[..., None]:
     bindings: dict[str, Callable[..., Any]] = {
         "stored": stored_single if single else stored_double,
-        "actuate": actuate_watched,
+        "ask_plant": ask_watched,
     }
     return routine(run_loop, LOOP_ARRAYS, bindings, compiled=compiled)
 
@@ -190,7 +194,7 @@ def watched_run(
     record = Record(course, program.memory, error_taps(course))
     clock = np.zeros(SUMS + 2)
     clock[:CLOCK_SIZE] = record.clock
-    record.clock = clock if compiled else memoryview(clock)
+    record.clock = clock if compiled else view(clock)
     own = program.inputs(as_array=compiled)
     with np.errstate(all="ignore"):
         _watched_loop(compiled, conventions.single)(*course.inputs(), *own, *record.outputs)
