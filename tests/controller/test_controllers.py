@@ -5,6 +5,7 @@ import textwrap
 import numpy as np
 import pytest
 
+from fuzzyarm import shipped
 from fuzzyarm.controller import (
     CATALOGUE,
     Controller,
@@ -98,6 +99,10 @@ def test_gains_are_data():
     assert gains["K_I"].origin == "identified"
     assert gains["model.m_1"].unit == "kg"
     assert controller("cdid").gains["Lambda"].origin == "printed"
+    assert controller("stfc").gains["G_e"].origin == "printed"
+    assert controller("hfie").gains["K_I"].origin == "identified"
+    assert controller("pd-motor").gains["G_e"].origin == "own"
+    assert find_controller(str(shipped("stfc.frb"))).gains["G_e"].origin == "own"
     for name in CATALOGUE:
         for gain in controller(name).gains.values():
             assert gain.unit

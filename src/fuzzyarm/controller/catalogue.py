@@ -298,12 +298,18 @@ class TextEntry:
         Whether warm and cold start differ.
     note : str
         Where it must not be used; empty for most.
+    origin : {"printed", "own"}
+        Whether its gains are the study's.
+    identified : tuple of str
+        Those that were identified from the study's figures.
     """
 
     name: str
     conventions: Conventions
     adaptive: bool = False
     note: str = ""
+    origin: Origin = "printed"
+    identified: tuple[str, ...] = ()
 
     def file(self, variant: Variant = "as-printed") -> Path:
         """Return the file of a variant."""
@@ -329,7 +335,15 @@ class TextEntry:
 
     def make(self, choice: Choice) -> Controller:
         """Make the controller."""
-        return text_controller(self.file(choice.variant), choice, self.name)
+        made = text_controller(self.file(choice.variant), choice, self.name)
+        told = made.with_origin(
+            **{
+                name: replace(gain, origin="identified" if name in self.identified else self.origin)
+                for name, gain in made.gains.items()
+            }
+        )
+        told.name = made.name
+        return told
 
 
 def text_controller(
@@ -420,20 +434,20 @@ TEXTS = (
     TextEntry("fuzzy-direct", STUDY_DIRECT),
     TextEntry("ct+fuzzy", STUDY_TABLES),
     TextEntry("ffid+fuzzy", STUDY_TABLES),
-    TextEntry("cdid+fuzzy", STUDY_TABLES),
+    TextEntry("cdid+fuzzy", STUDY_TABLES, identified=("K_I",)),
     TextEntry("acdid+fuzzy", STUDY_TABLES, adaptive=True),
     TextEntry("mrac+fuzzy", STUDY_TABLES, adaptive=True),
     TextEntry("dac+fuzzy", STUDY_TABLES, note=DIVERGES_ON_FAST_MOVES),
     TextEntry("soc-zero", STUDY_TABLES),
     TextEntry("soc-table", STUDY_TABLES),
     TextEntry("stfc", STUDY_DIRECT),
-    TextEntry("hfie", STUDY_DIRECT),
+    TextEntry("hfie", STUDY_DIRECT, identified=("K_I",)),
     TextEntry("cfaf", STUDY_DIRECT),
-    TextEntry("fuzzy-fine", STUDY_TABLES),
-    TextEntry("fuzzy-smooth", STUDY_TABLES),
-    TextEntry("pd-motor", STUDY_TABLES),
-    TextEntry("pd-motor-tuned", STUDY_TABLES),
-    TextEntry("pid-smooth", STUDY_TABLES),
+    TextEntry("fuzzy-fine", STUDY_TABLES, origin="own"),
+    TextEntry("fuzzy-smooth", STUDY_TABLES, origin="own"),
+    TextEntry("pd-motor", STUDY_TABLES, origin="own"),
+    TextEntry("pd-motor-tuned", STUDY_TABLES, origin="own"),
+    TextEntry("pid-smooth", STUDY_TABLES, origin="own"),
 )
 """Their entries, in the order of the list."""
 
