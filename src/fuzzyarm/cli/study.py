@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
-from fuzzyarm.cli.simulate import ARM_OPTIONS, arm_options
+from fuzzyarm.cli.plants import INTERPOLATE, MOTORS, motors_of
 
 if TYPE_CHECKING:
     from fuzzyarm.plant import Trajectory
@@ -382,13 +382,14 @@ Examples
 
 
 def _compare(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.loop import Options
     from fuzzyarm.study.comparison import compare, compared_names, cost_of
     from fuzzyarm.study.figures import figure_format
 
     if arguments.plot:
         figure_format(arguments.plot)  # a mistake in the name is told before the runs
     names = arguments.controllers or compared_names()
-    options = arm_options(arguments)
+    options = Options(interpolate=arguments.interpolate, **motors_of(arguments))
     trajectories = _both_trajectories(arguments)
     costs: list[Cost] = []
     with progress_bar(
@@ -475,7 +476,8 @@ COMMANDS = (
         argument("controllers CONTROLLER", "name, sum or file", nargs="*"),
         argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
         argument("--segment SECONDS", "duration of each move", type=float),
-        *ARM_OPTIONS,
+        INTERPOLATE,
+        *MOTORS,
         flag("--cost", "count operations and measure time"),
         argument("--plot FIG", "draw error against cost"),
         flag("--markdown", "print a table for a page"),
