@@ -14,6 +14,7 @@ from fuzzyarm.plant.setting import PLAIN, STUDY_TABLES
 from fuzzyarm.study.comparison import CONDITIONS, compare, compared_names, watched_run
 from fuzzyarm.study.cost import CostError, count_operations, measure_time
 
+SHORT = through([(0.5, -0.4)], segment=0.05)
 QUICK = through([(10.0, -10.0), (-5.0, 4.0)], segment=0.3)
 
 
@@ -60,14 +61,14 @@ def test_counting_changes_no_result():
     from fuzzyarm.study.cost import _Counting
 
     for name in ("acdid", "stfc", "soc-zero", "cdid+fuzzy"):
-        plain = simulate(controller(name), QUICK, options=Options(compiled=False))
-        counted = simulate(_Counting(controller(name)), QUICK, options=Options(compiled=False))
+        plain = simulate(controller(name), SHORT, options=Options(compiled=False))
+        counted = simulate(_Counting(controller(name)), SHORT, options=Options(compiled=False))
         np.testing.assert_array_equal(plain.errors, counted.errors)
 
 
 def test_rules_cost_more_than_a_line_and_two_rule_bases_twice_one():
     totals = {
-        name: count_operations(controller(name)).total
+        name: count_operations(controller(name), SHORT).total
         for name in ("pd-motor", "soc-zero", "fuzzy-smooth", "fuzzy-direct", "stfc")
     }
     assert sorted(totals, key=totals.get) == list(totals)
