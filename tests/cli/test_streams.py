@@ -80,6 +80,7 @@ def of_every_command(name="x" + HOSTILE):
         ["simulate", "pd", "--duration", "0.1"],
         ["simulate", "nothing"],
         ["learn", PD7, "--passes", "0"],
+        ["compare", "pd"],
         ["reproduce", "--list"],
         ["identify", "nothing"],
         ["new", "n\x1b[31m"],
