@@ -41,6 +41,7 @@ from fuzzyarm.cli.command import (
     load_rulebase,
     load_table,
     print_json,
+    progress_bar,
 )
 from fuzzyarm.cli.plants import (
     MOTORS,
@@ -185,10 +186,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if not arguments.controller:
         print("fuzzyarm simulate: which CONTROLLER? --list shows all", file=sys.stderr)
         return 2
-    if arguments.plot:
-        from fuzzyarm.study.figures import figure_format
-
-        figure_format(arguments.plot)  # a mistake in the name is told before the run
+    _require_pictures(arguments)
     plant = plant_of(arguments)
     made = [_controller(arguments, name, plant) for name in arguments.controller]
     if arguments.show_gains:
@@ -200,10 +198,7 @@ def _run(arguments: argparse.Namespace) -> int:
         _simulate(controller, changed, name, arguments)
         for (controller, changed), name in zip(made, arguments.controller, strict=True)
     ]
-    if arguments.plot:
-        _plot(results, arguments.plot)
-    if arguments.csv:
-        _write_csv(results, arguments.csv)
+    _write_files(arguments, results, made[0][1])
     if arguments.json:
         shown = [_as_json(result) for result in results]
         print_json(shown if len(shown) > 1 else shown[0])
@@ -225,6 +220,27 @@ def _print_notes(name: str) -> None:
 
     for note in notes_on(name):
         print(f"fuzzyarm: note: {note}", file=sys.stderr)
+
+
+def _require_pictures(arguments: argparse.Namespace) -> None:
+    """Tell a mistake in the name of a picture before the run."""
+    if arguments.plot:
+        from fuzzyarm.study.figures import figure_format
+
+        figure_format(arguments.plot)
+    if arguments.animate:
+        from fuzzyarm.show.animation import require_animation
+
+        require_animation(arguments.animate)
+
+
+def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant) -> None:
+    if arguments.plot:
+        _plot(results, arguments.plot)
+    if arguments.animate:
+        _animate(results[0], plant, arguments.animate)
+    if arguments.csv:
+        _write_csv(results, arguments.csv)
 
 
 def _controller(arguments: argparse.Namespace, name: str, plant: Plant) -> tuple[Controller, Plant]:
@@ -380,6 +396,14 @@ def _plot(results: list[Run], path: str) -> None:
     save_figure(draw_runs(results), Path(path))
 
 
+def _animate(result: Run, plant: Plant, path: str) -> None:
+    """Write the animation of a run, with a progress bar where a terminal shows it."""
+    from fuzzyarm.show.animation import animate
+
+    with progress_bar("drawing", min(100, result.samples)) as advance:
+        animate(result, plant, path, watch=advance)
+
+
 def _write_csv(results: list[Run], path: str) -> None:
     """Write the samples of one run; of several, a file with the controller in the first column."""
     import io
@@ -477,6 +501,7 @@ COMMANDS = (
             "output",
             flag("--show-gains", "print the gains and stop"),
             argument("--plot FIG", "draw outputs, errors and drives over time"),
+            argument("--animate FILE", "write the first run as .gif, .html or .mp4"),
             argument("--csv FILE", "write the samples"),
             JSON,
         ),
