@@ -32,6 +32,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "learn": ("learn", "train a table on the robot arm and see it grow"),
     "fit": ("fit", "learn a rule base from samples, as text"),
     "validate": ("validate", "judge a rule base by samples, region by region, rule by rule"),
+    "compare": ("study", "compare controllers: errors, chatter and cost"),
     "reproduce": ("study", "run the study's published experiments again"),
     "identify": ("study", "fit unprinted gains to published figures"),
     "new": ("start", "a commented rule base to start from"),
