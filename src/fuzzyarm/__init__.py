@@ -3,14 +3,15 @@
 The packages stand on each other in one direction::
 
     text  →  model  →  language, formats  →  inference  →  table  →  export
-    plant  →  controller  →  loop  →  learning, study
+    plant  →  controller  →  proof, loop  →  learning, study
     show  →  lsp, studio  →  cli
 
 :mod:`fuzzyarm.language` reads, checks and prints rule files; :mod:`fuzzyarm.inference`
 evaluates them; :mod:`fuzzyarm.table` compiles them to lookup tables; :mod:`fuzzyarm.plant` is
 the arm, :mod:`fuzzyarm.controller` has the controllers and :mod:`fuzzyarm.loop` closes the
-loop; :mod:`fuzzyarm.learning` makes rule bases from samples, :mod:`fuzzyarm.sklearn` as
-estimators; :mod:`fuzzyarm.study` has the published experiments; :mod:`fuzzyarm.show` draws.
+loop; :mod:`fuzzyarm.proof` says what holds everywhere; :mod:`fuzzyarm.learning` makes rule bases
+from samples, :mod:`fuzzyarm.sklearn` as estimators; :mod:`fuzzyarm.study` has the published
+experiments; :mod:`fuzzyarm.show` draws.
 Importing this page is instant: what a name needs is loaded when the name is used.
 """
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from fuzzyarm.language import parse, write
     from fuzzyarm.loop import simulate, simulate_many
     from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.proof import prove
     from fuzzyarm.shipped_files import shipped
     from fuzzyarm.table import (
         LookupTable,
@@ -55,6 +57,7 @@ __all__ = [
     "load",
     "op",
     "parse",
+    "prove",
     "read_table",
     "shipped",
     "simulate",
@@ -71,6 +74,7 @@ _HOMES = {
     "inference": ("compiled", "explain", "infer"),
     "language": ("RuleBase", "RuleBaseError", "parse", "write"),
     "loop": ("simulate", "simulate_many"),
+    "proof": ("prove",),
     "shipped_files": ("shipped",),
     "table": ("LookupTable", "compile_table", "compile_with_report", "read_table", "write_table"),
 }

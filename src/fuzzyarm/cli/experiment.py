@@ -62,7 +62,6 @@ RUN = group(
         default="as-printed",
     ),
     SET,
-    argument("--limits T1 T2", "torque, N m", type=float),
     argument("--runge-kutta N", "N fine steps in a control period", type=int, default=0),
 )
 

@@ -48,6 +48,7 @@ from fuzzyarm.cli.experiment import (
     experiment_of,
 )
 from fuzzyarm.cli.plants import (
+    MOTORS,
     PLANT,
     connections,
     motion_of,
@@ -79,8 +80,9 @@ def _run(arguments: argparse.Namespace) -> int:
     plant = plant_of(arguments)
     made = [chosen_controller(arguments, name, plant) for name in arguments.controller]
     if arguments.show_gains:
-        for controller, _ in made:
+        for (controller, _), name in zip(made, arguments.controller, strict=True):
             _show_gains(controller, arguments.json)
+            _print_notes(name)
         return 0
     results = [
         _simulate(controller, changed, name, arguments)
@@ -92,7 +94,22 @@ def _run(arguments: argparse.Namespace) -> int:
         print_json(shown if len(shown) > 1 else shown[0])
     else:
         print("\n\n".join(map(_as_text, results)))
-    return DIVERGED if any(result.diverged is not None for result in results) else 0
+    lost = [
+        name
+        for result, name in zip(results, arguments.controller, strict=True)
+        if result.diverged is not None
+    ]
+    for name in lost:
+        _print_notes(name)
+    return DIVERGED if lost else 0
+
+
+def _print_notes(name: str) -> None:
+    """Say where a controller of the catalogue must not be used."""
+    from fuzzyarm.controller.catalogue import notes_on
+
+    for note in notes_on(name):
+        print(f"fuzzyarm: note: {note}", file=sys.stderr)
 
 
 def _sweep(arguments: argparse.Namespace) -> int:
@@ -109,7 +126,7 @@ def _require_pictures(arguments: argparse.Namespace) -> None:
 
         figure_format(arguments.plot)
     if arguments.animate:
-        from fuzzyarm.show.animation import require_animation
+        from fuzzyarm.show.figures.animation import require_animation
 
         require_animation(arguments.animate)
 
@@ -235,7 +252,7 @@ def _plot(results: list[Run], path: str) -> None:
 
 def _animate(result: Run, plant: Plant, path: str) -> None:
     """Write the animation of a run, with a progress bar where a terminal shows it."""
-    from fuzzyarm.show.animation import animate
+    from fuzzyarm.show.figures.animation import animate
 
     with progress_bar("drawing", min(100, result.samples)) as advance:
         animate(result, plant, path, watch=advance)
@@ -300,6 +317,8 @@ def _list(as_json: bool) -> None:
     width = max(map(len, CATALOGUE))
     for entry in CATALOGUE.values():
         print(f"{entry.name:<{width}}  {entry.summary}")
+        if entry.note:
+            print(f"{'':<{width}}  note: {entry.note}")
 
 
 COMMANDS = (
@@ -313,6 +332,7 @@ COMMANDS = (
         *PLANT,
         *SOURCES,
         *RUN,
+        *MOTORS,
         *SWEEP,
         *group(
             "output",

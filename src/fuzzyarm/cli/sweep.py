@@ -52,6 +52,7 @@ from fuzzyarm.cli.experiment import (
     experiment_of,
 )
 from fuzzyarm.cli.plants import (
+    MOTORS,
     PLANT,
     connections,
     motion_of,
@@ -471,6 +472,7 @@ COMMANDS = (
         *PLANT,
         *SOURCES,
         *RUN,
+        *MOTORS,
         *group("output", argument("--plot FIG", "draw the metric over what is swept"), JSON),
     ),
 )

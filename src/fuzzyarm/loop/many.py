@@ -31,7 +31,7 @@ from fuzzyarm.loop.blocks import (
     packed,
     unpacked,
 )
-from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion
+from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion, arm_of
 from fuzzyarm.loop.metrics import Metrics
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import (
@@ -289,11 +289,10 @@ class Bench:
             return tuple(with_parameters(plant, parameters) for plant in self.motion.plants)
         # What is given of the arm holds with a load, too.
         heavy = carrying(float(changes.get("payload", 1.0)))
-        limits = self.experiment.options.torque_limits
         kinds = [heavy if loaded else UNLOADED for loaded in self.loaded]
         if parameters:
             kinds = [replace(kind, **parameters) for kind in kinds]
-        return tuple(Arm(kind, torque_limits=limits) for kind in kinds)
+        return tuple(arm_of(kind, self.experiment.options) for kind in kinds)
 
     def rows(
         self, first: int, changes: Columns, count: int, stop: threading.Event | None = None
