@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.law import Law, law_integers, summed_drives
+from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
@@ -149,7 +149,8 @@ class Record:
         self.board = new(np.zeros(course.board_size))
         self.state = course.state(seed)
         self.clock = course.clock()
-        self.record = new(np.zeros(self.columns * count))
+        room = np.zeros(self.columns * count)  # large: not copied
+        self.record: Any = room if course.as_array else view(room)
         self.progress = new([0, -1, -1, 0], np.int64)
 
     @property
@@ -663,7 +664,8 @@ class ClosedLoop:
         outputs, inputs, label = interface.outputs, interface.inputs, interface.label
         taken = record.taken
         # A row for each tap, for all that follows goes along one of them.
-        taps = np.ascontiguousarray(record.samples.T)
+        filled = np.asarray(record.record)[: int(record.progress[0]) * record.columns]
+        taps = np.ascontiguousarray(filled.reshape(-1, record.columns).T)
         count = len(followed.tracked)
         front = 2 * count
         return Run(
