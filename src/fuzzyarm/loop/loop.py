@@ -159,7 +159,6 @@ def run_loop(
                     DERIVE, links, state, board[frame.seen : frame.told], drives, constants, clock
                 )
             control(board[0 : frame.true], laws, numbers, memory, drives)
-            push(drives, pushes, progress[3])
             if links[ACTUATES] != 0:
                 ask_plant(ACTUATE, links, state, outputs, drives, constants, clock)
             else:
@@ -167,6 +166,7 @@ def run_loop(
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
+            push(drives, pushes, progress[3])  # loads act behind the actuators
             ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
             progress[3] += 1
             clock[0] = progress[3] * setting.step
