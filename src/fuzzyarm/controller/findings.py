@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 
 from fuzzyarm.controller.on_plant import Site, site_of
@@ -20,7 +21,7 @@ from fuzzyarm.controller.reach import (
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.expression.operations import Interval
-from fuzzyarm.model.controller import ControllerModel, Drive, Signal
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Signal
 from fuzzyarm.model.units import product, read_unit, unit_text, unlike
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.own import PLANTS
@@ -85,7 +86,7 @@ def doubts_of(
         found += _missing_ports(text.model, site, given=plant is not None)
         found += _limits(text.model, reaches, site)
     # Axes that share their lines share their findings.
-    once = {(each.name, each.span): each for each in reversed(found)}
+    once = {(each.name, each.span): replace(each, path=text.path) for each in reversed(found)}
     return sorted(once.values(), key=lambda each: (each.span, each.name))
 
 
@@ -190,15 +191,15 @@ def _unlike_units(
         pair = unlike(both) if both is not None else None
         if pair is None or unlike(before) or unlike(brought) or each.name not in gains:
             continue
-        unit = gains[each.name].unit
+        gain = gains[each.name]
         yield Diagnostic(
             "unlike-units",
-            f"{pair[0]} and {pair[1]} do not cancel: gain {each.name} has the unit {unit},"
+            f"{pair[0]} and {pair[1]} do not cancel: gain {each.name} has the unit {gain.unit},"
             f" what it scales {unit_text(before)}",
             each.span,
             Severity.WARNING,
             hint="write both in one unit",
-            related=(Related(f"gain {each.name}", gains[each.name].span),),
+            related=(Related(f"gain {each.name}", gain.span),),
         )
     for address, lines in reaches.drives.items():
         port = _port(text.model, site, address)
@@ -224,40 +225,51 @@ def _port(model: ControllerModel, site: Site | None, address: Address) -> Port |
 def _missing_ports(model: ControllerModel, site: Site, *, given: bool) -> Iterator[Diagnostic]:
     """Yield what a controller asks for and the plant does not have."""
     severity = Severity.ERROR if given else Severity.WARNING
+    known = _axes_on(site, model)
     told: set[tuple[Span, str]] = set()
     for kind in KINDS:
         for asked in ports_of(model, kind):
+            place = _asking(model, kind, asked)
+            if place is None:
+                continue
+            axes, span = place
+            key = (span, asked[1]) if asked[0] in known else (axes.span, asked[0])
             try:
                 site.find(model, kind, asked)
             except SourceError as error:
-                span = _asking(model, kind, asked)
-                if (span, asked[1]) in told:
+                if key in told:
                     continue
-                told.add((span, asked[1]))
-                hint = error.hint
-                if not given:
-                    hint += "; another plant: --plant FILE.py:CLASS"
-                yield Diagnostic("unknown-port", str(error), span, severity, hint=hint)
+                told.add(key)
+                hint = error.hint if given else f"{error.hint}; for another plant: --plant FILE.py"
+                message = str(error.args[0])
+                yield Diagnostic("unknown-port", message, key[0], severity, hint=hint)
     if given and site.name != Arm.name:
         for partner in model.partners:
             message = f"the partner '{partner.name}' is a law of the arm and runs there only"
             yield Diagnostic("arm-only", message, partner.span)
 
 
-def _asking(model: ControllerModel, kind: str, asked: Address) -> Span:
-    """Return the first line that asks for a port."""
+def _axes_on(site: Site, model: ControllerModel) -> set[str]:
+    """Return the axes that a controller may have on a plant."""
+    axes = site.interface.axes
+    one = len(axes) == len(model.axis_names) == 1
+    return {*axes, *(model.axis_names if one else ())}
+
+
+def _asking(model: ControllerModel, kind: str, asked: Address) -> tuple[Axes, Span] | None:
+    """Return the first line that asks for a port, and its axes."""
     axis, port = asked
     for axes, line in model.lines():
         if axis not in axes.names:
             continue
         if isinstance(line, Drive):
             if kind == "drive" and line.port == port:
-                return line.span
+                return axes, line.span
         elif isinstance(line, Signal) and line.source is not None:
             asks = line.source.kind in ("error", "sum", kind)
             if asks and line.source.name == port:
-                return line.span
-    return model.axes[0].span
+                return axes, line.span
+    return None
 
 
 # --- Actuators ---
@@ -281,7 +293,8 @@ def _limits(model: ControllerModel, reaches: Reaches, site: Site) -> Iterator[Di
                 yield from _wider(line, Interval(*line.within), actuator, takes)
         free = [line for line, _ in lines if line.within is None]
         if free and overlap(whole, actuator) != whole:
-            yield _without_limits(free[0], actuator, takes)
+            growing = list(_growing(model, address[0], free, actuator))
+            yield from growing or [_without_limits(free[0], actuator, takes)]
         share = width(overlap(whole, actuator)) / width(actuator)
         if share < LEAST and width(whole) > 0.0:
             yield Diagnostic(
@@ -298,7 +311,7 @@ def _wider(line: Drive, limits: Interval, actuator: Interval, takes: str) -> Ite
     if overlap(limits, actuator) != limits:
         yield Diagnostic(
             "wide-limits",
-            f"the limits {_range(limits)} of drive {line.port} are wider than its actuator: {takes}",
+            f"the limits {_range(limits)} of drive {line.port} pass its actuator: {takes}",
             line.span,
             Severity.WARNING,
             hint=f"within {_range(overlap(limits, actuator))}",
@@ -313,6 +326,31 @@ def _without_limits(line: Drive, actuator: Interval, takes: str) -> Diagnostic:
         Severity.INFO,
         hint=f"add  , within {_range(actuator)}  so that the controller knows where it ends",
     )
+
+
+def _growing(
+    model: ControllerModel, axis: str, free: Sequence[Drive], actuator: Interval
+) -> Iterator[Diagnostic]:
+    """Yield integrals that go on growing while the actuator behind such drives is at its limit."""
+    for axes, line in model.lines():
+        if axis not in axes.names or not isinstance(line, Signal) or line.source is None:
+            continue
+        bounded = {word for word, _ in line.source.options} & {"within", "anti-windup"}
+        if line.source.kind == "integral" and not bounded:
+            drive = axes.driven_by(line.names[0])
+            if drive is not None and any(drive is each for each in free):
+                yield Diagnostic(
+                    "windup",
+                    f"the integral '{line.names[0]}' goes on growing while the actuator of"
+                    f" {drive.port} is at {actuator.low:g} or {actuator.high:g}",
+                    line.span,
+                    Severity.WARNING,
+                    hint=f"add  , anti-windup hold  here and  , within {_range(actuator)}"
+                    "  to the drive",
+                )
+
+
+# --- For an editor ---
 
 
 def ranges_in_words(text: ControllerText) -> Mapping[str, str]:

@@ -48,7 +48,8 @@ def product(a: Unit | None, b: Unit | None, power: int = 1) -> Unit | None:
 
 def unit_text(unit: Unit) -> str:
     """Return a unit as it is written; ``1`` for a plain number."""
-    above, below = [], []
+    above: list[str] = []
+    below: list[str] = []
     for symbol, power in unit.items():
         (above if power > 0 else below).extend([symbol] * abs(power))
     text = " ".join(above) or "1"
