@@ -84,7 +84,8 @@ def doubts_of(
     found = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
     if site is not None:
         found += _missing_ports(text.model, site, given=plant is not None)
-        found += _limits(text.model, reaches, site)
+        if all(use.name in text.sheets for use in text.model.uses):
+            found += _limits(text.model, reaches, site)
     # Axes that share their lines share their findings.
     once = {(each.name, each.span): replace(each, path=text.path) for each in reversed(found)}
     return sorted(once.values(), key=lambda each: (each.span, each.name))

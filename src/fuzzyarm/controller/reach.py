@@ -45,7 +45,8 @@ class Reach:
     at : Interval
         All its values.
     pace : float
-        Largest change per second, as far as the plant says how fast a port moves.
+        Largest change per second, as far as the plant says how fast a port moves. The jumps of a
+        reference are left out.
     kept : int
         What keeps it small: `FED_BACK`, `PORT` or `MADE`.
     unit : dict or None
@@ -298,11 +299,8 @@ class _Walk:
         if of.option("cleared") is None:
             return replace(error, at=EVERYTHING, pace=math.inf)
         periods = float(self.text.model.every)
-        return replace(
-            error,
-            at=combine("multiply", error.at, Interval(periods, periods)),
-            pace=largest(error.at) / self.text.model.period,
-        )
+        whole = combine("multiply", error.at, Interval(periods, periods))
+        return replace(error, at=hull(whole, Interval(0.0, 0.0)), pace=math.inf)
 
     def _of_port(self, kind: str, name: str) -> Reach:
         """Return where a measured or reference value of the plant is."""
