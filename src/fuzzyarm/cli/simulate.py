@@ -357,10 +357,10 @@ def _metric_lines(result: Run) -> list[str]:
 
 
 def _plot(results: list[Run], path: str) -> None:
-    from fuzzyarm.study.figures import draw_profiles, save_figure
+    from fuzzyarm.show.figures.run import draw_runs
+    from fuzzyarm.study.figures import save_figure
 
-    title = results[0].controller if len(results) == 1 else ""
-    save_figure(draw_profiles(results, title), Path(path))
+    save_figure(draw_runs(results), Path(path))
 
 
 def _write_csv(results: list[Run], path: str) -> None:
@@ -457,7 +457,7 @@ COMMANDS = (
         *group(
             "output",
             flag("--show-gains", "print the gains and stop"),
-            argument("--plot FIG", "draw the error profiles"),
+            argument("--plot FIG", "draw outputs, errors and drives over time"),
             argument("--csv FILE", "write the samples"),
             JSON,
         ),

@@ -344,7 +344,8 @@ class Course:
 
     def output_cell(self, port: Address) -> int:
         """Return the cell of an output as it is."""
-        return self._true + list(self.site.interface.outputs).index(port)
+        first = self._true if self.options.sensors else self._seen
+        return first + list(self.site.interface.outputs).index(port)
 
     def drive_cell(self, port: Address) -> int:
         """Return the cell of a drive as the plant feels it."""

@@ -331,7 +331,7 @@ class Run:
     wanted, outputs, drives : mapping of str to ndarray, shape (n,)
         By port, in the units of the plant: references of the tracked outputs; outputs as they
         are, whatever sensors say; drives as the actuators give them, loads not among them.
-    limits : mapping of str to pair of float
+    limits, drive_units : mapping
         Of each drive.
     diverged : float or None
         When the run was stopped because it had diverged, s.
@@ -365,6 +365,7 @@ class Run:
     outputs: Mapping[str, Vector] = field(default_factory=dict)
     drives: Mapping[str, Vector] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    drive_units: Mapping[str, str] = field(default_factory=dict)
     period: float = SET_POINT_PERIOD
     seed: int = 1
 
@@ -599,6 +600,7 @@ def run_along(
         {label(port): samples[:, front + i] for i, port in enumerate(outputs)},
         {label(port): samples[:, front + len(outputs) + i] for i, port in enumerate(inputs)},
         {label(port): (each.low, each.high) for port, each in inputs.items()},
+        {label(port): each.unit for port, each in inputs.items()},
         followed.period * followed.every,
         options.seed,
     )
