@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
@@ -120,7 +121,7 @@ class PlantOf(NamedTuple):
     """
 
     plant: Plant
-    connect: Mapping[str, str]
+    connect: Mapping[str, str] = MappingProxyType({})
 
 
 class Review(NamedTuple):

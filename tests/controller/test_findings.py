@@ -114,6 +114,42 @@ def test_one_wrong_gain_is_one_finding_and_can_be_allowed():
     assert names(servo().replace("= u", "= u  # allow windup")) == ["useless-allow"]
 
 
+def reach(text, signal, plant="motor"):
+    controller, faults = with_files(parse(text).controller, Path.cwd())
+    assert faults == []
+    site = site_of(find_plant(plant))
+    return {
+        axis: tuple(found.at)
+        for (axis, name), found in reaches_of(controller, site).signals.items()
+        if name == signal
+    }
+
+
+@pytest.mark.parametrize(
+    ("within", "inside", "ends"),
+    [(3, 3, (-6, 6)), (2, 3, (-4, 4)), (10, 3, (-10, 10)), (10, 8, (-16, 16))],
+)
+def test_a_zoom_magnifies_what_lies_inside(within, inside, ends):
+    text = text_of(
+        "e = error of position", f"i = integral of e, within -{within} .. {within}",
+        f"zoom i by 2 inside {inside}", "drive voltage = i",
+    )  # fmt: skip
+    assert reach(text, "i") == {"shaft": ends}
+
+
+def test_a_table_that_learns_reaches_its_bound():
+    text = shipped("soc-zero.frb").read_text()
+    assert reach(text, "u", "arm") == {"joint1": (-6, 6), "joint2": (-6, 6)}
+    text = text.replace("gain bound         = 6", "gain bound         = 2, 9")
+    assert reach(text, "u", "arm") == {"joint1": (-2, 2), "joint2": (-9, 9)}
+
+
+def test_what_nothing_bounds_reaches_everywhere():
+    text = text_of("e = error of position", "i = integral of e", "w = e / i", "drive voltage = w")
+    assert reach(text, "i") == reach(text, "w") == {"shaft": (-float("inf"), float("inf"))}
+    assert reach(text.replace("position", "depth"), "e")["shaft"][1] == float("inf")
+
+
 SOURCES = [
     "measured position", "error of position", "rate of {x}", "change of {x}",
     "lag of {x}, time 0.1 s",
@@ -202,24 +238,24 @@ def test_a_port_that_the_plant_does_not_have():
     (finding,) = findings(text)
     assert (finding.name, finding.severity, finding.line) == ("unknown-port", Severity.WARNING, 9)
     assert "--connect speed=velocity" in finding.hint
-    (finding,) = findings(text, PlantOf(find_plant("motor"), {}))
+    (finding,) = findings(text, PlantOf(find_plant("motor")))
     assert finding.severity is Severity.ERROR
     assert names(text, PlantOf(find_plant("motor"), {"speed": "velocity"})) == []
 
 
 def test_an_axis_that_the_plant_does_not_have_is_one_finding():
     text = shipped("stfc.frb").read_text()
-    (finding,) = findings(text, PlantOf(find_plant("motor"), {}))
+    (finding,) = findings(text, PlantOf(find_plant("motor")))
     assert finding.message == "the motor has no axis 'joint1'"
     assert names(text.replace("joint1, joint2", "joint2")) == []
     hybrid = shipped("cdid+fuzzy.frb").read_text()
-    assert "arm-only" in names(hybrid, PlantOf(find_plant("motor"), {}))
+    assert "arm-only" in names(hybrid, PlantOf(find_plant("motor")))
 
 
 def test_a_plant_of_which_nothing_fits_is_another_one():
     lines = ["e = error of depth", "drive valve = e"]
     assert names(text_of(*lines, axis="tanks")) == []
-    on = PlantOf(find_plant("tanks"), {})
+    on = PlantOf(find_plant("tanks"))
     assert names(text_of(*lines, axis="tanks"), on) == ["unknown-port", "unknown-port"]
 
 
@@ -255,6 +291,7 @@ def test_check_on_a_plant_by_the_command(tmp_path, capsys):
         ("1/rad", "1", None),
         ("1/deg", "rad/deg", ("rad", "deg")),
         ("N m/rad", "N m", None),
+        ("°C/rad", "°C", None),
         ("1", "rad", None),
         ("°/rad", "°", None),
         ("1/°", "rad/°", ("rad", "°")),
@@ -341,6 +378,9 @@ def test_an_editor_shows_ports_ranges_and_the_findings_of_files(tmp_path):
     assert "reaches -1257 .. 1257" in session.kind.hover(session.reading, 8, 3).markdown
     assert "reaches -24 .. 24" in session.kind.hover(session.reading, 11, 19).markdown
     assert "motor, rad, -6.283" in session.kind.hover(session.reading, 8, 18).markdown
+    heater = text_of("e = error of temperature", "drive power = e * 5", axis="room")
+    session = Session(str(file), heater)
+    assert session.kind.hover(session.reading, 4, 3).markdown.endswith("reaches -80 .. 80 K")
     broken = servo().replace("drive voltage = u", "drive ")
     session = Session(str(file), broken)
     offered = session.kind.complete(session.reading, 11, 9)

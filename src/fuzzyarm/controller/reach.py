@@ -27,7 +27,7 @@ from fuzzyarm.model.controller import (
     Zoom,
 )
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.model.units import Unit, product, read_unit
+from fuzzyarm.model.units import Unit, of_difference, product, read_unit
 from fuzzyarm.plant.plant import Address
 from fuzzyarm.text.diagnostic import Span
 
@@ -291,9 +291,8 @@ class _Walk:
         weight = of.option("weight")
         share = self._number(weight) if isinstance(weight, str | float) else Interval(1.0, 1.0)
         asked = combine("multiply", wanted.at, share)
-        error = Reach(
-            combine("subtract", asked, measured.at), measured.pace, FED_BACK, measured.unit
-        )
+        unit = of_difference(measured.unit)
+        error = Reach(combine("subtract", asked, measured.at), measured.pace, FED_BACK, unit)
         if of.kind == "error":
             return error
         if of.option("cleared") is None:
@@ -325,14 +324,14 @@ class _Walk:
 
     def _remembered(self, of: Source) -> Reach:
         reach, period = self._named(of.name), self.text.model.period
-        second: Unit = {"s": 1}
+        unit, second = of_difference(reach.unit), {"s": 1}
         if of.kind == "lag":
             return reach
         if of.kind == "rate":
-            return Reach(symmetric(reach.pace), math.inf, FED_BACK, product(reach.unit, second, -1))
+            return Reach(symmetric(reach.pace), math.inf, FED_BACK, product(unit, second, -1))
         if of.kind == "change":
             step = min(width(reach.at), reach.pace * period)
-            return Reach(symmetric(step), math.inf, FED_BACK, reach.unit)
+            return Reach(symmetric(step), math.inf, FED_BACK, unit)
         within, start = of.option("within"), of.option("start")
         at = Interval(*within) if isinstance(within, tuple) else EVERYTHING
         if isinstance(start, float):

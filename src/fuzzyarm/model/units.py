@@ -19,8 +19,9 @@ KINDS = (
 )
 """Symbols that measure the same thing on different scales."""
 
-_WORDS = re.compile(r"\s*(?:[^\W\d_]+|[°%1])(?:\s*[\s*·/]\s*(?:[^\W\d_]+|[°%1]))*\s*")
-_SYMBOL = re.compile(r"(/?)\s*([^\W\d_]+|[°%1])")
+_NAME = r"(?:°?[^\W\d_]+|[°%1])"
+_WORDS = re.compile(rf"\s*{_NAME}(?:\s*[\s*·/]\s*{_NAME})*\s*")
+_SYMBOL = re.compile(rf"(/?)\s*({_NAME})")
 
 
 def read_unit(text: str) -> Unit | None:
@@ -44,6 +45,11 @@ def product(a: Unit | None, b: Unit | None, power: int = 1) -> Unit | None:
     for symbol, each in b.items():
         unit[symbol] = unit.get(symbol, 0) + power * each
     return {symbol: each for symbol, each in unit.items() if each}
+
+
+def of_difference(unit: Unit | None) -> Unit | None:
+    """Return the unit of a difference of two values: of temperatures in °C it is K."""
+    return {"K": 1} if unit == {"°C": 1} else unit
 
 
 def unit_text(unit: Unit) -> str:
