@@ -1,4 +1,4 @@
-"""Compile one output of a rule base to a lookup table, or a controller to C.
+"""Compile a rule base to a lookup table or to source text, or a controller to a program.
 
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json. Source text:
 .h (a C99 header on its own), .c (with a .h beside it) or .st (IEC 61131-3 Structured Text).
@@ -6,14 +6,19 @@ FILE may be a table already; it is then rewritten in the other format.
 
 The levels, bins and rounding are those of the file's `lookup` settings; an input without
 any gets 13 even levels. Prints how far the table is from direct inference, at worst and on
-average, for each way of looking it up. With --tolerance T the smallest even grid is searched
-whose linear interpolation differs nowhere by more than T; the file's lookup settings are then
-not used.
+average, for each way of looking it up; "proved" holds between the points too.
+With --tolerance T the smallest even grid is searched whose linear interpolation differs nowhere
+by more than T; the file's lookup settings are then not used.
 
 Source text looks a table up, by --mode; with --q 15 or --q 7 in whole numbers. With --direct
-C infers the rules themselves. All outputs go into one file unless --output names one.
+the rules themselves are inferred. All outputs go into one file unless --output names one.
+
+A controller becomes a state with `init` and `step` in C, a function block, or with .fmu a
+co-simulation unit (FMI), built with the C compiler that is there. Its rules are inferred, or
+with --table looked up in tables that are made as above.
 
   fuzzyarm compile rulebases/pd7.frb -o controller.h --q 15
+  fuzzyarm compile rulebases/stfc.frb -o stfc.h
 """
 
 from __future__ import annotations
@@ -34,6 +39,7 @@ from fuzzyarm.cli.command import (
     flag,
     group,
     json_of,
+    load_controller,
     load_sheet,
     out,
     print_json,
@@ -43,29 +49,50 @@ from fuzzyarm.cli.command import (
 )
 from fuzzyarm.language.tokens import Cursor, Fault, tokenize
 from fuzzyarm.text.diagnostic import Diagnostic
+from fuzzyarm.text.numbers import outward_text
 
 if TYPE_CHECKING:
-    from fuzzyarm.export import Exported
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.export import Exported, ExportedController
+    from fuzzyarm.export.routine import Routine
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import CompileReport, LookupTable
 
 
 _EXPORTS = (".h", ".c", ".st")
+_UNIT = ".fmu"
 
 # Options that make no sense for some inputs or outputs, by their names.
 _SOURCE_ONLY = ("direct", "q", "precision", "name")
 _RULES_ONLY = ("direct", "levels", "tolerance", "round", "date")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
+_CONTROLLERS_ONLY = ("table", "fmi")
+_MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import SUFFIXES
 
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
-    exports = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS)) in _EXPORTS
+    suffix = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS, _UNIT))
+    exports = suffix not in SUFFIXES
+    controller = load_controller(arguments.file) if exports else None
+    if controller is not None:
+        _export_controller(controller, suffix, arguments)
+        return 0
+    if suffix == _UNIT:
+        raise WordError(f"an .fmu is made of a controller, which {arguments.file} is not")
     if not exports:
         _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
+    _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")
+    _compile_sheet(arguments, exports=exports)
+    return 0
+
+
+def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
+    """Compile a rule base or a table."""
+    from fuzzyarm.model.rulebase import RuleBase
+
     model = load_sheet(arguments.file)
     if not isinstance(model, RuleBase):
         _forbid(arguments, _RULES_ONLY, f"{arguments.file} is a table already")
@@ -90,7 +117,6 @@ def _run(arguments: argparse.Namespace) -> int:
             print_json(_report_data(report, arguments.out), 2)
         else:
             say(*_report_lines(report, arguments.out))
-    return 0
 
 
 def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> None:
@@ -100,6 +126,8 @@ def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> 
 
 
 def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
+    from fuzzyarm.proof import table_proof
+    from fuzzyarm.table.compiler import choose_output
     from fuzzyarm.table.fidelity import compile_with_report
 
     def number(text: str | None, option: str) -> float | None:
@@ -116,6 +144,7 @@ def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace)
             source=arguments.file,
             date=datetime.now(UTC).date().isoformat() if arguments.date else None,
             progress=progress,
+            proof=table_proof(model, choose_output(model, output).name),
         )
 
 
@@ -149,6 +178,12 @@ def _export(
         precision = "float32" if arguments.out.lower().endswith(".st") else "mixed"
     elif arguments.q is not None:
         raise WordError("--precision makes no sense with --q: whole numbers have no precision")
+    proved = {
+        report.table.output: fidelity.proved
+        for report in reports
+        for fidelity in report.fidelities
+        if fidelity.mode == (arguments.mode or report.table.default_mode)
+    }
     routines = routines_of(
         model,
         output=arguments.output if arguments.direct else None,
@@ -156,6 +191,7 @@ def _export(
         q=arguments.q,
         precision=precision,
         source=arguments.file,
+        proved=proved,
     )
     exported = write_export(routines, arguments.out, arguments.name)
     if arguments.json:
@@ -164,6 +200,44 @@ def _export(
         return
     lines = [line for report in reports for line in _report_lines(report, arguments.out)]
     say(*lines, *_export_lines(exported))
+
+
+def _export_controller(
+    controller: ControllerText, suffix: str, arguments: argparse.Namespace
+) -> None:
+    """Write a controller as a program and say what it is."""
+    from fuzzyarm.export import ControllerProgram, export_controller, with_tables
+
+    if arguments.table and arguments.direct:
+        raise WordError("--table and --direct exclude each other")
+    if not arguments.table:
+        _forbid(arguments, _MADE_TABLES_ONLY, "without --table no table is made of rules")
+    _forbid(arguments, ("output",), "a controller is exported as a whole")
+    if suffix != _UNIT:
+        _forbid(arguments, ("fmi",), f"{Path(arguments.out).name} is not a unit of FMI")
+    elif arguments.precision not in (None, "float64"):
+        raise WordError("a unit of FMI computes in double precision: --precision float64")
+    default = {".st": "float32", _UNIT: "float64"}.get(suffix, "mixed")
+    reports: list[CompileReport] = []
+    if arguments.table:
+
+        def compile_output(rulebase: RuleBase, output: str) -> LookupTable:
+            report = _compile(rulebase, output, arguments)
+            reports.append(report)
+            table = report.table
+            return table if arguments.mode is None else replace(table, mode=arguments.mode)
+
+        controller = with_tables(controller, compile_output)
+    program = ControllerProgram(controller, arguments.precision or default, arguments.q)
+    with busy("exporting"):
+        exported = export_controller(program, arguments.out, arguments.name, fmi=arguments.fmi or 2)
+    exported.write()
+    if arguments.json:
+        tables = [_report_data(report, arguments.out) for report in reports]
+        print_json({**_controller_data(exported), "tables": tables}, 2)
+        return
+    lines = [line for report in reports for line in _report_lines(report, arguments.out)]
+    say(*lines, *_controller_lines(exported))
 
 
 # --- The `--levels`, in the words of the language ---
@@ -241,7 +315,9 @@ def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
         "errors": [
             {
                 "mode": fidelity.mode,
-                "worst": fidelity.worst,
+                "worst": fidelity.worst if fidelity.proved is None else fidelity.proved,
+                "proved": fidelity.proved is not None,
+                "sampled": fidelity.worst,
                 "rms": fidelity.rms,
                 "at": dict(fidelity.at),
                 "points": list(fidelity.points),
@@ -261,15 +337,22 @@ def _report_lines(report: CompileReport, out: str) -> list[str]:
     for fidelity in report.fidelities:
         where = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fidelity.at)
         size = " x ".join(map(str, fidelity.points))
+        worst = f"{number_words(fidelity.worst, 4)} (sampled)"
+        if fidelity.proved is not None:
+            worst = f"{outward_text(fidelity.proved, up=True, digits=6)} (proved)"
         lines.append(
-            f"  {fidelity.mode:<7}  worst {number_words(fidelity.worst, 4):<8} "
+            f"  {fidelity.mode:<7}  worst {worst:<18} "
             f"rms {number_words(fidelity.rms, 4):<8} worst at {where} (of {size} points)"
         )
     if report.few_points:
         lines.append("few points were compared, because direct inference takes long at each")
     if report.tolerance is not None:
+        known = (
+            "proved" if all(each.proved is not None for each in report.fidelities) else "sampled"
+        )
         lines.append(
-            f"this is the smallest even grid within {report.tolerance:g}, looked up linearly"
+            f"this is the smallest even grid within {report.tolerance:g} ({known}),"
+            " looked up linearly"
         )
     return lines
 
@@ -288,6 +371,7 @@ def _export_data(exported: Exported) -> dict[str, Any]:
                 "worst": routine.accuracy.worst,
                 "points": routine.accuracy.points,
                 "against": routine.accuracy.against,
+                "proved": _proved(routine),
                 "operations": dict(routine.cost().operations),
                 "stack": routine.cost().stack,
             }
@@ -296,7 +380,15 @@ def _export_data(exported: Exported) -> dict[str, Any]:
     }
 
 
+def _proved(routine: Routine) -> float | None:
+    """Return the proved worst error against the rules."""
+    from fuzzyarm.export.table import TableRoutine
+
+    return routine.worst_proved() if isinstance(routine, TableRoutine) else None
+
+
 def _export_lines(exported: Exported) -> list[str]:
+    from fuzzyarm.export.routine import proved_words
     from fuzzyarm.show.drawing import number_words
 
     lines = [f"{path}: {len(text.encode()):,} bytes of source" for path, text in exported.files]
@@ -306,9 +398,53 @@ def _export_lines(exported: Exported) -> list[str]:
         lines += [
             call,
             f"  worst error against {accuracy.against}: {worst} (of {accuracy.points:,} points)",
+            *([f"  worst error {proved}"] if (proved := proved_words(routine)) else []),
             f"  at most {cost.in_words()}",
         ]
     return lines
+
+
+def _controller_data(exported: ExportedController) -> dict[str, Any]:
+    from fuzzyarm.export.controllers import port_name
+
+    program = exported.program
+    steps, tried = program.steps, program.tried
+    ports = {
+        word: [port_name(steps, port) for port in steps.of_sort(sort)]
+        for sort, word in (
+            ("reference", "references"), ("measured", "measured"), ("drive", "drives"),
+        )
+    }  # fmt: skip
+    return {
+        "files": [str(path) for path, _ in exported.files],
+        "controller": program.text.model.name,
+        "period": program.text.model.period,
+        **ports,
+        "gains": list(dict.fromkeys(gain.name for gain in steps.of_sort("gain"))),
+        "calls": list(exported.calls),
+        "precision": program.precision,
+        "worst": tried.worst,
+        "largest": tried.largest,
+        "periods": len(tried.vectors.expected),
+    }
+
+
+def _controller_lines(exported: ExportedController) -> list[str]:
+    from fuzzyarm.show.drawing import number_words
+
+    tried = exported.program.tried
+    lines = []
+    for path, content in exported.files:
+        size = len(content.encode() if isinstance(content, str) else content)
+        what = "bytes of source" if isinstance(content, str) else "bytes"
+        lines.append(f"{path}: {size:,} {what}")
+    worst, largest = number_words(tried.worst, 3), number_words(tried.largest, 3)
+    return [
+        *lines,
+        *exported.calls,
+        f"  worst difference to the controller in double precision: {worst}"
+        f" ({len(tried.vectors.expected)} periods, drives up to {largest})",
+    ]
 
 
 COMMANDS = (
@@ -316,7 +452,7 @@ COMMANDS = (
         "compile",
         __doc__,
         _run,
-        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis) or a table"),
+        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis), a table or a controller"),
         out("OUT", "the file to write"),
         argument("--output NAME", "which output, if there are several"),
         argument("--levels SPEC", "49, or '-6 .. 6 step 1', or 'e = 49, ce = 25'", either="size"),
@@ -326,8 +462,10 @@ COMMANDS = (
         flag("--date", "put today's date into the table"),
         json_of("the report"),
         *group(
-            "source text (.h, .c, .st)",
-            flag("--direct", "infer the rules, without a table"),
+            "source text (.h, .c, .st) and units (.fmu)",
+            flag("--direct", "infer the rules, without a table (of controllers: the default)"),
+            flag("--table", "of a controller: look tables up instead of inferring its rules"),
+            argument("--fmi", "version of FMI, 2 by default", type=int, choices=(2, 3)),
             argument("--q", "fixed point: int16 or int8", type=int, choices=(15, 7)),
             argument(
                 "--precision",

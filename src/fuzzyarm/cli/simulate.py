@@ -41,8 +41,10 @@ from fuzzyarm.cli.command import (
     load_rulebase,
     load_table,
     print_json,
+    progress_bar,
 )
 from fuzzyarm.cli.plants import (
+    MOTORS,
     PLANT,
     connections,
     motion_of,
@@ -184,30 +186,61 @@ def _run(arguments: argparse.Namespace) -> int:
     if not arguments.controller:
         print("fuzzyarm simulate: which CONTROLLER? --list shows all", file=sys.stderr)
         return 2
-    if arguments.plot:
-        from fuzzyarm.study.figures import figure_format
-
-        figure_format(arguments.plot)  # a mistake in the name is told before the run
+    _require_pictures(arguments)
     plant = plant_of(arguments)
     made = [_controller(arguments, name, plant) for name in arguments.controller]
     if arguments.show_gains:
-        for controller, _ in made:
+        for (controller, _), name in zip(made, arguments.controller, strict=True):
             _show_gains(controller, arguments.json)
+            _print_notes(name)
         return 0
     results = [
         _simulate(controller, changed, name, arguments)
         for (controller, changed), name in zip(made, arguments.controller, strict=True)
     ]
-    if arguments.plot:
-        _plot(results, arguments.plot)
-    if arguments.csv:
-        _write_csv(results, arguments.csv)
+    _write_files(arguments, results, made[0][1])
     if arguments.json:
         shown = [_as_json(result) for result in results]
         print_json(shown if len(shown) > 1 else shown[0])
     else:
         print("\n\n".join(map(_as_text, results)))
-    return DIVERGED if any(result.diverged is not None for result in results) else 0
+    lost = [
+        name
+        for result, name in zip(results, arguments.controller, strict=True)
+        if result.diverged is not None
+    ]
+    for name in lost:
+        _print_notes(name)
+    return DIVERGED if lost else 0
+
+
+def _print_notes(name: str) -> None:
+    """Say where a controller of the catalogue must not be used."""
+    from fuzzyarm.controller.catalogue import notes_on
+
+    for note in notes_on(name):
+        print(f"fuzzyarm: note: {note}", file=sys.stderr)
+
+
+def _require_pictures(arguments: argparse.Namespace) -> None:
+    """Tell a mistake in the name of a picture before the run."""
+    if arguments.plot:
+        from fuzzyarm.study.figures import figure_format
+
+        figure_format(arguments.plot)
+    if arguments.animate:
+        from fuzzyarm.show.figures.animation import require_animation
+
+        require_animation(arguments.animate)
+
+
+def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant) -> None:
+    if arguments.plot:
+        _plot(results, arguments.plot)
+    if arguments.animate:
+        _animate(results[0], plant, arguments.animate)
+    if arguments.csv:
+        _write_csv(results, arguments.csv)
 
 
 def _controller(arguments: argparse.Namespace, name: str, plant: Plant) -> tuple[Controller, Plant]:
@@ -363,6 +396,14 @@ def _plot(results: list[Run], path: str) -> None:
     save_figure(draw_runs(results), Path(path))
 
 
+def _animate(result: Run, plant: Plant, path: str) -> None:
+    """Write the animation of a run, with a progress bar where a terminal shows it."""
+    from fuzzyarm.show.figures.animation import animate
+
+    with progress_bar("drawing", min(100, result.samples)) as advance:
+        animate(result, plant, path, watch=advance)
+
+
 def _write_csv(results: list[Run], path: str) -> None:
     """Write the samples of one run; of several, a file with the controller in the first column."""
     import io
@@ -422,6 +463,8 @@ def _list(as_json: bool) -> None:
     width = max(map(len, CATALOGUE))
     for entry in CATALOGUE.values():
         print(f"{entry.name:<{width}}  {entry.summary}")
+        if entry.note:
+            print(f"{'':<{width}}  note: {entry.note}")
 
 
 COMMANDS = (
@@ -451,13 +494,14 @@ COMMANDS = (
                 default="as-printed",
             ),
             SET,
-            argument("--limits T1 T2", "torque, N m", type=float),
             argument("--runge-kutta N", "N fine steps in a control period", type=int, default=0),
         ),
+        *MOTORS,
         *group(
             "output",
             flag("--show-gains", "print the gains and stop"),
             argument("--plot FIG", "draw outputs, errors and drives over time"),
+            argument("--animate FILE", "write the first run as .gif, .html or .mp4"),
             argument("--csv FILE", "write the samples"),
             JSON,
         ),

@@ -333,6 +333,8 @@ class Run:
         are, whatever sensors say; drives as the actuators give them, loads not among them.
     limits, drive_units : mapping
         Of each drive.
+    loaded : tuple of bool
+        Of each sample, whether the arm carries another load than at the start.
     diverged : float or None
         When the run was stopped because it had diverged, s.
     seconds : float
@@ -366,6 +368,7 @@ class Run:
     drives: Mapping[str, Vector] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     drive_units: Mapping[str, str] = field(default_factory=dict)
+    loaded: tuple[bool, ...] = ()
     period: float = SET_POINT_PERIOD
     seed: int = 1
 
@@ -601,6 +604,7 @@ def run_along(
         {label(port): samples[:, front + len(outputs) + i] for i, port in enumerate(inputs)},
         {label(port): (each.low, each.high) for port, each in inputs.items()},
         {label(port): each.unit for port, each in inputs.items()},
+        tuple(bool(each) for each in followed.block[taken]),
         followed.period * followed.every,
         options.seed,
     )

@@ -10,8 +10,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from fuzzyarm.language.check.coverage import coverage_gaps, missing_rules, points_without_rule
-from fuzzyarm.language.check.grids import broken_symmetries, jumps
-from fuzzyarm.language.check.rules import conflicting_rules, shared_conclusions
+from fuzzyarm.language.check.rules import (
+    broken_symmetries,
+    conflicting_rules,
+    jumps,
+    shared_conclusions,
+)
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.check.terms import (
     clamped_values,
@@ -60,6 +64,17 @@ CHECKS: dict[str, Check] = {
             "failed-expectation",
             Severity.ERROR,
             "An `expect` line does not hold; the message has the value that came out.",
+        ),
+        Check(
+            "refuted-property",
+            Severity.ERROR,
+            "A `prove` line does not hold; the message has a point, or a pair of points, where it "
+            "fails.",
+        ),
+        Check(
+            "undecided-property",
+            Severity.INFO,
+            "A `prove` line takes longer than a check may; `fuzzyarm prove` has the time for it.",
         ),
         Check(
             "defuzzifier-does-not-fit",
