@@ -104,6 +104,24 @@ def test_what_the_text_makes_may_be_ten_times_as_wide():
         assert names(text) == found
 
 
+@pytest.mark.parametrize(
+    ("parts", "found"),
+    [
+        ("e * 50000 + ce", ["range-mismatch"]),
+        ("e * 50000 - late * 50000", []),
+        ("e * 50000 - r * 50000", []),
+        ("e * 0.0001 - late * 0.0001", ["range-mismatch"]),  # too narrow, though they add up
+    ],
+)
+def test_parts_that_may_cancel_are_not_too_wide(parts, found):
+    text = text_of(
+        "e = error of position", "ce = error of velocity", "late = lag of e, time 20 ms",
+        "r = reference position", f"s = {parts}", "u = rules pd7(s, ce) * 4", "other = r + late",
+        "drive voltage = u + other * 0, within -24 .. 24", head=['use pd7 from "pd7.frb"'],
+    )  # fmt: skip
+    assert names(text) == found
+
+
 def test_one_wrong_gain_is_one_finding_and_can_be_allowed():
     text = shipped("stfc.frb").read_text().replace("1080/pi", "50000").replace("3000", "60000")
     (finding,) = findings(text)

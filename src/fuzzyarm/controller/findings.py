@@ -120,7 +120,8 @@ def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
 def _too_wide(model: ControllerModel, each: LookUp) -> Diagnostic | None:
     reach, universe = each.reach, each.universe
     whole, inside = width(reach.at), width(overlap(reach.at, universe))
-    if not FACTORS[reach.kept] * inside < whole < math.inf:
+    # Of a sum whose parts may cancel the interval is wider than what the signal reaches.
+    if not reach.tight or not FACTORS[reach.kept] * inside < whole < math.inf:
         return None
     if reach.kept != FED_BACK:
         hint = f"multiply its gain by about {width(universe) / whole:.2g}"

@@ -51,12 +51,19 @@ class Reach:
         What keeps it small: `FED_BACK`, `PORT` or `MADE`.
     unit : dict or None
         None where it is not certain.
+    origins : frozenset of str
+        The values that it is made of.
+    tight : bool
+        Whether it can go to the ends: false for a sum of which two parts have an origin in common,
+        as ``r - lag``, which may cancel.
     """
 
     at: Interval = EVERYTHING
     pace: float = math.inf
     kept: int = MADE
     unit: Unit | None = None
+    origins: frozenset[str] = frozenset()
+    tight: bool = True
 
 
 @dataclass(frozen=True)
@@ -247,17 +254,23 @@ class _Walk:
                 brought = product({}, other.unit, power) or {}
                 self.found.meetings.append(Meeting(factor.value, reach.unit, brought, span))
             unit = product(reach.unit, other.unit, power)
-            reach = Reach(at, pace, max(reach.kept, other.kept), unit)
+            origins = reach.origins | other.origins
+            tight = reach.tight and other.tight
+            reach = Reach(at, pace, max(reach.kept, other.kept), unit, origins, tight)
         return reach
 
     def _sum(self, products: Sequence[Product], span: Span) -> Reach:
         parts = [self._product(each, span) for each in products]
         units = [each.unit for each in parts]
+        origins = frozenset[str]().union(*(each.origins for each in parts))
+        alone = len(origins) == sum(len(each.origins) for each in parts)
         return Reach(
             reduce(lambda a, b: combine("add", a, b), [each.at for each in parts]),
             sum(each.pace for each in parts),
             max(each.kept for each in parts),
             units[0] if all(each == units[0] for each in units) else None,
+            origins,
+            alone and all(each.tight for each in parts),
         )
 
     def _product(self, part: Product, span: Span) -> Reach:
@@ -274,13 +287,19 @@ class _Walk:
     # --- Sources ---
 
     def _results(self, axes: Axes, of: Source, count: int) -> list[Reach]:
-        if of.kind == "rules":
-            return self._conclusions(of.name) or [Reach()] * count
-        if of.kind == "table":
-            return [self._values(axes, of.name)]
-        if of.kind in ("error", "reference", "measured", "sum"):
+        if of.kind in ("error", "reference", "measured"):
             return [self._port(of)]
-        return [self._remembered(of)]
+        if of.kind == "lag":
+            return [self._named(of.name)]
+        if of.kind == "rules":
+            made = self._conclusions(of.name) or [Reach()] * count
+        elif of.kind == "table":
+            made = [self._values(axes, of.name)]
+        else:
+            made = [self._port(of) if of.kind == "sum" else self._remembered(of)]
+        own = frozenset({f"{of.kind} {of.name} {of.inputs}"})
+        tight = of.kind in ("rules", "table", "sum", "integral") or self._named(of.name).tight
+        return [replace(each, origins=own, tight=tight) for each in made]
 
     def _port(self, of: Source) -> Reach:
         measured, wanted = self._of_port("measured", of.name), self._of_port("reference", of.name)
@@ -292,7 +311,8 @@ class _Walk:
         share = self._number(weight) if isinstance(weight, str | float) else Interval(1.0, 1.0)
         asked = combine("multiply", wanted.at, share)
         unit = of_difference(measured.unit)
-        error = Reach(combine("subtract", asked, measured.at), measured.pace, FED_BACK, unit)
+        both = wanted.origins | measured.origins
+        error = Reach(combine("subtract", asked, measured.at), measured.pace, FED_BACK, unit, both)
         if of.kind == "error":
             return error
         if of.option("cleared") is None:
@@ -303,30 +323,29 @@ class _Walk:
 
     def _of_port(self, kind: str, name: str) -> Reach:
         """Return where a measured or reference value of the plant is."""
+        origins = frozenset({f"{kind} {name}"})
         if self.site is None:
-            return Reach(kept=PORT)
+            return Reach(kept=PORT, origins=origins)
         outputs = self.site.interface.outputs
         try:
             address = self.site.find(self.text.model, kind, (self.axis, name))
         except SourceError:
-            return Reach(kept=PORT)
+            return Reach(kept=PORT, origins=origins)
         port = outputs.get(address)
         if port is None:  # a reference of an acceleration
-            return Reach(kept=FED_BACK)
+            return Reach(kept=FED_BACK, origins=origins)
         rates = [
             largest(Interval(other.low, other.high))
             for (axis, _), other in outputs.items()
             if axis == address[0] and other.rate_of == address[1]
         ]
         kept = FED_BACK if port.rate_of else PORT
-        return Reach(Interval(port.low, port.high), min(rates, default=math.inf), kept,
-                     read_unit(port.unit))  # fmt: skip
+        at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
+        return Reach(at, pace, kept, read_unit(port.unit), origins)
 
     def _remembered(self, of: Source) -> Reach:
         reach, period = self._named(of.name), self.text.model.period
         unit, second = of_difference(reach.unit), {"s": 1}
-        if of.kind == "lag":
-            return reach
         if of.kind == "rate":
             return Reach(symmetric(reach.pace), math.inf, FED_BACK, product(unit, second, -1))
         if of.kind == "change":
