@@ -168,6 +168,12 @@ def test_what_nothing_bounds_reaches_everywhere():
     assert reach(text.replace("position", "depth"), "e")["shaft"][1] == float("inf")
 
 
+def test_two_wrong_gains_are_two_findings():
+    text = servo(G_e="50000").replace("0.05", "0.0001")
+    found = [each for each in findings(text) if each.name == "range-mismatch"]
+    assert [each.message.split()[0] for each in found] == ["e", "ce"]
+
+
 SOURCES = [
     "measured position", "error of position", "rate of {x}", "change of {x}",
     "lag of {x}, time 0.1 s",

@@ -87,8 +87,8 @@ def doubts_of(
         if all(use.name in text.sheets for use in text.model.uses):
             found += _limits(text.model, reaches, site)
     # Axes that share their lines share their findings.
-    once = {(each.name, each.span): replace(each, path=text.path) for each in reversed(found)}
-    return sorted(once.values(), key=lambda each: (each.span, each.name))
+    once = dict.fromkeys(replace(each, path=text.path) for each in found)
+    return sorted(once, key=lambda each: (each.span, each.name))
 
 
 # --- Ranges of signals, and universes ---
@@ -235,7 +235,7 @@ def _missing_ports(model: ControllerModel, site: Site, *, given: bool) -> Iterat
             if place is None:
                 continue
             axes, span = place
-            key = (span, asked[1]) if asked[0] in known else (axes.span, asked[0])
+            key = (span, asked[1]) if asked[0] in known else (axes.span, "")
             try:
                 site.find(model, kind, asked)
             except SourceError as error:
