@@ -86,6 +86,8 @@ def of_every_command(name="x" + HOSTILE):
         ["sweep", "pd", "--segment", "0.1", "--hold", "0.1", "--sweep", "payload=0..1:2"],
         ["sweep", "pd", "--sweep", f"{name}=0..1:2"],
         ["sweep", "pd", "--sweep", "payload=0..1:2", "-o", hostile, "--resume"],
+        ["prove", PD7, "--range"],
+        ["prove", hostile],
         ["reproduce", "--list"],
         ["identify", "nothing"],
         ["new", "n\x1b[31m"],
