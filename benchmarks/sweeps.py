@@ -25,7 +25,7 @@ import numpy as np
 from fuzzyarm.controller import controller
 from fuzzyarm.loop.blocks import packed
 from fuzzyarm.loop.many import Bench, cut, experiment_of, simulate_many
-from fuzzyarm.loop.run import Record, loop_for
+from fuzzyarm.loop.program import Record, loop_for
 from fuzzyarm.plant import reach_return
 
 sys.path.insert(0, str(Path(__file__).parent))

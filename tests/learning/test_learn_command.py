@@ -28,7 +28,7 @@ def run(capsys, *words):
 def test_learn_shows_tables_visits_and_what_was_never_used(capsys):
     status, out, err = run(capsys, "learn", "--start", "zero", *FAST, "--payload")
     assert (status, err) == (0, "")
-    for joint in ("joint 1", "joint 2"):
+    for joint in ("joint1", "joint2"):
         assert f"{joint}: " in out
         assert f"{joint}: visits per cell" in out
     assert "of 169 cells visited" in out

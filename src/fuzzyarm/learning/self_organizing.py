@@ -19,15 +19,15 @@ from fuzzyarm.controller.on_plant import (
 )
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, stretch
 from fuzzyarm.loop.loop import rms
-from fuzzyarm.loop.run import (
+from fuzzyarm.loop.program import (
     Program,
     Record,
-    checked_arms,
     error_taps,
     loop_for,
     shown_errors,
     shown_units,
 )
+from fuzzyarm.loop.run import checked_arms
 from fuzzyarm.plant.plant import is_compiled
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Schedule, Trajectory

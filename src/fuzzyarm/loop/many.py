@@ -33,6 +33,7 @@ from fuzzyarm.loop.blocks import (
 )
 from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion, arm_of
 from fuzzyarm.loop.metrics import Metrics
+from fuzzyarm.loop.program import shown_units
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import (
     ClosedLoop,
@@ -41,7 +42,6 @@ from fuzzyarm.loop.run import (
     as_way,
     judged_names,
     plant_motion,
-    shown_units,
 )
 from fuzzyarm.plant.arm import LOADED, UNLOADED, carrying
 from fuzzyarm.plant.driven_arm import Arm

@@ -21,7 +21,8 @@ from fuzzyarm.controller.on_plant import driven_by, site_of
 from fuzzyarm.kernels import call, kernel, routine
 from fuzzyarm.loop.course import Course, Options, arm_motion
 from fuzzyarm.loop.loop import LOOP_ARRAYS, rms, run_loop
-from fuzzyarm.loop.run import Program, Record, checked_arms, error_taps, shown_errors
+from fuzzyarm.loop.program import Program, Record, error_taps, shown_errors
+from fuzzyarm.loop.run import checked_arms
 from fuzzyarm.plant.plant import ACTUATE, CLOCK_SIZE
 from fuzzyarm.plant.setting import Conventions, stored_double, stored_single
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach_return

@@ -1,0 +1,291 @@
+"""A controller as the loop takes it, what the loop writes, and loops with plain Python in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.controller import CompiledController, Controller
+from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
+from fuzzyarm.kernels import build, routine
+from fuzzyarm.loop.course import Course, flat
+from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop
+from fuzzyarm.plant.plant import (
+    ADVANCE,
+    Plant,
+    is_compiled,
+    measure_states,
+    runge_kutta_4,
+)
+from fuzzyarm.plant.setting import (
+    Arithmetic,
+    Clock,
+    State,
+    stored_double,
+    stored_single,
+)
+from fuzzyarm.plant.setting import Reference as ArmReference
+
+# --- A controller as the loop takes it ---
+
+
+@cache
+def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
+    """Return the loop around laws and plant by address, as machine code or as plain Python.
+
+    Each precision has its own: what is stored need not be asked whether to be rounded.
+    """
+    return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=compiled)
+
+
+def _held(single: bool) -> dict[str, Callable[..., Any]]:
+    return {"stored": stored_single if single else stored_double}
+
+
+class Program:
+    """A controller as the loop takes it: laws, constants and memory.
+
+    Attributes
+    ----------
+    numbers, memory : ndarray
+        See :func:`fuzzyarm.loop.loop.run_loop`.
+    compilable : bool
+        Whether every addend is a compiled law.
+    """
+
+    def __init__(self, controller: Controller, arithmetic: Arithmetic) -> None:
+        self.controller = controller
+        self.arithmetic = arithmetic
+        parts = list(controller.parts())
+        own = [part for part in parts if isinstance(part, CompiledController)]
+        self.compilable = len(own) == len(parts)
+        self._laws = [part.law for part in own] if self.compilable else []
+        self._blocks = [part.block(arithmetic) for part in own] if self.compilable else []
+        self.numbers = np.concatenate([[], *(block.numbers for block in self._blocks)])
+        self.memory = np.concatenate([[], *(block.memory for block in self._blocks)])
+
+    @property
+    def compiled(self) -> bool:
+        """Whether it runs as machine code: wanted, and possible."""
+        return self.arithmetic.compiled and self.compilable
+
+    def inputs(self, *, as_array: bool | None = None) -> tuple[Any, Any]:
+        """Return laws and constants as the loop takes them."""
+        laws = law_integers(self._laws, self._blocks, self.arithmetic)
+        as_array = self.compiled if as_array is None else as_array
+        return flat(laws, np.int64, as_array=as_array), flat(self.numbers, as_array=as_array)
+
+    def law_of(self, law: Law) -> int:
+        """Return where among the laws one is."""
+        return next(index for index, each in enumerate(self._laws) if each is law)
+
+    def memory_of(self, law: Law, memory: Any) -> Any:
+        """Return the stretch of a memory that belongs to a law."""
+        begin = 0
+        for each, block in zip(self._laws, self._blocks, strict=True):
+            end = begin + len(block.memory)
+            if each is law:
+                return memory[begin:end]
+            begin = end
+        raise ValueError("not a law of this program")
+
+    def remembered(self, memory: Any) -> list[float]:
+        """Return what the laws remember, of the memory after a run."""
+        return [
+            float(value)
+            for law in self._laws
+            if law.remembers
+            for value in self.memory_of(law, memory)
+        ]
+
+
+class Record:
+    """What a call of the loop writes, and what it starts from.
+
+    Parameters
+    ----------
+    course : Course
+        The experiment.
+    memory : array_like
+        Of the laws.
+    taps : sequence of int
+        Cells of the board that are recorded.
+    seed : int, optional
+        Of the start.
+    """
+
+    def __init__(self, course: Course, memory: Any, taps: Any, seed: int | None = None) -> None:
+        self.course = course
+        count = len(course.motion.time)
+
+        def new(values: Any, kind: type = np.float64) -> Any:
+            return flat(values, kind, as_array=course.as_array)
+
+        self.columns = len(taps)
+        self.memory = new(memory)
+        self.taps = new(taps, np.int64)
+        self.board = new(np.zeros(course.board_size))
+        self.state = course.state(seed)
+        self.clock = course.clock()
+        room = np.zeros(self.columns * count)  # large: not copied
+        self.record: Any = room if course.as_array else view(room)
+        self.progress = new([0, -1, -1, 0], np.int64)
+
+    @property
+    def outputs(self) -> tuple[Any, ...]:
+        """The last arguments of the loop, from the memory on."""
+        return (
+            self.memory,
+            self.taps,
+            self.board,
+            self.state,
+            self.clock,
+            self.record,
+            self.progress,
+        )
+
+    @property
+    def samples(self) -> NDArray[np.float64]:
+        """What was recorded, shape (samples, taps)."""
+        count = int(self.progress[0])
+        return np.array(self.record[: count * self.columns]).reshape(-1, self.columns)
+
+    @property
+    def taken(self) -> NDArray[np.int64]:
+        """Indices of the set points that were sampled."""
+        whole = np.flatnonzero(self.course.motion.iterations == self.course.motion.every)
+        return whole[: int(self.progress[0])]
+
+    def diverged(self) -> float | None:
+        """Return when the run was stopped because it had diverged, s."""
+        point, iteration = int(self.progress[1]), int(self.progress[2])
+        if point < 0:
+            return None
+        motion = self.course.motion
+        return float(motion.time[point]) + (iteration + 1) * motion.period
+
+
+def error_taps(course: Course) -> list[int]:
+    """Return the cells of the tracked outputs, then those of their references."""
+    tracked = course.motion.tracked
+    return [
+        *(course.output_cell(port) for port in tracked),
+        *(course.reference_cell(port) for port in tracked),
+    ]
+
+
+def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the errors of the first columns of :func:`error_taps`, as they are shown."""
+    count = len(course.motion.tracked)
+    return np.asarray((samples[:, count : 2 * count] - samples[:, :count]) * scales(course))
+
+
+def scales(course: Course) -> NDArray[np.float64]:
+    """Return what makes of each tracked output what is shown: degrees of radians."""
+    outputs = course.site.interface.outputs
+    turn = 180.0 / course.conventions.pi
+    return np.array([turn if outputs[p].unit == "rad" else 1.0 for p in course.motion.tracked])
+
+
+def shown_units(course: Course) -> tuple[str, ...]:
+    """Return the units in which the tracked outputs are shown."""
+    units = [course.site.interface.outputs[port].unit for port in course.motion.tracked]
+    return tuple("degrees" if unit == "rad" else unit for unit in units)
+
+
+# --- Loops in which something is plain Python ---
+
+
+def loop_for(program: Program, course: Course, record: Record) -> Callable[..., None]:
+    """Return the loop that runs a program; what it calls of plain Python is bound to its arrays."""
+    single = course.conventions.single
+    if program.compilable and is_compiled(course.plant):
+        return loop_of_laws(program.compiled, single)
+    bindings: dict[str, Callable[..., Any]] = _held(single)
+    if not is_compiled(course.plant):
+        bindings |= plain_plant(course)
+    if not program.compilable:
+        bindings["control"] = plain_law(program.controller)
+    elif program.arithmetic.compiled:
+        bindings["control"] = compiled_law(program, course, record)
+    return build(run_loop, bindings, compiled=False)
+
+
+def plain_law(controller: Controller) -> Callable[..., None]:
+    """Return what asks a controller in plain Python, on the arm."""
+
+    def control(told: Any, _laws: Any, _numbers: Any, _memory: Any, drives: Any) -> None:
+        t = told
+        reference = ArmReference((t[3], t[4]), (t[5], t[6]), (t[7], t[8]))
+        state = State((t[9], t[10]), (t[11], t[12]))
+        clock = Clock(t[0], t[1] != 0.0, t[2] != 0.0)
+        first, second = controller.torque(reference, state, clock)
+        drives[0], drives[1] = float(first), float(second)
+
+    return control
+
+
+def compiled_law(program: Program, course: Course, record: Record) -> Callable[..., None]:
+    """Return what runs compiled laws from a loop in plain Python, on the arrays of a record."""
+    run = routine(summed_drives, "fifff", _held(course.conventions.single), compiled=True)
+    laws, numbers = program.inputs(as_array=True)
+    board = np.asarray(record.board)
+    size = len(course.site.interface.inputs)
+    told = board[: course.site.told + size]
+    step = run.bind(told, laws, numbers, np.asarray(record.memory), board[len(board) - size :])  # type: ignore[attr-defined]
+
+    def control(*_arrays: object) -> None:
+        step()
+
+    return control
+
+
+def plain_plant(course: Course) -> dict[str, Callable[..., Any]]:
+    """Return what asks a plant in plain Python."""
+    plant, states = course.plant, len(course.plant.states)
+    moved, measured = plain_motion(plant, states), plain_outputs(plant, states)
+
+    def ask_plant(task: int, _links: Any, x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
+        (moved if task == ADVANCE else measured)(x, y, u, p, clock)
+
+    return {"ask_plant": ask_plant}
+
+
+def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what advances a plant in plain Python."""
+    if plant.step is None:
+        slope = plant.derivative
+        assert slope is not None
+
+        def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
+            return slope(t, x[:states].tolist(), u.tolist(), p.tolist())
+
+        return build(runge_kutta_4, {"derivative": derivative}, compiled=False)
+    step = plant.step
+
+    def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
+        h = clock[1] / clock[2]
+        for part in range(int(clock[2])):
+            found = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
+            for i in range(states):
+                x[i] = float(found[i])
+
+    return advance
+
+
+def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what measures a plant in plain Python."""
+    if plant.measure is None:
+        return measure_states
+    ask = plant.measure
+
+    def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
+        found = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
+        for i in range(len(y)):
+            y[i] = float(found[i])
+
+    return measured
