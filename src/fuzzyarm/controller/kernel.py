@@ -65,6 +65,17 @@ LAGGED, LAG_TIME = range(2)  # of LAG
 LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
 LAST_DRIVE, STEEPEST = range(2)  # of SLEW
 
+REMEMBERS = {
+    CHANGE: (BEFORE,),
+    RATE: (BEFORE, FILTERED),
+    INTEGRATE: (TOTAL,),
+    SUM: (TOTAL,),
+    LAG: (LAGGED,),
+    LIMIT: (OVER,),
+    SLEW: (LAST_DRIVE,),
+}
+"""What an instruction leaves for the next period, from its state on."""
+
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
 # LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)
 # and its length, rate, bound, grid of the table, grid and values of the performance table,

@@ -20,7 +20,7 @@ from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import build, routine
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, flat, motion
-from fuzzyarm.loop.loop import LOOP_ARRAYS, final, rms, run_loop, signed_maximum
+from fuzzyarm.loop.loop import LOOP_ARRAYS, final, rms, run_loop, signed_maximum, within
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.plant.own import failure
@@ -30,8 +30,8 @@ from fuzzyarm.plant.plant import (
     Plant,
     PlantError,
     is_compiled,
-    measure_states,
-    runge_kutta_4,
+    plain_motion,
+    plain_outputs,
 )
 from fuzzyarm.plant.setting import (
     PLAIN,
@@ -267,43 +267,10 @@ def plain_plant(course: Course) -> dict[str, Callable[..., Any]]:
     def ask_plant(task: int, _links: Any, x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
         (moved if task == ADVANCE else measured)(x, y, u, p, clock)
 
-    return {"ask_plant": ask_plant}
+    def goes_on(board: Any, checks: Any, bounds: Any) -> bool:
+        return not plant.ended and within(board, checks, bounds)
 
-
-def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what advances a plant in plain Python."""
-    if plant.step is None:
-        slope = plant.derivative
-        assert slope is not None
-
-        def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
-            return slope(t, x[:states].tolist(), u.tolist(), p.tolist())
-
-        return build(runge_kutta_4, {"derivative": derivative}, compiled=False)
-    step = plant.step
-
-    def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
-        h = clock[1] / clock[2]
-        for part in range(int(clock[2])):
-            found = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
-            for i in range(states):
-                x[i] = float(found[i])
-
-    return advance
-
-
-def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what measures a plant in plain Python."""
-    if plant.measure is None:
-        return measure_states
-    ask = plant.measure
-
-    def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
-        found = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
-        for i in range(len(y)):
-            y[i] = float(found[i])
-
-    return measured
+    return {"ask_plant": ask_plant, "within": goes_on}
 
 
 # --- What came of a run ---
@@ -343,6 +310,8 @@ class Run:
         From sample to sample, s.
     seed : int
         Of noise and disturbance.
+    ended : float or None
+        When the plant ended the run by itself, s.
     """
 
     controller: str
@@ -363,6 +332,7 @@ class Run:
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     period: float = SET_POINT_PERIOD
     seed: int = 1
+    ended: float | None = None
 
     @property
     def samples(self) -> int:
@@ -568,6 +538,7 @@ def run_along(
         loop(*course.inputs(), *own, *record.outputs)
     seconds = time.perf_counter() - begin
     samples, taken = record.samples, record.taken
+    stopped, over = record.diverged(), followed.plants[0].ended
     count = len(followed.tracked)
     label = site.interface.label
     front = 2 * count
@@ -579,7 +550,7 @@ def run_along(
         followed.time[taken],
         samples[:, count:front] * turned,
         shown_errors(course, samples),
-        record.diverged(),
+        None if over else stopped,
         seconds,
         compiled,
         program.remembered(record.memory),
@@ -591,6 +562,7 @@ def run_along(
         {label(port): (each.low, each.high) for port, each in inputs.items()},
         followed.period * followed.every,
         options.seed,
+        stopped if over else None,
     )
 
 
