@@ -150,7 +150,7 @@ class UnitPlant(Plant):
             kind = "ModelExchange" if self.exchanges else "CoSimulation"
             self._instance = fmpy.instantiate_fmu(self._folder, self.description, kind)
         except Exception as error:  # FMPy raises Exception itself, and what the loader raises
-            message = f"{self.path} cannot be started: {_first_line(error)}"
+            message = f"{self.path} cannot be started: {_in_one_line(error)}"
             raise PlantError(message, name=self.name) from error
         weakref.finalize(self, _freed, self._instance)
         return self._instance
@@ -216,7 +216,7 @@ def _described(path: str) -> Any:
     try:
         found = fmpy.read_model_description(path)
     except Exception as error:  # a damaged archive raises whatever its reader does
-        raise PlantError(f"{path} is not an FMU: {_first_line(error)}", name=path) from error
+        raise PlantError(f"{path} is not an FMU: {_in_one_line(error)}", name=path) from error
     if found.fmiVersion != "2.0" and not found.fmiVersion.startswith("3."):
         raise PlantError(f"{path} is of FMI {found.fmiVersion}, not 2.0 or 3", name=path)
     if found.coSimulation is None and found.modelExchange is None:
@@ -235,9 +235,10 @@ def _is_parameter(variable: Any) -> bool:
     return variable.causality == "parameter" and settable and variable.start is not None
 
 
-def _first_line(error: Exception) -> str:
-    words = str(error).strip().splitlines()
-    return words[0].rstrip(".") if words else type(error).__name__
+def _in_one_line(error: Exception) -> str:
+    """Return the first sentences of what FMPy says, which may be a list."""
+    lines = [line.strip(" -.") for line in str(error).splitlines() if line.strip()]
+    return " ".join(lines[:2]) or type(error).__name__
 
 
 def _freed(unit: Any) -> None:
