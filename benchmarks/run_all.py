@@ -19,6 +19,8 @@ PARTS = {
     "compiled": "compiled inference against C and peers",
     "lookup": "table look-up against C; memory of a large table",
     "closed_loop": "closed loops against C",
+    "controllers": "exported controllers against the kernel",
+    "learning": "rule bases from samples beside regression, boosting and peers",
     "keystroke": "the editor's answer to a key",
 }
 WITH_WORDS = {"compiled"}

@@ -30,7 +30,10 @@ PACKAGE = Path("src") / "fuzzyarm"
 
 _DEFINITIONS = ["norms", "definitions", "facts"]
 _LOOKUP = ["table", "compiled_lookup", "lookup_definition"]
-_FORMATS = ["readers", "references", "roundtrips"]
+_FORMATS = [
+    "orders_of_numbers", "format_readers", "fis_of_others", "format_references",
+    "format_roundtrips",
+]  # fmt: skip
 TESTS = {
     "expression/norms.py": [f"tests/expression/test_{each}.py" for each in _DEFINITIONS],
     "expression/formulas.py": ["tests/expression/test_formulas.py"],
@@ -40,7 +43,8 @@ TESTS = {
     "table/lookup.py": [f"tests/table/test_{each}.py" for each in _LOOKUP],
     "table/": ["tests/table"],
     "formats/skfuzzy.py": ["tests/formats/test_skfuzzy_bridge.py"],
-    "formats/": [f"tests/formats/test_format_{each}.py" for each in _FORMATS],
+    "formats/fml.py": ["tests/formats/test_fml.py"],
+    "formats/": [f"tests/formats/test_{each}.py" for each in _FORMATS],
 }
 """Files whose mutants are looked for (the first part that fits) and the narrow tests of each."""
 

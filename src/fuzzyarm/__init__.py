@@ -9,7 +9,8 @@ The packages stand on each other in one direction::
 :mod:`fuzzyarm.language` reads, checks and prints rule files; :mod:`fuzzyarm.inference`
 evaluates them; :mod:`fuzzyarm.table` compiles them to lookup tables; :mod:`fuzzyarm.plant` is
 the arm, :mod:`fuzzyarm.controller` has the controllers and :mod:`fuzzyarm.loop` closes the
-loop; :mod:`fuzzyarm.study` has the published experiments; :mod:`fuzzyarm.show` draws.
+loop; :mod:`fuzzyarm.learning` makes rule bases from samples, :mod:`fuzzyarm.sklearn` as
+estimators; :mod:`fuzzyarm.study` has the published experiments; :mod:`fuzzyarm.show` draws.
 Importing this page is instant: what a name needs is loaded when the name is used.
 """
 

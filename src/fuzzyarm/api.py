@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 
 RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
+"""Those of :data:`fuzzyarm.formats.READABLE`; that module would load every reader."""
 
 
 class FileWarning(UserWarning):
@@ -84,9 +85,12 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     if suffix == ".frb":
         parsed = parse(read_text(path), name)
         if parsed.controller is not None:
-            from fuzzyarm.controller.text import read_controller
+            from fuzzyarm.controller.text import with_files
 
-            return read_controller(path)
+            text, faults = with_files(parsed.controller, Path(name).parent, name)
+            if faults:
+                raise RuleBaseError(faults)
+            return text
         if parsed.rulebase is None:
             raise RuleBaseError(parsed.diagnostics)
         return parsed.rulebase

@@ -80,6 +80,8 @@ def of_every_command(name="x" + HOSTILE):
         ["simulate", "pd", "--duration", "0.1"],
         ["simulate", "nothing"],
         ["learn", PD7, "--passes", "0"],
+        ["fit", PD7, "-o", "fitted.frb", "--rules", "1"],
+        ["validate", PD7, "nothing.csv"],
         ["reproduce", "--list"],
         ["identify", "nothing"],
         ["new", "n\x1b[31m"],

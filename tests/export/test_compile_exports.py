@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from c_programs import HOST, compile_c, execute, need
 
+from fuzzyarm import load
 from fuzzyarm.cli import main
 from fuzzyarm.export import EXPORTS
 from fuzzyarm.inference import infer
@@ -55,13 +56,25 @@ def test_an_export_passes_its_own_test(tmp_path, monkeypatch, capsys, name, opti
 
 
 def test_the_program_of_the_page_compiles_and_agrees(tmp_path, monkeypatch, capsys):
-    (example,) = re.findall(r"```c\n(.*?)```", PAGE, re.DOTALL)
+    example, _ = re.findall(r"```c\n(.*?)```", PAGE, re.DOTALL)
     monkeypatch.chdir(tmp_path)
     assert main(["compile", PD7, "-o", "controller.h"]) == 0
     capsys.readouterr()
     assert main(["compile", PD7, "-o", "pd7.lut"]) == 0
     expected = read_table("pd7.lut").lookup(1.3, -2.2)
     assert run_program(example, tmp_path) == f"{expected:.1f}\n"
+
+
+def test_the_controller_of_the_page_compiles_and_drives(tmp_path, monkeypatch, capsys):
+    _, example = re.findall(r"```c\n(.*?)```", PAGE, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    stfc = str(ROOT / "rulebases" / "stfc.frb")
+    assert main(["compile", stfc, "-o", "stfc.h"]) == 0
+    run = load(stfc).run(gains={"G_u": 2.0}, single=True, compiled=False)
+    still = dict.fromkeys(run.inputs, 0.0)
+    drive = run.step(still, still | {"joint1.position": 0.001})["joint1.voltage"]
+    said = f"{drive:.3f} V at an error of {run.signal('joint1', 'e'):.3f}\n"
+    assert run_program(example, tmp_path) == said
 
 
 def test_headers_of_several_controllers_live_in_one_program(tmp_path, monkeypatch, capsys):
@@ -121,7 +134,8 @@ def test_every_output_gets_a_function(tmp_path, monkeypatch, capsys):
         ([PD7, "-o", "x.lut", "--direct"], "--direct makes no sense here"),
         ([PD7, "-o", "x.h", "--direct", "--q", "7"], "--q makes no sense here"),
         ([PD7, "-o", "x.h", "--direct", "--levels", "7"], "--levels makes no sense here"),
-        ([PD7, "-o", "x.st", "--direct"], "for tables, not for direct inference"),
+        ([PD7, "-o", "x.fmu"], "an .fmu is made of a controller"),
+        ([PD7, "-o", "x.h", "--table"], "--table makes no sense here"),
         ([PD7, "-o", "x.h", "--name", "int"], "'int' cannot begin the identifiers"),
         ([PD7, "-o", "x.h", "--name", "a b"], "for instance a_b_x"),
         ([PD7, "-o", "x.h", "--q", "7", "--precision", "float32"], "--precision makes no sense"),

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import importlib.util
-import re
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 import table_definition as definition
+from st_programs import Program
 
 from fuzzyarm.export import ExportError, export_files, routines_of
+from fuzzyarm.export.names import identifier
+from fuzzyarm.language import load_rulebase, parse
+from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import Axis, LookupTable, read_table
 
 PRINTED = read_table(Path(__file__).parents[2] / "rulebases" / "thesis-6.1.lut")
@@ -35,114 +38,19 @@ OPTIONS = [
     {"mode": "linear", "q": 15},
 ]
 
-WIDTHS = {"INT": 16, "SINT": 8, "DINT": 32}
-REALS = {"REAL": np.float32, "LREAL": np.float64}
-
-
-DECLARATION = r"(\w+) : ((?:ARRAY \[0\.\.\d+\] OF )?\w+)(?: := \[(.*?)\])?;"
-SECTION = r"VAR(_INPUT|_OUTPUT| CONSTANT|)\n(.*?)END_VAR"
-
-
-class Whole(int):
-    """An integer of Structured Text: its division drops the remainder towards zero."""
-
-    def _of(self, value):
-        assert -(2**31) <= value < 2**31, "DINT overflows"
-        return Whole(value)
-
-    def __add__(self, other):
-        return self._of(int(self) + int(other))
-
-    def __sub__(self, other):
-        return self._of(int(self) - int(other))
-
-    def __rsub__(self, other):
-        return self._of(int(other) - int(self))
-
-    def __mul__(self, other):
-        return self._of(int(self) * int(other))
-
-    def __truediv__(self, other):
-        quotient = abs(int(self)) // abs(int(other))
-        return self._of(quotient if (self >= 0) == (other >= 0) else -quotient)
-
-
-def stored(kind, value):
-    """Return a value as a variable of this type holds it."""
-    if kind in REALS:
-        return REALS[kind](value)
-    width = WIDTHS[kind]
-    assert -(2 ** (width - 1)) <= value < 2 ** (width - 1), f"{kind} overflows"
-    return Whole(value)
-
 
 class FunctionBlock:
-    """A small interpreter: declarations, assignments, IF and WHILE, as the standard has them."""
+    """One block of a file; it is given its inputs in order and returns its first output."""
 
-    def __init__(self, text):
-        code = re.sub(r"\(\*.*?\*\)", "", text, flags=re.DOTALL)
-        self.name = re.search(r"FUNCTION_BLOCK (\w+)", code)[1]
-        self.kinds, self.values, self.inputs, self.outputs = {}, {}, [], []
-        for section, body in re.findall(SECTION, code, re.DOTALL):
-            for name, kind, numbers in re.findall(DECLARATION, body, re.DOTALL):
-                element = kind.split()[-1]
-                assert name.lower() not in self.kinds, "the language ignores case"
-                self.kinds[name.lower()] = element
-                if numbers:
-                    size = int(re.search(r"\.\.(\d+)", kind)[1]) + 1
-                    cells = [
-                        stored(element, float(x) if "." in x else int(x))
-                        for x in numbers.split(",")
-                    ]
-                    assert len(cells) == size
-                    self.values[name.lower()] = cells
-                elif section == "_INPUT":
-                    self.inputs.append(name.lower())
-                elif section == "_OUTPUT":
-                    self.outputs.append(name.lower())
-        statements = code.rpartition("END_VAR")[2].partition("END_FUNCTION_BLOCK")[0]
-        self.program = compile(self.translate(statements), self.name, "exec")
-
-    def translate(self, statements):
-        lines, depth = [], 0
-        for line in statements.split("\n"):
-            words = line.strip()
-            if not words:
-                continue
-            if words in {"END_IF;", "END_WHILE;"}:
-                depth -= 1
-                continue
-            if words == "ELSE":
-                lines.append("    " * (depth - 1) + "else:")
-            elif match := re.fullmatch(r"(IF|WHILE) (.*) (THEN|DO)", words):
-                lines.append("    " * depth + f"{match[1].lower()} {self.python(match[2])}:")
-                depth += 1
-            else:
-                match = re.fullmatch(r"(\w+) := (.*);", words)
-                name = match[1].lower()
-                value = f"stored('{self.kinds[name]}', {self.python(match[2])})"
-                lines.append("    " * depth + f"v['{name}'] = {value}")
-        return "\n".join(lines)
-
-    def python(self, expression):
-        def word(match):
-            token = match[0]
-            if re.fullmatch(r"[A-Z]+_TO_[A-Z]+", token):
-                return f"as_{token.rpartition('_')[2]}"
-            if token[0].isdigit():
-                return token
-            assert token.lower() in self.kinds, token
-            return f"v['{token.lower()}']"
-
-        return re.sub(r"\d[\d.]*(?:E[+-]?\d+)?|\w+", word, expression)
+    def __init__(self, text, name="", real="LREAL"):
+        program = Program(text, real)
+        blocks = [unit.name for unit in program.units.values() if unit.sort != "FUNCTION"]
+        self.instance = program.instance(name or blocks[0])
+        self.inputs = self.instance.unit.inputs
 
     def call(self, *inputs):
-        values = dict(self.values)
-        for name, value in zip(self.inputs, inputs, strict=True):
-            values[name] = stored(self.kinds[name], value)
-        casts = {f"as_{k}": (lambda x, k=k: stored(k, x)) for k in [*WIDTHS, *REALS]}
-        exec(self.program, {"v": values, "stored": stored, **casts})
-        return values[self.outputs[0]]
+        self.instance.run(**dict(zip(self.inputs, inputs, strict=True)))
+        return next(iter(self.instance.outputs().values()))
 
 
 def sample_points(routine, count=150):
@@ -229,6 +137,45 @@ def test_a_parser_of_other_people_reads_it(options, tmp_path):
         assert wrong.exception is not None
 
 
-def test_direct_inference_is_not_written(pd7, tmp_path):
-    with pytest.raises(ExportError, match="for tables, not for direct inference"):
-        export_files(routines_of(pd7), tmp_path / "plc.st")
+@pytest.mark.parametrize("precision", ["float64", "mixed", "float32"])
+@pytest.mark.parametrize("name", ["pd7-study", "fine7", "alpha7", "fan"])
+def test_direct_inference_is_what_the_model_computes(tmp_path, name, precision):
+    (routine,) = routines_of(load_rulebase(shipped(f"{name}.frb")), precision=precision)
+    (file,) = export_files([routine], tmp_path / "plc.st").files
+    real = "REAL" if precision == "float32" else "LREAL"
+    output = identifier(routine.output.name)
+    block = FunctionBlock(file[1], f"plc_{output}", real)
+    points = [column[:40] for column in sample_points(routine, 20)]
+    found = [block.call(*point) for point in zip(*(p.tolist() for p in points), strict=True)]
+    expected = routine.evaluate(*points)
+    np.testing.assert_array_equal(np.array(found, expected.dtype), expected)
+
+
+SILENT = """rulebase silent
+input  a 0 .. 4
+output u 0 .. 10
+term a L: triangle 0 1 2
+term u D: triangle 2 3 4
+inference no-rule error
+rule if a is L then u is D
+"""
+
+
+def test_where_no_rule_fires_the_block_keeps_its_value_and_says_so(tmp_path):
+    model = parse(SILENT).rulebase
+    (file,) = export_files(routines_of(model), tmp_path / "plc.st").files
+    block = Program(file[1], "LREAL").instance("plc_u")
+    for a, fired in ((1.0, True), (3.5, False), (0.5, True), (2.0, False)):
+        before = block.values["u"]
+        block.run(a=a)
+        assert block.outputs()["fired"] is fired
+        assert block.values["u"] == (pytest.approx(3.0) if fired else before)
+
+
+def test_what_the_language_lacks_is_named(tmp_path):
+    curved = SILENT.replace("term u D: triangle 2 3 4", 'term u D: formula "tanh(a)"')
+    curved = curved.replace("no-rule error", "defuzzifier weighted-average, no-rule error")
+    model = parse(curved).rulebase
+    assert model is not None
+    with pytest.raises(ExportError, match="no function for 'tanh'"):
+        export_files(routines_of(model), tmp_path / "plc.st")

@@ -22,7 +22,18 @@ from fuzzyarm.formats.registry import read
 from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.inference import infer, prepare
 from fuzzyarm.language import load_rulebase
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Input,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+)
 
 DATA = Path(__file__).parent / "data"
 
@@ -277,6 +288,19 @@ def test_tables_mean_what_the_rules_meant(data: st.DataObject) -> None:
             assert outcome(other, at) == pytest.approx(
                 outcome(one, at), rel=1e-9, abs=1e-12, nan_ok=True
             )
+
+
+def test_rules_that_ask_for_an_input_twice_fill_no_table() -> None:
+    terms = tuple(
+        Term(name, Shape("triangle", (k - 1.0, k, k + 1.0))) for k, name in enumerate("AB")
+    )
+    twice = [
+        And((Is("a", x), Is("a", y), Is("b", z))) for x, y, z in itertools.product("AB", repeat=3)
+    ]
+    rules = tuple(Rule(each, (Consequent("u", "A"),)) for each in reversed(twice))
+    inputs = tuple(Input(name, 0.0, 1.0, terms) for name in "ab")
+    rulebase = RuleBase("twice", inputs, (Output("u", 0.0, 1.0, terms),), (RuleBlock(rules),))
+    assert in_tables(rulebase) == rulebase
 
 
 def outcome(rulebase: RuleBase, at: dict[str, float]) -> dict[str, float]:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fuzzyarm.formats import Imported, parse, parse_fcl, parse_fis, parse_fll, read, write
 from fuzzyarm.formats.findings import MAX_CHARACTERS
 from fuzzyarm.inference import infer
 from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Hedged, Is, Or, RuleBase, Shape
+from fuzzyarm.model.shapes import membership_function
 
 DATA = Path(__file__).parent / "data"
 
@@ -222,6 +226,16 @@ def test_fll_of_two_terms_with_one_name_the_last_counts() -> None:
     assert shape(good(imported), "x", "a") == Shape("ramp", (1.0, 0.0))
 
 
+def test_fll_of_two_points_at_one_x_the_last_counts_there_alone() -> None:
+    text = FLL.replace("low Triangle 0 0.25 0.5", "low Discrete 0 0 0.25 1 0.25 0 0.5 0 0.5 1 1 1")
+    low = shape(good(parse_fll(text.replace("RULE\n", "if x is a then y is low\n"))), "y", "low")
+    degree = membership_function(low)
+    assert (degree(0.25), degree(0.5)) == (0.0, 1.0)
+    assert degree(math.nextafter(0.25, 0.0)) == pytest.approx(1.0)
+    assert degree(0.25 - 1e-9) == pytest.approx(1.0, abs=1e-8)
+    assert degree(math.nextafter(0.5, 0.0)) == pytest.approx(0.0)
+
+
 def test_fll_older_spellings_are_read() -> None:
     text = FLL.replace("aggregation:", "accumulation:").replace("General", "AlgebraicProduct")
     rulebase = good(parse_fll(text.replace("RULE", "if x is a then y is low")))
@@ -325,6 +339,8 @@ def test_fis_of_fuzzylite_fires_above_a_millionth_and_has_the_mean_of_nothing() 
         ("MF2='middling'", "MF2='little'", "duplicate-term-name"),
         ("[Output2]", "[Output1]", "duplicate-section"),
         ("Name='food'", "Nme='food'", "unknown-key"),
+        ("Name='food'", "Name='food", "syntax"),
+        ("Name='food'", "Name='", "syntax"),
         ("[Rules]", "[Rule]", "syntax"),
     ],
 )
@@ -369,6 +385,51 @@ def test_fcl_of_jfuzzylogic_sets_or_by_and_and_adds_up_unless_told() -> None:
     assert {o.aggregation for o in good(parse_fcl(text)).outputs} == {"sum"}
 
 
+@pytest.mark.parametrize(
+    ("norms", "said"),
+    [
+        ("AND : MIN; OR : ASUM;", True),
+        ("AND : PROD; OR : MAX;", True),
+        ("AND : MIN; OR : MAX;", False),
+    ],
+)
+def test_fcl_of_jfuzzylogic_says_where_one_norm_overrides_the_other(norms: str, said: bool) -> None:
+    text = re.sub(r"AND : \w+;", norms, FCL, count=1)
+    assert text != FCL
+    assert ("paired-norms" in names(parse_fcl(text))) is said
+
+
+@settings(max_examples=25)
+@given(
+    st.sampled_from([(0.0, 1.0), (-1.0, 11.0), (-0.3, 0.4), (2.5, 102.5), (-6.0, 4.0)]),
+    st.lists(st.integers(0, 100), min_size=2, max_size=2, unique=True).map(sorted),
+    st.sampled_from(["TRAPE {0} {0} {1} {1}", "TRIAN {0} {0} {1}", "TRIAN {0} {1} {1}"]),
+)
+def test_fcl_edges_are_seen_from_the_side_of_jfuzzylogic(
+    ends: tuple[float, float], percents: list[int], kind: str
+) -> None:
+    """It goes from sample to sample by adding up steps; so does this test."""
+    low, high = ends
+    first, last = (round(low + (high - low) * each / 100, 6) for each in percents)
+    text = FCL.replace("TRIAN 0 0 30;", f"{kind.format(first, last)};")
+    text = text.replace("METHOD : COG;", f"METHOD : COG; RANGE := ({low} .. {high});")
+    output = good(parse_fcl(text)).outputs[0]
+    assert (output.low, output.high) == (low, high)
+    degree = membership_function(output.term("off").shape)
+    step = (output.high - output.low) / 1000
+    walked = output.low
+    for k in range(1000):
+        if not first <= walked <= last:
+            wanted = 0.0
+        elif kind.startswith("TRAPE"):
+            wanted = 1.0
+        else:
+            way = last - walked if kind == "TRIAN {0} {0} {1}" else walked - first
+            wanted = way / (last - first)
+        assert degree(output.low + k * step) == pytest.approx(wanted, abs=1e-9)
+        walked += step
+
+
 def test_fcl_of_jfuzzylogic_binds_and_and_or_alike() -> None:
     rule = ours("pump_jfuzzylogic.fcl").rules[2]
     assert rule.antecedent == And(
@@ -399,6 +460,36 @@ def test_fcl_of_fuzzylite() -> None:
     assert (lamp.defuzzifier.method, lamp.no_rule) == ("weighted-average", 0.25)
     assert rulebase.blocks[0].conjunction == "einstein"
     assert isinstance(rulebase.rules[1].antecedent, Hedged)
+
+
+def test_fcl_of_fuzzylite_in_capitals() -> None:
+    text = (DATA / "oven_fuzzylite.fcl").read_text()
+    loud = re.sub(r"\b(if|is|and|or|then|with)\b", lambda word: word.group().upper(), text)
+    assert loud != text
+    assert good(parse_fcl(loud)) == good(parse_fcl(text))
+
+
+@pytest.mark.parametrize(
+    ("function", "end", "degree"),
+    [
+        ("GBELL 2 3 5", "high", 1e-3),
+        ("GBELL 2 0.75 5", "low", 1e-3),
+        ("GAUSS 1 0.5", "low", math.exp(-8.0)),
+        ("GAUSS2 1 0.5 2 0.75", "high", math.exp(-8.0)),
+        ("SIGM -4 1", "high", 1.0 / (1.0 + math.exp(9.0))),
+        ("SIGM 3 1", "low", 1.0 / (1.0 + math.exp(9.0))),
+        ("COSINE 2 5", "high", 0.0),
+    ],
+)
+def test_fcl_without_a_range_goes_as_far_as_the_terms(
+    function: str, end: str, degree: float
+) -> None:
+    level = FCL[FCL.index("  TERM low") : FCL.index("END_FUZZIFY")]
+    text = FCL.replace(level, f"  TERM low := {function};\n")
+    text = re.sub(r"  RULE (2|three|4) .*\n", "", text)
+    variable = good(parse_fcl(text)).inputs[0]
+    found = membership_function(variable.terms[0].shape)(getattr(variable, end))
+    assert found == pytest.approx(degree, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -54,10 +54,13 @@ def slack(rulebase: RuleBase, name: str, share: float = 1e-12) -> float:
     """How far two engines may be apart at an output.
 
     The inverse of a set has an infinite slope at its ends (Tsukamoto): the last bit of a
-    strength moves it by the root of that bit.
+    strength moves it by the root of that bit. The tail of a difference of sigmoids is what is
+    left of two numbers near 1: cut at a strength of 1e-9, it is known to 1e-7 of that.
     """
     output = rulebase.output(name)
     share = max(share, 3e-8) if output.defuzzifier.method == "tsukamoto" else share
+    if any(term.shape.kind == "sigmoid-difference" for term in output.terms):
+        share = max(share, 1e-9)
     return share * max(1.0, output.high - output.low)
 
 

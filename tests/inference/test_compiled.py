@@ -36,6 +36,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from tests.inference import small
 from tests.strategies import (
     CONJUNCTIONS,
     DISJUNCTIONS,
@@ -361,6 +362,50 @@ def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
     finally:
         watch_compiling(lambda name: None)
     assert found == []
+
+
+@pytest.mark.parametrize("implication", ["min", "product"])
+@pytest.mark.parametrize("strength", [0.0, 5e-324, 1e-300, 1e-35, 1e-17])
+def test_a_rule_that_all_but_fails_hides_no_other(strength: float, implication: str) -> None:
+    """Its set is above the foot of the other one, over a stretch that no float can resolve."""
+    terms = small.terms(A=Shape("ramp", (1.0, 2.0)), B=Shape("triangle", (0.0, 1.0, 2.0)))
+    rules = [small.rule("a high", "u A"), small.rule("b high", "u B")]
+    rulebase = small.base(rules, terms, low=1.0, implication=implication)
+    area, moment = 0.5 + 8.0, 0.5 * (1.0 + 2.0 / 3.0) + 8.0 * 6.0
+    point = {"a": 1.0, "b": strength}
+    for found in (compiled(rulebase)(point), infer(rulebase, point)):
+        assert found["u"] == pytest.approx(moment / area, rel=1e-12)
+
+
+@pytest.mark.parametrize("aggregation", ["max", "sum"])
+@pytest.mark.parametrize("implication", ["min", "product"])
+@pytest.mark.parametrize(
+    "method", ["centroid", "centroid of samples", "bisector", "weighted-average"]
+)
+def test_the_kernel_needs_no_help_where_rules_fire(
+    method: str, implication: str, aggregation: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it cannot evaluate goes to the other engines, which would hide that it fails."""
+    corners = ((0.0, 2.0, 8.0), (0.0, 4.0, 8.0), (0.0, 6.0, 8.0), (1.0, 5.0, 10.0))
+    sets = small.terms(
+        **{name: Shape("triangle", each) for name, each in zip("ABCD", corners, strict=True)}
+    )
+    rules = [small.rule(f"{name} high", f"u {name.upper()}") for name in "abcd"]
+    rulebase = small.base(
+        rules, sets, method.split(maxsplit=1)[0], names="abcd", implication=implication,
+        aggregation=aggregation, resolution=101 if "samples" in method else None,
+    )  # fmt: skip
+    fast = compiled(rulebase)
+    assert fast.kernel == "numba"
+    draw = np.random.default_rng(1)
+    points = {name: draw.uniform(0.01, 1.0, 40) for name in "abcd"}
+    wanted = infer_arrays(rulebase, points)["u"]
+    monkeypatch.setattr(engine, "infer_arrays", None)
+    np.testing.assert_allclose(fast(points)["u"], wanted, rtol=1e-12)
+    for i in range(40):
+        found = fast.ordinary({name: float(column[i]) for name, column in points.items()})
+        assert found is not None
+        assert found["u"] == pytest.approx(wanted[i], rel=1e-12)
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@ from fuzzyarm.inference import (
     OutsideRangeError,
     UnknownNameError,
     compiled,
+    explain,
     infer,
 )
 from fuzzyarm.model.rulebase import (
@@ -159,6 +160,8 @@ def test_a_threshold_silences_weak_rules() -> None:
     assert infer(rulebase, a=0.25)["u"] == -1.0
     assert infer(rulebase, a=0.26)["u"] == pytest.approx(5.0)
     np.testing.assert_allclose(infer(rulebase, a=np.array([0.25, 0.26]))["u"], [-1.0, 5.0])
+    assert compiled(rulebase)(a=0.25)["u"] == -1.0
+    assert [explain(rulebase, a=a).rules[0].strength for a in (0.25, 0.26)] == [0.0, 0.26]
 
 
 # ── no rule ──────────────────────────────────────────────────────────────────────────

@@ -206,6 +206,8 @@ WORKS = [
     ("watch", "{own}", "--once"),
     ("watch", "{own}", "--once", "--table", "{out}.lut"),
     ("simulate", "fuzzy-direct", "--rulebase", "{own}", "--segment", "0.1", "--json"),
+    ("fit", "{own}", "-o", "{out}.frb", "--rules", "1"),
+    ("validate", "{own}", "{data}", "--json"),
 ]
 ANSWERS = [
     ("compile", "{own}", "-o", "{out}.h", "--direct"),
@@ -233,8 +235,14 @@ def run(words, name, folder, capsys):
     (folder / "in").mkdir(exist_ok=True)
     own = folder / "in" / "own.frb"
     own.write_text(format_text(TEXTS[name]))
+    model = fuzzyarm.load(own)
+    columns = [each.name for each in (*model.inputs, *model.outputs)]
+    middles = [0.5 * (each.low + each.high) for each in (*model.inputs, *model.outputs)]
+    data = folder / "in" / "data.csv"
+    data.write_text(f"{','.join(columns)}\n{','.join(map(str, middles))}\n")
     filled = {
         "own": own,
+        "data": data,
         "out": folder / "out",
         "shipped": fuzzyarm.shipped("pd7.frb"),
     }

@@ -22,12 +22,13 @@ ORDER = (
     "shipped_files",
     "inference",
     "table",
-    "export",
     "plant",
     "controller",
+    "export",
     "loop",
     "control",
     "learning",
+    "sklearn",
     "study",
     "api",
     "show",
@@ -39,7 +40,9 @@ ORDER = (
 
 FLOOR = {package: floor for floor, package in enumerate(ORDER)}
 
-HEAVY = ("numpy", "numba", "scipy", "skfuzzy", "matplotlib", "rich", "pygls", "textual")
+HEAVY = (
+    "numpy", "numba", "scipy", "skfuzzy", "sklearn", "matplotlib", "rich", "pygls", "textual",
+)  # fmt: skip
 
 
 def package_of(path):

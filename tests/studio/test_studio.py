@@ -16,8 +16,7 @@ from fuzzyarm.language import format_text
 from fuzzyarm.studio.app import Studio
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.panes import Editor, View
-from fuzzyarm.studio.scene import RulebaseScene
-from fuzzyarm.studio.table_scene import TableScene
+from fuzzyarm.studio.scene import RulebaseScene, TableScene
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 

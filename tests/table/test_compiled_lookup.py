@@ -73,6 +73,19 @@ def test_machine_code_gives_the_same_bits(mode):
         assert same_as_the_reference(table, mode, columns_for(table, 3, 50_000), machine=True)
 
 
+@pytest.mark.parametrize("mode", ["bins", "nearest", "linear"])
+@pytest.mark.parametrize("axis", range(4))
+def test_a_nan_is_no_number_on_any_axis(mode, axis):
+    """An axis with one level has nothing to look up, and a NaN there is one all the same."""
+    columns = [np.full(3, 0.5) for _ in range(4)]
+    columns[axis][1] = np.nan
+    way = interpolator if mode == "linear" else picker
+    points = [a.levels if mode == "linear" else a.thresholds(mode) for a in UNEVEN.axes]
+    evaluate = way(UNEVEN.values, points, compiled=False)
+    with np.errstate(invalid="ignore"):
+        assert evaluate is None or not evaluate(columns, np.empty(3))
+
+
 @pytest.mark.slow
 def test_large_arrays_of_any_shape_go_through_it(monkeypatch):
     a, b = np.linspace(-3, 6, 400)[:, None], np.linspace(-7, 7, 300)[None, :]

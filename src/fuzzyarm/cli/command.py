@@ -17,6 +17,7 @@ from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.names import near_hint, printable
 
 if TYPE_CHECKING:
+    from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
@@ -246,6 +247,17 @@ def load_sheet(path: str) -> RuleBase | LookupTable:
         return model.model.rulebases[0]
     hint = f"fuzzyarm simulate {path} runs it"
     raise WordError(f"{path} is a controller, not a rule base or a table", hint=hint)
+
+
+def load_controller(path: str) -> ControllerText | None:
+    """Return the controller in a file; None where it has none."""
+    if not path.lower().endswith(".frb"):
+        return None
+    from fuzzyarm.api import load
+    from fuzzyarm.controller.text import ControllerText
+
+    model = load(path)
+    return model if isinstance(model, ControllerText) else None
 
 
 def load_rulebase(path: str, option: str) -> RuleBase:

@@ -1,4 +1,4 @@
-"""Compile one output of a rule base to a lookup table, or a controller to C.
+"""Compile a rule base to a lookup table or to source text, or a controller to a program.
 
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json. Source text:
 .h (a C99 header on its own), .c (with a .h beside it) or .st (IEC 61131-3 Structured Text).
@@ -11,9 +11,14 @@ whose linear interpolation differs nowhere by more than T; the file's lookup set
 not used.
 
 Source text looks a table up, by --mode; with --q 15 or --q 7 in whole numbers. With --direct
-C infers the rules themselves. All outputs go into one file unless --output names one.
+the rules themselves are inferred. All outputs go into one file unless --output names one.
+
+A controller becomes a state with `init` and `step` in C, a function block, or with .fmu a
+co-simulation unit (FMI), built with the C compiler that is there. Its rules are inferred, or
+with --table looked up in tables that are made as above.
 
   fuzzyarm compile rulebases/pd7.frb -o controller.h --q 15
+  fuzzyarm compile rulebases/stfc.frb -o stfc.h
 """
 
 from __future__ import annotations
@@ -34,6 +39,7 @@ from fuzzyarm.cli.command import (
     flag,
     group,
     json_of,
+    load_controller,
     load_sheet,
     out,
     print_json,
@@ -45,27 +51,46 @@ from fuzzyarm.language.tokens import Cursor, Fault, tokenize
 from fuzzyarm.text.diagnostic import Diagnostic
 
 if TYPE_CHECKING:
-    from fuzzyarm.export import Exported
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.export import Exported, ExportedController
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import CompileReport, LookupTable
 
 
 _EXPORTS = (".h", ".c", ".st")
+_UNIT = ".fmu"
 
 # Options that make no sense for some inputs or outputs, by their names.
 _SOURCE_ONLY = ("direct", "q", "precision", "name")
 _RULES_ONLY = ("direct", "levels", "tolerance", "round", "date")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
+_CONTROLLERS_ONLY = ("table", "fmi")
+_MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import SUFFIXES
 
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
-    exports = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS)) in _EXPORTS
+    suffix = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS, _UNIT))
+    exports = suffix not in SUFFIXES
+    controller = load_controller(arguments.file) if exports else None
+    if controller is not None:
+        _export_controller(controller, suffix, arguments)
+        return 0
+    if suffix == _UNIT:
+        raise WordError(f"an .fmu is made of a controller, which {arguments.file} is not")
     if not exports:
         _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
+    _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")
+    _compile_sheet(arguments, exports=exports)
+    return 0
+
+
+def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
+    """Compile a rule base or a table."""
+    from fuzzyarm.model.rulebase import RuleBase
+
     model = load_sheet(arguments.file)
     if not isinstance(model, RuleBase):
         _forbid(arguments, _RULES_ONLY, f"{arguments.file} is a table already")
@@ -90,7 +115,6 @@ def _run(arguments: argparse.Namespace) -> int:
             print_json(_report_data(report, arguments.out), 2)
         else:
             say(*_report_lines(report, arguments.out))
-    return 0
 
 
 def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> None:
@@ -164,6 +188,44 @@ def _export(
         return
     lines = [line for report in reports for line in _report_lines(report, arguments.out)]
     say(*lines, *_export_lines(exported))
+
+
+def _export_controller(
+    controller: ControllerText, suffix: str, arguments: argparse.Namespace
+) -> None:
+    """Write a controller as a program and say what it is."""
+    from fuzzyarm.export import ControllerProgram, export_controller, with_tables
+
+    if arguments.table and arguments.direct:
+        raise WordError("--table and --direct exclude each other")
+    if not arguments.table:
+        _forbid(arguments, _MADE_TABLES_ONLY, "without --table no table is made of rules")
+    _forbid(arguments, ("output",), "a controller is exported as a whole")
+    if suffix != _UNIT:
+        _forbid(arguments, ("fmi",), f"{Path(arguments.out).name} is not a unit of FMI")
+    elif arguments.precision not in (None, "float64"):
+        raise WordError("a unit of FMI computes in double precision: --precision float64")
+    default = {".st": "float32", _UNIT: "float64"}.get(suffix, "mixed")
+    reports: list[CompileReport] = []
+    if arguments.table:
+
+        def compile_output(rulebase: RuleBase, output: str) -> LookupTable:
+            report = _compile(rulebase, output, arguments)
+            reports.append(report)
+            table = report.table
+            return table if arguments.mode is None else replace(table, mode=arguments.mode)
+
+        controller = with_tables(controller, compile_output)
+    program = ControllerProgram(controller, arguments.precision or default, arguments.q)
+    with busy("exporting"):
+        exported = export_controller(program, arguments.out, arguments.name, fmi=arguments.fmi or 2)
+    exported.write()
+    if arguments.json:
+        tables = [_report_data(report, arguments.out) for report in reports]
+        print_json({**_controller_data(exported), "tables": tables}, 2)
+        return
+    lines = [line for report in reports for line in _report_lines(report, arguments.out)]
+    say(*lines, *_controller_lines(exported))
 
 
 # --- The `--levels`, in the words of the language ---
@@ -311,12 +373,55 @@ def _export_lines(exported: Exported) -> list[str]:
     return lines
 
 
+def _controller_data(exported: ExportedController) -> dict[str, Any]:
+    from fuzzyarm.export.controllers import port_name
+
+    program = exported.program
+    steps, tried = program.steps, program.tried
+    ports = {
+        word: [port_name(steps, port) for port in steps.of_sort(sort)]
+        for sort, word in (
+            ("reference", "references"), ("measured", "measured"), ("drive", "drives"),
+        )
+    }  # fmt: skip
+    return {
+        "files": [str(path) for path, _ in exported.files],
+        "controller": program.text.model.name,
+        "period": program.text.model.period,
+        **ports,
+        "gains": list(dict.fromkeys(gain.name for gain in steps.of_sort("gain"))),
+        "calls": list(exported.calls),
+        "precision": program.precision,
+        "worst": tried.worst,
+        "largest": tried.largest,
+        "periods": len(tried.vectors.expected),
+    }
+
+
+def _controller_lines(exported: ExportedController) -> list[str]:
+    from fuzzyarm.show.drawing import number_words
+
+    tried = exported.program.tried
+    lines = []
+    for path, content in exported.files:
+        size = len(content.encode() if isinstance(content, str) else content)
+        what = "bytes of source" if isinstance(content, str) else "bytes"
+        lines.append(f"{path}: {size:,} {what}")
+    worst, largest = number_words(tried.worst, 3), number_words(tried.largest, 3)
+    return [
+        *lines,
+        *exported.calls,
+        f"  worst difference to the controller in double precision: {worst}"
+        f" ({len(tried.vectors.expected)} periods, drives up to {largest})",
+    ]
+
+
 COMMANDS = (
     command(
         "compile",
         __doc__,
         _run,
-        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis) or a table"),
+        argument("file FILE", "a rule base (.frb, .fll, .fcl, .fis), a table or a controller"),
         out("OUT", "the file to write"),
         argument("--output NAME", "which output, if there are several"),
         argument("--levels SPEC", "49, or '-6 .. 6 step 1', or 'e = 49, ce = 25'", either="size"),
@@ -326,8 +431,10 @@ COMMANDS = (
         flag("--date", "put today's date into the table"),
         json_of("the report"),
         *group(
-            "source text (.h, .c, .st)",
-            flag("--direct", "infer the rules, without a table"),
+            "source text (.h, .c, .st) and units (.fmu)",
+            flag("--direct", "infer the rules, without a table (of controllers: the default)"),
+            flag("--table", "of a controller: look tables up instead of inferring its rules"),
+            argument("--fmi", "version of FMI, 2 by default", type=int, choices=(2, 3)),
             argument("--q", "fixed point: int16 or int8", type=int, choices=(15, 7)),
             argument(
                 "--precision",

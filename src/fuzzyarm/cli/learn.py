@@ -1,4 +1,4 @@
-"""Train self-organizing control (SOC), see its tables grow, save what it has learned.
+"""Train self-organizing control (SOC) on the arm or on any plant, see its tables grow, save them.
 
 The table begins at zero, at the shipped table (--start table) or at a file of yours. At
 every control step the performance table judges the error and its rate and corrects the
@@ -16,6 +16,7 @@ Examples
   fuzzyarm diff before.lut learned.lut
   fuzzyarm simulate fuzzy-lut-x10 --table learned.lut --trajectory pick-and-place --payload
   fuzzyarm learn --start learned.lut --freeze --payload
+  fuzzyarm learn servo-soc.frb --plant motor --passes 6 -o learned.lut
 """
 
 from __future__ import annotations
@@ -40,6 +41,15 @@ from fuzzyarm.cli.command import (
     progress_bar,
     require_suffix,
 )
+from fuzzyarm.cli.plants import (
+    PLANT,
+    connections,
+    motion_of,
+    options_of,
+    plant_of,
+    require_plain,
+    split_settings,
+)
 from fuzzyarm.cli.simulate import (
     CONVENTIONS,
     DIVERGED,
@@ -52,11 +62,15 @@ from fuzzyarm.cli.simulate import (
 from fuzzyarm.language.controller_meaning import MAX_DELAY
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from rich.console import Console
 
     from fuzzyarm.controller import Sources
     from fuzzyarm.controller.on_plant import Learned
     from fuzzyarm.learning.self_organizing import Snapshot
+    from fuzzyarm.loop import Motion, Options
+    from fuzzyarm.plant import Conventions
 
 
 _MOST_PASSES = 10_000
@@ -131,8 +145,10 @@ class _Training:
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         from fuzzyarm.controller.catalogue import CATALOGUE, Choice, TextEntry, text_controller
-        from fuzzyarm.controller.on_plant import TextLaw, learned
+        from fuzzyarm.controller.controller import CompiledController
+        from fuzzyarm.controller.on_plant import TextLaw, controller_on, learned, site_of
         from fuzzyarm.controller.text import teaching
+        from fuzzyarm.plant.plant import with_parameters
         from fuzzyarm.plant.setting import Arithmetic
         from fuzzyarm.table import LookupTable
 
@@ -151,8 +167,17 @@ class _Training:
         self.text, self.learner = made.law.text, learners[0]
         sheet = self.text.sheets[self.learner.table][0]
         assert isinstance(sheet, LookupTable)
-        self.controller = made.with_gains(overrides(arguments.set))
-        self.start = learned(made.law, Arithmetic())
+        plant = plant_of(arguments)
+        gains, parameters = split_settings(overrides(arguments.set), made, plant)
+        self.controller = made.with_gains(gains)
+        self.plant = with_parameters(plant, parameters) if parameters else plant
+        self.count = len(self.text.model.axis_names)
+        if arguments.joint is not None and not 1 <= arguments.joint <= self.count:
+            raise WordError(f"--joint takes 1 to {self.count}, not {arguments.joint}")
+        bound = controller_on(self.controller, site_of(self.plant, connections(arguments)))
+        assert isinstance(bound, CompiledController)
+        assert isinstance(bound.law, TextLaw)
+        self.start = learned(bound.law, Arithmetic())
         self.like = replace(
             sheet,
             output="u",
@@ -164,12 +189,10 @@ class _Training:
     def snapshots(self) -> Iterator[Snapshot]:
         """Train, with a progress bar where a terminal shows it."""
         from fuzzyarm.learning.self_organizing import train
-        from fuzzyarm.loop import Options
-        from fuzzyarm.loop.course import arm_motion
 
         arguments = self.arguments
-        trajectory, conventions, arms = experiment_of(arguments, self.name)
-        motion = arm_motion(trajectory, arms, conventions, Options())
+        connect, options = connections(arguments), options_of(arguments, self.plant)
+        motion, conventions = self._motion(connect, options)
         points = len(motion.time)
         done = 0
         # A bar and grids on one screen would be in each other's way.
@@ -181,6 +204,8 @@ class _Training:
                 passes=arguments.passes,
                 every=arguments.every,
                 conventions=conventions,
+                options=options,
+                connect=connect,
             ):
                 advance(snapshot.points - done)
                 done = snapshot.points
@@ -188,12 +213,22 @@ class _Training:
                 learned = snapshot.learned.readable(single=conventions.single)
                 yield replace(snapshot, learned=learned)
 
+    def _motion(self, connect: Mapping[str, str], options: Options) -> tuple[Motion, Conventions]:
+        from fuzzyarm.loop.course import arm_motion
+        from fuzzyarm.plant import PLAIN, Arm
+
+        if isinstance(self.plant, Arm):
+            trajectory, conventions, arms = experiment_of(self.arguments, self.name, self.plant)
+            return arm_motion(trajectory, arms, conventions, options), conventions
+        require_plain(self.arguments)
+        return motion_of(self.arguments, self.controller, self.plant, connect), PLAIN
+
     def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view
 
         pairs = zip(self.start.tables(self.like), learned.tables(self.like), strict=True)
         for joint, (before, after) in enumerate(pairs):
-            name, visits = f"joint {joint + 1}", learned.visits[joint]
+            name, visits = self.text.model.axis_names[joint], learned.visits[joint]
             console.print(learned_view(before, after, visits, name, with_visits=with_visits))
 
     def show(self, snapshot: Snapshot) -> None:
@@ -201,24 +236,23 @@ class _Training:
         from fuzzyarm.show.drawing import make_console
 
         console = make_console()
-        rms = snapshot.rms
         console.print(
             f"pass {snapshot.passage} of {self.arguments.passes}, {snapshot.time:.3f} s: "
-            f"RMS error {rms[0]:.4f}° and {rms[1]:.4f}° so far"
+            f"RMS error {_errors(snapshot)} so far"
         )
         self._print_tables(console, snapshot.learned, with_visits=False)
 
     def print(self, finished: list[Snapshot]) -> None:
         """Print the tables at the end and the errors of each pass."""
+        from fuzzyarm.controller.program import AXIS
         from fuzzyarm.show.drawing import make_console
 
         console = make_console()
         last, out = finished[-1], self.arguments.out
         self._print_tables(console, last.learned, with_visits=True)
         for snapshot in finished:
-            rms = snapshot.rms
             console.print(
-                f"pass {snapshot.passage}: RMS error {rms[0]:.4f}° and {rms[1]:.4f}°"
+                f"pass {snapshot.passage}: RMS error {_errors(snapshot)}"
                 + (", learning off" if self.arguments.freeze else "")
             )
         if last.diverged is not None:
@@ -226,15 +260,17 @@ class _Training:
                 f"diverged: the training was stopped at {last.diverged:.3f} s of that pass"
             )
         if out:
-            both = "" if self.arguments.joint else ", both joints in one table over joint, e and ce"
+            inputs = ", ".join((AXIS, *(axis.name for axis in last.learned.axes)))
+            single = self.arguments.joint or self.count == 1
+            both = "" if single else f", all axes in one table over {inputs}"
             console.print(f"{out}: written{both}", soft_wrap=True)
 
     def write(self, learned: Learned) -> None:
         """Write the table of one joint, or one over both."""
         from fuzzyarm.table import write_table
 
-        if self.arguments.joint:
-            table = learned.tables(self.like)[self.arguments.joint - 1]
+        if self.arguments.joint or self.count == 1:
+            table = learned.tables(self.like)[(self.arguments.joint or 1) - 1]
         else:
             table = learned.table(self.like)
         origin = tuple(self._provenance().items())
@@ -254,7 +290,7 @@ class _Training:
             "made": "learned by self-organizing control",
             "start": files[line.table] if arguments.controller and start == "zero" else start,
             "performance": Path(arguments.performance or judge).name,
-            "trajectory": _trajectory_words(arguments),
+            "trajectory": self._words(),
             "passes": str(arguments.passes),
             "learning": f"rate {rate:g}, delay {line.delay}",
             "conventions": arguments.conventions,
@@ -269,6 +305,14 @@ class _Training:
         if arguments.date:
             pairs["date"] = datetime.now(UTC).date().isoformat()
         return pairs
+
+    def _words(self) -> str:
+        """Say along what it was trained."""
+        arguments = self.arguments
+        if arguments.plant == "arm":
+            return _trajectory_words(arguments)
+        references = " ".join(arguments.reference) or f"step {arguments.step or 1:g}"
+        return f"{Path(arguments.plant).name} {references}"
 
     def data(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the state of a training as JSON data."""
@@ -286,9 +330,16 @@ class _Training:
                     "changed": int(changed[joint].sum()),
                     "never_visited": int((learned.visits[joint] == 0).sum()),
                 }
-                for joint in (0, 1)
+                for joint in range(self.count)
             ],
         }
+
+
+def _errors(snapshot: Snapshot) -> str:
+    """Return the errors of a pass as they are printed."""
+    units = ["°" if unit == "degrees" else f" {unit}" for unit in snapshot.units]
+    words = [f"{error:.4f}{unit}" for error, unit in zip(snapshot.rms, units, strict=True)]
+    return " and ".join(words)
 
 
 def _trajectory_words(arguments: argparse.Namespace) -> str:
@@ -327,6 +378,7 @@ COMMANDS = (
             "FILE, or yamazaki or procyk-mamdani, which are shipped; by default as the text says",
         ),
         *TRAJECTORY,
+        *PLANT,
         *group(
             "training",
             argument("--passes N", "repeat the trajectory", type=int, default=1),
@@ -339,7 +391,7 @@ COMMANDS = (
         *group(
             "output",
             out("FILE", ".lut, .csv, .json or .npz", required=False),
-            argument("--joint", "write the table of one joint", type=int, choices=[1, 2]),
+            argument("--joint N", "write the table of one joint, or axis, alone", type=int),
             flag("--date", "write the date into the file"),
             argument("--every N", "show the tables after every N set points", type=int),
             JSON,

@@ -29,6 +29,8 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "corpus": ("corpus", "how a folder of other programs' files comes in"),
     "simulate": ("simulate", "run a controller on the robot arm"),
     "learn": ("learn", "train a table on the robot arm and see it grow"),
+    "fit": ("fit", "learn a rule base from samples, as text"),
+    "validate": ("validate", "judge a rule base by samples, region by region, rule by rule"),
     "reproduce": ("study", "run the study's published experiments again"),
     "identify": ("study", "fit unprinted gains to published figures"),
     "new": ("start", "a commented rule base to start from"),

@@ -1,9 +1,14 @@
-"""Run a controller on the two-link arm and report its errors.
+"""Run controllers on the two-link arm, or on any plant, and report their errors.
 
 CONTROLLER is a name (--list shows all), a controller as text (FILE.frb), a Python file of
 yours (FILE.py or FILE.py:CLASS) with a class derived from fuzzyarm.controller.Controller,
-or several of these with plus signs between. Errors are degrees: root mean square, largest
-magnitude with its sign, and final. Exit status 3 if the run diverged.
+or several of these with plus signs between. Several controllers make the same run one after
+the other. Errors (of angles in degrees) are root mean square, largest magnitude with its
+sign, and final. Exit status 3 if a run diverged.
+
+The arm follows a trajectory; any other plant runs a controller as text along references.
+--set changes gains of the controller and parameters of the plant (plant.NAME where both
+have a name).
 
 Examples
 --------
@@ -11,6 +16,8 @@ Examples
   fuzzyarm simulate pd --angles 60 -30 --segment 1.5 --set K_P=300,200
   fuzzyarm simulate acdid --start cold --payload --conventions study --json
   fuzzyarm simulate fuzzy-direct --rulebase pd7.frb --payload --plot errors.png
+  fuzzyarm simulate servo.frb --plant motor --step 1 --for 2s --noise position=0.001
+  fuzzyarm simulate heater.frb --plant mine.py:Kiln --connect temperature=T --csv run.csv
 """
 
 from __future__ import annotations
@@ -18,7 +25,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,12 +41,22 @@ from fuzzyarm.cli.command import (
     load_rulebase,
     load_table,
     print_json,
+    progress_bar,
+)
+from fuzzyarm.cli.plants import (
+    PLANT,
+    connections,
+    motion_of,
+    options_of,
+    plant_of,
+    require_plain,
+    split_settings,
 )
 
 if TYPE_CHECKING:
     from fuzzyarm.controller import Controller, Sources
-    from fuzzyarm.loop import Options, Run
-    from fuzzyarm.plant import Conventions, Trajectory
+    from fuzzyarm.loop import Run
+    from fuzzyarm.plant import Conventions, Plant, Trajectory
     from fuzzyarm.plant.trajectory import Schedule
     from fuzzyarm.table import LookupTable
 
@@ -74,19 +91,35 @@ CONVENTIONS = (
 
 
 def experiment_of(
-    arguments: argparse.Namespace, controller: str
+    arguments: argparse.Namespace, controller: str, plant: Plant | None = None
 ) -> tuple[Trajectory, Conventions, Schedule]:
-    """Return what the arguments name: the way, the conventions for a controller and the loads."""
+    """Return what the arguments name: the way, the conventions for a controller and the loads.
+
+    Parameters of the arm that differ from the study's are its parameters with a load, too, but
+    for those that the load changes.
+    """
     from fuzzyarm.controller.catalogue import study_conventions
-    from fuzzyarm.plant import PLAIN, schedule
+    from fuzzyarm.plant import PLAIN, UNLOADED, Arm, ArmParameters, schedule
 
     trajectory = _trajectory(arguments)
     conventions = study_conventions(controller) if arguments.conventions == "study" else PLAIN
     if arguments.precision:
         conventions = replace(conventions, precision=arguments.precision)
+    for option in ("step", "reference", "duration"):
+        if getattr(arguments, option, None):
+            word = "for" if option == "duration" else option
+            raise WordError(f"--{word} is of other plants; the arm follows --trajectory")
     arms = schedule(
         trajectory, payload=arguments.payload, segments=arguments.loaded, conventions=conventions
     )
+    if isinstance(plant, Arm):
+        own = plant.arm
+        changed = {
+            each.name: getattr(own, each.name)
+            for each in fields(ArmParameters)
+            if getattr(own, each.name) != getattr(UNLOADED, each.name)
+        }
+        arms = tuple(replace(arm, **changed) for arm in arms)
     return trajectory, conventions, arms
 
 
@@ -152,29 +185,57 @@ def _run(arguments: argparse.Namespace) -> int:
     if not arguments.controller:
         print("fuzzyarm simulate: which CONTROLLER? --list shows all", file=sys.stderr)
         return 2
-    from fuzzyarm.controller import find_controller
-
-    controller = find_controller(
-        arguments.controller,
-        start=arguments.start,
-        variant=arguments.variant,
-        sources=_sources(arguments),
-    ).with_gains(overrides(arguments.set))
+    _require_pictures(arguments)
+    plant = plant_of(arguments)
+    made = [_controller(arguments, name, plant) for name in arguments.controller]
     if arguments.show_gains:
-        _show_gains(controller, arguments.json)
+        for controller, _ in made:
+            _show_gains(controller, arguments.json)
         return 0
+    results = [
+        _simulate(controller, changed, name, arguments)
+        for (controller, changed), name in zip(made, arguments.controller, strict=True)
+    ]
+    _write_files(arguments, results, made[0][1])
+    if arguments.json:
+        shown = [_as_json(result) for result in results]
+        print_json(shown if len(shown) > 1 else shown[0])
+    else:
+        print("\n\n".join(map(_as_text, results)))
+    return DIVERGED if any(result.diverged is not None for result in results) else 0
+
+
+def _require_pictures(arguments: argparse.Namespace) -> None:
+    """Tell a mistake in the name of a picture before the run."""
     if arguments.plot:
         from fuzzyarm.study.figures import figure_format
 
-        figure_format(arguments.plot)  # a mistake in the name is told before the run
-    result = _simulate(controller, arguments)
+        figure_format(arguments.plot)
+    if arguments.animate:
+        from fuzzyarm.show.animation import require_animation
+
+        require_animation(arguments.animate)
+
+
+def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant) -> None:
     if arguments.plot:
-        _plot(result, arguments.plot)
-    if arguments.json:
-        print_json(_as_json(result))
-    else:
-        print(_as_text(result))
-    return 0 if result.diverged is None else DIVERGED
+        _plot(results, arguments.plot)
+    if arguments.animate:
+        _animate(results[0], plant, arguments.animate)
+    if arguments.csv:
+        _write_csv(results, arguments.csv)
+
+
+def _controller(arguments: argparse.Namespace, name: str, plant: Plant) -> tuple[Controller, Plant]:
+    """Return a controller with its gains set, and the plant with its parameters."""
+    from fuzzyarm.controller import find_controller
+    from fuzzyarm.plant.plant import with_parameters
+
+    found = find_controller(
+        name, start=arguments.start, variant=arguments.variant, sources=_sources(arguments)
+    )
+    gains, parameters = split_settings(overrides(arguments.set), found, plant)
+    return found.with_gains(gains), with_parameters(plant, parameters) if parameters else plant
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:
@@ -190,31 +251,32 @@ def _sources(arguments: argparse.Namespace) -> Sources:
     )
 
 
-def _simulate(controller: Controller, arguments: argparse.Namespace) -> Run:
-    from fuzzyarm.loop import simulate
+def _simulate(
+    controller: Controller, plant: Plant, name: str, arguments: argparse.Namespace
+) -> Run:
+    from fuzzyarm.loop.run import run_along
+    from fuzzyarm.plant import PLAIN, Arm
 
-    trajectory, conventions, arms = experiment_of(arguments, arguments.controller)
+    connect, options = connections(arguments), options_of(arguments, plant)
+    if isinstance(plant, Arm):
+        trajectory, conventions, arms = experiment_of(arguments, name, plant)
+        on: Any = trajectory
+    else:
+        require_plain(arguments)
+        conventions, arms = PLAIN, None
+        on = motion_of(arguments, controller, plant, connect)
     with busy(f"running {controller.name}"):
+        if arms is None:
+            return run_along(controller, on, conventions, options, connect)
+        from fuzzyarm.loop import simulate
+
         result = simulate(
-            controller,
-            trajectory,
-            arms=arms,
-            conventions=conventions,
-            options=_options(arguments),
+            controller, on, arms=arms, conventions=conventions, options=options, connect=connect
         )
-        slower = _slowdown(result, trajectory, conventions)
+        slower = _slowdown(result, on, conventions)
     if slower:
         print(slower, file=sys.stderr)
     return result
-
-
-def _options(arguments: argparse.Namespace) -> Options:
-    from fuzzyarm.loop import Options
-
-    given: dict[str, Any] = {"runge_kutta": arguments.runge_kutta}
-    if arguments.limits is not None:
-        given["torque_limits"] = tuple(arguments.limits)
-    return Options(**given)
 
 
 def overrides(words: list[str]) -> dict[str, list[float]]:
@@ -259,12 +321,16 @@ def _as_json(result: Run) -> dict[str, Any]:
     return {
         "controller": result.controller,
         "trajectory": result.trajectory,
-        **{name: [_number(value) for value in pair] for name, pair in norms.items()},
+        **{name: [_number(value) for value in values] for name, values in norms.items()},
         "samples": result.samples,
         "conventions": result.conventions.name,
         "precision": result.conventions.precision,
         "diverged": result.diverged,
         "compiled": result.compiled,
+        "plant": result.plant,
+        "outputs": dict(zip(result.labels, result.units, strict=True)),
+        "metrics": {name: each.as_dict() for name, each in result.metrics.items()},
+        "seed": result.seed,
     }
 
 
@@ -274,27 +340,69 @@ def _number(value: float) -> float | None:
 
 
 def _as_text(result: Run) -> str:
+    on = result.trajectory if result.plant == "arm" else f"{result.plant}, {result.trajectory}"
     lines = [
-        f"{result.controller} on {result.trajectory}, {result.samples} samples, "
+        f"{result.controller} on {on}, {result.samples} samples, "
         f"{result.conventions.name} conventions, {result.conventions.precision}",
     ]
-    if result.samples:
+    if result.samples and result.plant == "arm":
         lines.append(f"{'error, degrees':<16}{'link 1':>12}{'link 2':>12}")
         for name, pair in (("rms", result.rms), ("max", result.maximum), ("final", result.final)):
             lines.append(f"{name:<16}{pair[0]:>12.4f}{pair[1]:>12.4f}")
+    elif result.samples:
+        lines += _metric_lines(result)
     if result.diverged is not None:
         until = "the figures are those until then" if result.samples else "before the first sample"
-        lines.append(
-            f"diverged: stopped at {result.diverged:.4f} s with an error over ten turns or a joint "
-            f"over 100000 rad/s; {until}"
-        )
+        bound = "an output beyond its bound"
+        if result.plant == "arm":
+            bound = "an error over ten turns or a joint over 100000 rad/s"
+        lines.append(f"diverged: stopped at {result.diverged:.4f} s with {bound}; {until}")
     return "\n".join(lines)
 
 
-def _plot(result: Run, path: str) -> None:
-    from fuzzyarm.study.figures import draw_profiles, save_figure
+def _metric_lines(result: Run) -> list[str]:
+    """Return a table with a column for each tracked output."""
+    names = [f"{label}, {unit}" for label, unit in zip(result.labels, result.units, strict=True)]
+    columns = [each.as_dict() for each in result.metrics.values()]
+    widths = [max(14, len(name) + 2) for name in names]
+    lines = ["error of".ljust(16) + "".join(map(str.rjust, names, widths))]
+    for metric in columns[0]:
+        cells = ["-" if each[metric] is None else f"{each[metric]:.4g}" for each in columns]
+        lines.append(metric.ljust(16) + "".join(map(str.rjust, cells, widths)))
+    return lines
 
-    save_figure(draw_profiles([result], result.controller), Path(path))
+
+def _plot(results: list[Run], path: str) -> None:
+    from fuzzyarm.show.figures.run import draw_runs
+    from fuzzyarm.study.figures import save_figure
+
+    save_figure(draw_runs(results), Path(path))
+
+
+def _animate(result: Run, plant: Plant, path: str) -> None:
+    """Write the animation of a run, with a progress bar where a terminal shows it."""
+    from fuzzyarm.show.animation import animate
+
+    with progress_bar("drawing", min(100, result.samples)) as advance:
+        animate(result, plant, path, watch=advance)
+
+
+def _write_csv(results: list[Run], path: str) -> None:
+    """Write the samples of one run; of several, a file with the controller in the first column."""
+    import io
+
+    from fuzzyarm.text.files import write_atomically
+
+    text = io.StringIO()
+    several = len(results) > 1
+    for index, result in enumerate(results):
+        columns = {"time": result.time, **result.columns()}
+        if not index:
+            text.write(",".join([*["controller"] * several, *columns]) + "\n")
+        for row in zip(*columns.values(), strict=True):
+            words = [repr(float(value)) for value in row]
+            text.write(",".join([*[result.controller] * several, *words]) + "\n")
+    write_atomically(path, text.getvalue())
 
 
 def _show_gains(controller: Controller, as_json: bool) -> None:
@@ -345,9 +453,10 @@ COMMANDS = (
         "simulate",
         __doc__,
         _run,
-        argument("controller CONTROLLER", "name, sum or file", nargs="?"),
+        argument("controller CONTROLLER", "name, sum or file; or several", nargs="*"),
         flag("--list", "list all controllers"),
         *TRAJECTORY,
+        *PLANT,
         *group(
             "files of fuzzy controllers, in place of the shipped ones",
             argument("--rulebase FILE", "rules of the control"),
@@ -372,7 +481,9 @@ COMMANDS = (
         *group(
             "output",
             flag("--show-gains", "print the gains and stop"),
-            argument("--plot FIG", "draw the error profiles"),
+            argument("--plot FIG", "draw outputs, errors and drives over time"),
+            argument("--animate FILE", "write the first run as .gif, .html or .mp4"),
+            argument("--csv FILE", "write the samples"),
             JSON,
         ),
     ),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -99,6 +99,10 @@ class Program:
         The rings of learners, to be emptied before another run with the same tables.
     gains : dict
         The cells of each gain, one for each axis.
+    rulebases : dict
+        By the cell of their first result, the name in the text and the rule base asked there.
+    tables : dict
+        By the cell of their first value, the name in the text and the table of one axis.
     """
 
     code: list[int]
@@ -107,6 +111,8 @@ class Program:
     learned: Mapping[tuple[str, str], Place]
     rings: tuple[tuple[int, int], ...]
     gains: Mapping[str, tuple[int, ...]]
+    rulebases: Mapping[int, tuple[str, RuleBase]]
+    tables: Mapping[int, tuple[str, LookupTable]]
 
     def cells_with(
         self, values: Mapping[str, Sequence[float]], arithmetic: Arithmetic
@@ -206,6 +212,8 @@ class _Writer:
         self.tables: dict[tuple[str, int], Place] = {}
         self.grids: dict[str, tuple[int, list[Axis]]] = {}
         self.learned: dict[tuple[str, str], Place] = {}
+        self.asked: dict[int, tuple[str, RuleBase]] = {}
+        self.looked_up: dict[int, tuple[str, LookupTable]] = {}
         self.rings: list[tuple[int, int]] = []
         self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
         self.limits: dict[int, int] = {}  # state of the limit of a drive, by its identity
@@ -236,7 +244,14 @@ class _Writer:
         code = [len(self.code) // to.INSTRUCTION, *self.code, *self.lists]
         cells = np.concatenate([np.array(self.cells), *self.parts])
         return Program(
-            code, cells, dict(self.known), dict(self.learned), tuple(self.rings), self.gains
+            code,
+            cells,
+            dict(self.known),
+            dict(self.learned),
+            tuple(self.rings),
+            self.gains,
+            self.asked,
+            self.looked_up,
         )
 
     # --- Cells, instructions, lists ---
@@ -450,6 +465,7 @@ class _Writer:
         self.parts.append(numbers)
         self.parts_size += len(numbers)
         results = [self._cell(0.0) for _ in line.names]
+        self.asked[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
         self._do(to.INFER, self.scratch, 0, self.inference)
         at = len(self.lists)
@@ -529,6 +545,8 @@ class _Writer:
                 self.grids[name] = (self._cell(*pack_grid(axes, table.default_mode)), axes)
             held = [self.arithmetic.hold(value) for value in values.ravel().tolist()]
             self.tables[key] = Place(self._cell(*held), 0, len(held))
+            own = replace(table, axes=tuple(axes), values=values)
+            self.looked_up[self.tables[key].values] = (name, own)
         return self.tables[key]
 
 

@@ -4,22 +4,38 @@ A *routine* is one function of the exported file together with a Python model of
 same arithmetic: :class:`~fuzzyarm.export.table_numbers.FloatTable`,
 :class:`~fuzzyarm.export.table_numbers.FixedTable` and
 :class:`~fuzzyarm.export.rulebase.DirectRoutine`. The model is what the tests hold the compiled
-C against, and what the figures in the head of an exported file are measured with.
+C against, and what the figures in the head of an exported file are measured with. A whole
+controller is a :class:`~fuzzyarm.export.controllers.ControllerProgram`.
 """
 
+from fuzzyarm.export.controllers import ControllerProgram, with_tables
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable
-from fuzzyarm.export.write import EXPORTS, Exported, export_files, routines_of, write_export
+from fuzzyarm.export.write import (
+    CONTROLLER_EXPORTS,
+    EXPORTS,
+    Exported,
+    ExportedController,
+    export_controller,
+    export_files,
+    routines_of,
+    write_export,
+)
 
 __all__ = [
+    "CONTROLLER_EXPORTS",
     "EXPORTS",
+    "ControllerProgram",
     "DirectRoutine",
     "ExportError",
     "Exported",
+    "ExportedController",
     "FixedTable",
     "FloatTable",
+    "export_controller",
     "export_files",
     "routines_of",
+    "with_tables",
     "write_export",
 ]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fuzzyarm.export.numbers import C_TYPES, Kind, c_number
@@ -65,6 +65,25 @@ def needs_math_header(nodes: Sequence[Node]) -> bool:
     )
 
 
+def operations_of(
+    node: Node, called: Callable[[str], Counter[str]] | None = None, *, least: bool = False
+) -> Counter[str]:
+    """Return how many operations of each sort an expression takes, never both branches.
+
+    `called` says what a symbol takes that stands for a call; `least` takes the branch of fewer
+    operations instead of the most of each sort.
+    """
+    if not isinstance(node, Apply):
+        return called(node.name) if called and isinstance(node, Symbol) else Counter()
+    first, *rest = (operations_of(child, called, least=least) for child in node.arguments)
+    if node.operation == "where":
+        fewer = min(rest, key=lambda count: count.total())
+        return first + (fewer if least else rest[0] | rest[1])
+    sort = OPERATIONS[node.operation].sort.removesuffix(" of two")
+    own = Counter() if sort == "logic" else Counter({sort: 1})
+    return sum(rest, first) + own
+
+
 @dataclass(frozen=True)
 class Loop:
     """Statements that are run for each sample; the sums are set to 0 before."""
@@ -87,7 +106,8 @@ class Listing:
     """
 
     def __init__(self, program: Program) -> None:
-        self._calls: dict[str, tuple[Call, Node]] = {}
+        # By the symbol that stands for it, a call and its argument; inner ones first.
+        self.calls: dict[str, tuple[Call, Node]] = {}
         written, result = self._in_variables(program)
         self.reads = self._symbols(result)
         needed = []
@@ -110,7 +130,7 @@ class Listing:
                 self.body.append(replace(each, body=inner))
             else:
                 self.body += self._spread_out(each)
-        body, self.result = _spread("result", result, self._taken)
+        body, self.result = spread("result", result, self._taken)
         self.body += body
 
     # ── parts to variables ───────────────────────────────────────────────────────────
@@ -131,7 +151,7 @@ class Listing:
                     name: self._written(part, program.calls, known, {})
                     for name, part in each.parts.items()
                 }
-                columns = {name: symbol(_element(each, name)) for name in each.columns}
+                columns = {name: symbol(element(each, name)) for name in each.columns}
                 body = (
                     step._replace(value=substitute(step.value, {**parts, **columns}))
                     for step in each.body
@@ -176,18 +196,18 @@ class Listing:
 
     def _called(self, call: Call, argument: Node) -> Node:
         """Return a symbol that is printed as the call of a function."""
-        name = f"call {len(self._calls)}"
-        self._calls[name] = (call, argument)
+        name = f"call {len(self.calls)}"
+        self.calls[name] = (call, argument)
         return symbol(name)
 
     def _symbols(self, value: Node) -> set[str]:
         found = set(symbols(value))
-        inner = [self._symbols(self._calls[name][1]) for name in found & set(self._calls)]
+        inner = [self._symbols(self.calls[name][1]) for name in found & set(self.calls)]
         return found.union(*inner)
 
     def _spread_out(self, each: Statement) -> tuple[Statement, ...]:
         assert isinstance(each, Assign)
-        body, value = _spread(each.name, each.value, self._taken)
+        body, value = spread(each.name, each.value, self._taken)
         self._taken |= set(variables(body))
         return setting(each.name, body, value, each.remark)
 
@@ -220,25 +240,21 @@ class Listing:
         return total
 
     def _count_node(self, node: Node) -> Counter[str]:
-        if not isinstance(node, Apply):
-            called = self._calls.get(node.name) if isinstance(node, Symbol) else None
-            if called is None:
-                return Counter()
-            function, argument = called
-            return self._count(_function_body(function)) + self._count_node(argument)
-        first, *rest = (self._count_node(child) for child in node.arguments)
-        if node.operation == "where":
-            return first + (rest[0] | rest[1])
-        sort = OPERATIONS[node.operation].sort.removesuffix(" of two")
-        own = Counter() if sort == "logic" else Counter({sort: 1})
-        return sum(rest, first) + own
+        return operations_of(node, self._count_call)
+
+    def _count_call(self, name: str) -> Counter[str]:
+        called = self.calls.get(name)
+        if called is None:
+            return Counter()
+        function, argument = called
+        return self._count(function_body(function)) + self._count_node(argument)
 
     # ── text ─────────────────────────────────────────────────────────────────────────
 
     def lines(self, writer: CWriter, real: Kind) -> tuple[list[str], str]:
         """Return the lines of C in a type of number, and the text of the result."""
-        language = _language(writer, real)
-        for name, (call, argument) in self._calls.items():
+        language = c_numbers(writer, real)
+        for name, (call, argument) in self.calls.items():
             if name in self.reads:
                 function = writer.helper(call.wanted, _function(call, language, C_TYPES[real]))
                 language.rename[name] = f"{function}({language.expression(argument)})"
@@ -247,7 +263,7 @@ class Listing:
                 for name, column in each.sums.columns.items():
                     literals = [language.number(value) for value in column]
                     array = writer.constant(real, literals, each.sums.wanted[name])
-                    language.rename[_element(each.sums, name)] = f"{array}[{each.sums.index}]"
+                    language.rename[element(each.sums, name)] = f"{array}[{each.sums.index}]"
         return _lines(self.body, language, C_TYPES[real], set()), language.expression(self.result)
 
 
@@ -288,12 +304,12 @@ def _sets(each: Statement | SampleSums | Loop) -> tuple[str, ...]:
     return (each.name,)
 
 
-def _element(sums: SampleSums, column: str) -> str:
+def element(sums: SampleSums, column: str) -> str:
     """Return the symbol that stands for an element of a column; it is printed as one."""
     return f"{column} of {sums.area}"
 
 
-def _spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
+def spread(name: str, root: Node, taken: Iterable[str]) -> tuple[tuple[Statement, ...], Node]:
     """Return statements that set the shared parts of an expression, and what it then is."""
     if not _needs_variables(root):
         return (), root
@@ -313,21 +329,22 @@ def _needs_variables(root: Node) -> bool:
     return depth[root] > _DEEPEST
 
 
-def _function_body(call: Call) -> list[Statement]:
+def function_body(call: Call) -> list[Statement]:
+    """Return the statements of a function; the last one sets no variable: it is the result."""
     body, result = statements(call.body, prefix="x", taken=("h",))
     return [*body, Assign("", result)]
 
 
 def _function(call: Call, language: Language, real: str) -> str:
     """Return the text of a function of ``h``, with NAME for its name."""
-    *body, last = _function_body(call)
+    *body, last = function_body(call)
     assert isinstance(last, Assign)
     lines = [f"    {line}" for line in language.lines(body)]
     result = language.expression(last.value)
     return "\n".join([f"{real} NAME({real} h)", "{", *lines, f"    return {result};", "}", ""])
 
 
-def _language(writer: CWriter, real: Kind) -> Language:
+def c_numbers(writer: CWriter, real: Kind) -> Language:
     """Return C with the helpers of a file and the literals of its tables."""
     kind = C_TYPES[real]
     basis = c_language(kind)

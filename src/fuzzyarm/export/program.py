@@ -21,6 +21,7 @@ from fuzzyarm.export.sets import (
     Part,
     clipped,
     clipped_union,
+    degree_in_loop,
     degree_of,
     hedged,
     minus,
@@ -114,12 +115,16 @@ class Program:
         return schedule(self.result)
 
 
-def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:
+def make_program(
+    rulebase: RuleBase, output: str, parameters: Sequence[str], *, in_loop: bool = False
+) -> Program:
     """Write down one output of a rule base; an ExportError names what cannot be exported.
 
     No variable takes one of `parameters`, the names of the inputs in the target language.
+    `in_loop` gives it the bits that a controller has, whose kernel multiplies by slopes; a
+    program without it divides, as the array engine does.
     """
-    return _Builder(rulebase, output, parameters).build()
+    return _Builder(rulebase, output, parameters, in_loop=in_loop).build()
 
 
 def rule_words(index: int, antecedent: Antecedent) -> str:
@@ -144,8 +149,11 @@ def _words(expression: Antecedent) -> str:
 
 
 class _Builder:
-    def __init__(self, rulebase: RuleBase, target: str, parameters: Sequence[str]) -> None:
+    def __init__(
+        self, rulebase: RuleBase, target: str, parameters: Sequence[str], *, in_loop: bool
+    ) -> None:
         self.plan: Plan = plan(rulebase)
+        self.in_loop = in_loop
         self.target = target
         self.names = Names(taken=set(parameters))
         self.variables: list[Assign | SampleSums] = []
@@ -257,12 +265,13 @@ class _Builder:
                 self.fired[name].append((member, strength, remark))
                 return
             if output.closed is not None:
-                part = clipped(output.closed.own[member], strength, self.call)
+                parts = list(clipped(output.closed.own[member], strength, self.call))
             else:
-                part = scaled(output, member, strength)
+                parts = [scaled(output, member, strength)]
             if name not in self.sums:
                 self.sums[name] = _Sums(self)
-            self.sums[name].add(part)
+            for part in parts:
+                self.sums[name].add(part)
             return
         heights = self.heights[name]
         if member not in heights:
@@ -299,6 +308,15 @@ class _Builder:
 
     def _degree(self, part: Is) -> Node:
         key = (part.variable, part.term, part.hedges)
+        if key not in self.degrees and self.in_loop:
+            variable = self.plan.rulebase.variable(part.variable)
+            if isinstance(variable, Input):
+                x, term = self.values[part.variable], variable.term(part.term)
+                straight = degree_in_loop(term, part.hedges, variable, x)
+                if straight is not None:
+                    words = [*(hedge.name for hedge in part.hedges), part.term]
+                    name = f"{part.variable}_{'_'.join(words)}"
+                    self.degrees[key] = self.fresh(straight, name)
         if key not in self.degrees:
             plain = (part.variable, part.term, ())
             if plain not in self.degrees:
@@ -367,7 +385,9 @@ class _Builder:
         return symbol(sums.area), symbol(sums.moment)
 
     def _union(self, output: OutputPlan) -> Part:
-        heights = {member: each for member, (_, each) in self.heights[output.output.name].items()}
+        # In the order of the sets, as the kernel adds them up.
+        ordered = sorted(self.heights[output.output.name].items())
+        heights = {member: each for member, (_, each) in ordered}
         if output.closed is not None:
             parts = list(clipped_union(output, heights, self.call))
         else:
@@ -381,8 +401,8 @@ class _Builder:
         """Return the sum of the strengths and that of the values that they weigh."""
         total: Node = ZERO
         weighted: Node = ZERO
-        heights = self.heights[output.output.name]
-        for number, (member, (_, height)) in enumerate(heights.items(), start=1):
+        heights = sorted(self.heights[output.output.name].items())
+        for number, (member, (_, height)) in enumerate(heights, start=1):
             total = plus(total, height)
             weighted = plus(weighted, self._weighed(output, member, height))
             if number % _LONGEST == 0:

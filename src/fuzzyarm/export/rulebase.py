@@ -264,15 +264,20 @@ def direct_routine(
     output: str | None = None,
     precision: str = "mixed",
     source: str | Path | None = None,
+    *,
+    in_loop: bool = False,
 ) -> DirectRoutine:
-    """Prepare the direct inference of one output; an ExportError names what cannot be exported."""
+    """Prepare the direct inference of one output; an ExportError names what cannot be exported.
+
+    `in_loop` as in :func:`fuzzyarm.export.program.make_program`.
+    """
     target = choose_output(rulebase, output)
     names = Names()
     arguments = [variable.name for variable in rulebase.inputs]
     if target.no_rule == "hold":
         arguments.append(f"last {target.name}")
     parameters = [names.new(argument) for argument in arguments]
-    program = make_program(rulebase, target.name, parameters)
+    program = make_program(rulebase, target.name, parameters, in_loop=in_loop)
     types = precision_named(precision, arithmetic=True)
     constants = [n.value for n in program.nodes if isinstance(n, Constant)]
     finite = [value for value in constants if math.isfinite(value)]

@@ -17,10 +17,12 @@ from fuzzyarm.expression.evaluation import specialise
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.expression.nodes import Constant, Node, Number, apply, constant, replace, symbol
+from fuzzyarm.inference.cells import ZERO_LINE, Line, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.point import is_straight
 from fuzzyarm.inference.sets import formula_of
-from fuzzyarm.model.rulebase import POSITION, Hedge, Shape, Term
+from fuzzyarm.model.rulebase import POSITION, Hedge, Input, Shape, Term
 from fuzzyarm.model.shapes import polyline
 
 ZERO, ONE = constant(0.0), constant(1.0)
@@ -140,6 +142,35 @@ def _line(x: Node, x0: float, y0: float, x1: float, y1: float) -> Node:
     return plus(constant(min(y0, y1)), times(share, abs(y1 - y0)))
 
 
+def degree_in_loop(term: Term, hedges: Sequence[Hedge], variable: Input, x: Node) -> Node | None:
+    """Return the degree of `x` with the bits of the kernel, by which controllers infer.
+
+    It multiplies by slopes where :func:`degree_of` divides by widths. None of a term that
+    bends, for which both are the same.
+    """
+    if not is_straight(term.shape, hedges):
+        return None
+    bounded = variable.outside != "extend"
+    ends = (variable.low, variable.high) if bounded else (-math.inf, math.inf)
+    cells = cut_into_cells([(0, term.shape, hedges)], *ends)
+    if len(cells.lines) > MOST_CORNERS:
+        return None
+    values = [_kernel_line(each.get(0, ZERO_LINE), x) for each in cells.lines]
+    degree = values[-1]
+    for edge, value in zip(reversed(cells.edges[1:-1]), reversed(values[:-1]), strict=True):
+        degree = value if value is degree else where(x < edge, value, degree)
+    return degree
+
+
+def _kernel_line(line: Line, x: Node) -> Node:
+    """Return the line of a cell; at its foot it cannot fall below 0, elsewhere rounding may."""
+    y0, x0, slope = line
+    if slope == 0.0:
+        return constant(y0)
+    value = plus(constant(y0), minus(x, constant(x0)) * slope)
+    return value if y0 == 0.0 else op.maximum(0.0, value)
+
+
 def hedged(hedges: Sequence[Hedge], degree: Node) -> Node:
     """Return a degree under hedges, the last one acting first."""
     for hedge in reversed(hedges):
@@ -170,45 +201,43 @@ Heights = Mapping[int, Node]
 """The firing strength of each member."""
 
 
-def clipped(layers: Layers, height: Node, call: Call) -> Part:
-    """Return area and moment of the closed form at a height."""
-    area = [(each.start, each.depth, (each.a1, each.a2)) for each in layers]
-    moment = [(each.start, each.depth, (each.b1, each.b2, each.b3)) for each in layers]
-    return (
-        call("area", _polynomial(area), height),
-        call("moment", _polynomial(moment), height),
-    )
-
-
-def _polynomial(stretches: Sequence[tuple[float, float, tuple[float, ...]]]) -> Node:
-    """Return the sum over the stretches of c1 x + c2 x² + …, x being the part of h in one."""
-    total: Node = ZERO
-    for start, depth, coefficients in stretches:
-        if not any(coefficients):
-            continue
+def clipped(layers: Layers, height: Node, call: Call) -> Iterator[Part]:
+    """Yield area and moment of each layer of the closed form at a height."""
+    for start, depth, a1, a2, *b in layers:
         x = op.minimum(minus(symbol("h"), constant(start)), depth)
-        if start != 0.0:  # a height is never negative: the first stretch needs no lower bound
+        if start != 0.0:  # a height is never negative: the first layer needs no lower bound
             x = op.maximum(x, 0.0)
-        value: Node = constant(coefficients[-1])
-        for coefficient in reversed(coefficients[:-1]):
-            value = plus(constant(coefficient), times(x, value))
-        total = plus(total, times(x, value))
-    return total
+        yield (
+            call("area", _polynomial(x, (a1, a2)), height),
+            call("moment", _polynomial(x, b), height),
+        )
+
+
+def _polynomial(x: Node, coefficients: Sequence[float]) -> Node:
+    """Return c1 x + c2 x² + …."""
+    if not any(coefficients):
+        return ZERO
+    value: Node = constant(coefficients[-1])
+    for coefficient in reversed(coefficients[:-1]):
+        value = plus(constant(coefficient), times(x, value))
+    return times(x, value)
 
 
 def clipped_union(plan: OutputPlan, heights: Heights, call: Call) -> Iterator[tuple[int, Part]]:
-    """Yield (sign, part) of the union of sets clipped at `heights`."""
+    """Yield (sign, part) of the union of sets clipped at `heights`, layer by layer."""
     form = plan.closed
     assert form is not None
     for member, height in heights.items():
-        yield 1, clipped(form.own[member], height, call)
+        for part in clipped(form.own[member], height, call):
+            yield 1, part
     for member, others, layers in form.overlaps:
         above = [heights[other] for other in others if other in heights]
         if member in heights and above:
             highest = above[0]
             for other in above[1:]:
                 highest = op.maximum(highest, other)
-            yield -1, clipped(layers, op.minimum(heights[member], highest), call)
+            for part in clipped(layers, op.minimum(heights[member], highest), call):
+                yield -1, part
 
 
 def scaled(plan: OutputPlan, member: int, height: Node) -> Part:

@@ -1,4 +1,4 @@
-"""Tables as IEC 61131-3 Structured Text: a function block for each, for PLCs.
+"""Tables and rule bases as IEC 61131-3 Structured Text: a function block for each, for PLCs.
 
 The constants of a function block are set once; those of a function would be copied at every
 call. The arithmetic is that of the C file.
@@ -6,34 +6,82 @@ call. The arithmetic is that of the C file.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
+from fuzzyarm.export.listing import Loop, element, function_body
 from fuzzyarm.export.names import Names, identifier
-from fuzzyarm.export.numbers import ST_TYPES, ExportError, st_number
+from fuzzyarm.export.numbers import ST_TYPES, ExportError, Kind, rounded, st_number
+from fuzzyarm.export.program import Call
 from fuzzyarm.export.routine import Routine, comment, number_lines, routine_words
+from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.table import Side, TableCode, TableRoutine
-from fuzzyarm.expression.printing import STRUCTURED_TEXT
+from fuzzyarm.expression.nodes import Constant, Node, symbols
+from fuzzyarm.expression.printing import (
+    STRUCTURED_TEXT,
+    Assign,
+    Choose,
+    Language,
+    NotPrintableError,
+    Statement,
+    setting,
+    statements,
+    variables,
+)
 from fuzzyarm.version import __version__
 
 
 def structured_text(routines: Sequence[Routine], prefix: str) -> tuple[str, list[str]]:
-    """Return a file with a function block for every table, and the names of the blocks."""
+    """Return a file with a function block for every routine, and the names of the blocks."""
     names = Names("st")
     blocks, called = [], []
     for routine in routines:
-        if not isinstance(routine, TableRoutine):
-            raise ExportError(
-                "Structured Text is written for tables, not for direct inference",
-                hint="leave out --direct",
-            )
         name = names.new(f"{prefix}_{identifier(routine.output.name)}")
         called.append(name)
-        blocks.append(_Block(routine, name).text())
+        with printable_only():
+            blocks.append(block_of(routine, name, names).text())
     return "\n".join(blocks), called
 
 
-class _Block(TableCode):
-    """A function block: its variables are declared apart from the statements."""
+@contextmanager
+def printable_only() -> Iterator[None]:
+    """Say so of a function that the language does not have."""
+    try:
+        yield
+    except NotPrintableError as error:
+        raise ExportError(str(error), hint="export C, or a table") from None
+
+
+def block_of(routine: Routine, name: str, names: Names) -> TableBlock | RulesBlock:
+    """Return the function block of a routine; `names` are those of the file."""
+    if isinstance(routine, TableRoutine):
+        return TableBlock(routine, name)
+    assert isinstance(routine, DirectRoutine)
+    return RulesBlock(routine, name, names)
+
+
+def head_comment(words: Sequence[str]) -> list[str]:
+    """Return lines as a comment."""
+    return comment(words, "(*", " *", " *)")
+
+
+def st_numbers(real: Kind) -> Language:
+    """Return Structured Text with its own functions for the smaller and the greater of two."""
+    own = {"minimum": "MIN({0}, {1})", "maximum": "MAX({0}, {1})"}
+
+    def number(value: float) -> str:
+        if not math.isfinite(value):
+            raise ExportError("Structured Text has no infinite number", hint="export C")
+        return st_number(value, real)
+
+    return STRUCTURED_TEXT._replace(
+        text=lambda operation: own.get(operation.name, operation.st), number=number, rename={}
+    )
+
+
+class TableBlock(TableCode):
+    """The function block of a table: its variables are declared apart from the statements."""
 
     language = STRUCTURED_TEXT
     types = ST_TYPES
@@ -52,11 +100,18 @@ class _Block(TableCode):
         self.index = "INT" if core.values.size <= 0x7FFF else "DINT"
 
     def text(self) -> str:
+        """Return the block."""
         statements = self._interpolate() if self.core.linear else self._pick()
         constants = ["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []
         variables = [f"    {name} : {kind};" for name, kind in self.variables]
         lines = [
-            *self._head(),
+            *head_comment(
+                [
+                    f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+                    "",
+                    *routine_words(self.routine),
+                ]
+            ),
             f"FUNCTION_BLOCK {self.name}",
             "VAR_INPUT",
             *(f"    {name} : {self.outer};" for name in self.inputs),
@@ -72,14 +127,6 @@ class _Block(TableCode):
             "",
         ]
         return "\n".join(lines)
-
-    def _head(self) -> list[str]:
-        words = [
-            f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
-            "",
-            *routine_words(self.routine),
-        ]
-        return comment(words, "(*", " *", " *)")
 
     # ── parts ────────────────────────────────────────────────────────────────────────
 
@@ -130,6 +177,11 @@ class _Block(TableCode):
         ], low
 
     def _pick(self) -> list[str]:
+        lines, cell = self._found_cell()
+        return [*lines, f"{self.output} := {self._values()}[{cell}];"]
+
+    def _found_cell(self) -> tuple[list[str], str]:
+        """Return how the number of the cell is found, and its variable."""
         cell = self._variable("cell", self.index)
         what = "bins" if self.core.mode == "bins" else "middles"
         lines = [f"{cell} := 0;"]
@@ -137,7 +189,7 @@ class _Block(TableCode):
             edges = self._array(f"{side.name}_{what}", self.points(side))
             search, low = self._search(edges, 0, side.size - 1, side.name, "<")
             lines += [*search, f"{cell} := {cell} * {side.size} + {low};"]
-        return [*lines, f"{self.output} := {self._values()}[{cell}];"]
+        return lines, cell
 
     def _interpolate(self) -> list[str]:
         cell = self._variable("cell", self.index)
@@ -199,4 +251,193 @@ class _Block(TableCode):
             "ELSE",
             f"    {target} := {near} - (16384 - {product}) / 32768;",
             "END_IF;",
+        ]
+
+
+class CellBlock(TableBlock):
+    """A block whose result is the number of the cell that the inputs fall into."""
+
+    def text(self) -> str:
+        """Return the block, without the values of the table."""
+        lines, cell = self._found_cell()
+        self.output = cell
+        self.variables = [each for each in self.variables if each[0] != cell]
+        return "\n".join(
+            [
+                f"FUNCTION_BLOCK {self.name}",
+                "VAR_INPUT",
+                *(f"    {name} : {self.outer};" for name in self.inputs),
+                "END_VAR",
+                "VAR_OUTPUT",
+                f"    {cell} : {self.index};",
+                "END_VAR",
+                *(["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []),
+                "VAR",
+                *(f"    {name} : {kind};" for name, kind in self.variables),
+                "END_VAR",
+                "",
+                *lines,
+                "END_FUNCTION_BLOCK",
+                "",
+            ]
+        )
+
+
+# --- Direct inference ---
+
+
+class RulesBlock:
+    """The function block of a rule base that is inferred directly.
+
+    The language has no number for "none": where no rule fires and the rule base calls that an
+    error, the output keeps its value and `fired` is false.
+    """
+
+    def __init__(self, routine: DirectRoutine, name: str, names: Names) -> None:
+        self.routine, self.name, self.file_names = routine, name, names
+        inside = routine.precision.inside
+        self.outer, self.inner = ST_TYPES[routine.precision.outside], ST_TYPES[inside]
+        self.language = st_numbers(inside)
+        self.names = Names("st", {name})
+        self.inputs = [self.names.new(argument.name) for argument in routine.arguments]
+        self.output = self.names.new(routine.output.name)
+        self.fired = self.names.new("fired")
+        self.kind = inside
+        self.constants: list[str] = []
+        self.variables: dict[str, str] = {}
+        self.functions: list[str] = []
+        self.known: dict[str, str] = {}  # functions by their text
+        self.taken: set[str] = set()  # variables that hold parts of expressions
+
+    def text(self) -> str:
+        """Return the block, behind the functions that it calls."""
+        statements = self._statements()
+        constants = ["VAR CONSTANT", *self.constants, "END_VAR"] if self.constants else []
+        variables = [f"    {name} : {kind};" for name, kind in self.variables.items()]
+        words = [
+            f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+            "",
+            *routine_words(self.routine),
+            f"where no rule fires {self.output} keeps its value, and {self.fired} is FALSE",
+        ]
+        lines = [
+            *self.functions,
+            *head_comment(words),
+            f"FUNCTION_BLOCK {self.name}",
+            "VAR_INPUT",
+            *(f"    {name} : {self.outer};" for name in self.inputs),
+            "END_VAR",
+            "VAR_OUTPUT",
+            f"    {self.output} : {self.outer};",
+            f"    {self.fired} : BOOL;",
+            "END_VAR",
+            *constants,
+            "VAR",
+            *variables,
+            "END_VAR",
+            "",
+            *statements,
+            "END_FUNCTION_BLOCK",
+            "",
+        ]
+        return "\n".join(lines)
+
+    def _statements(self) -> list[str]:
+        listing, same = self.routine.listing, self.outer == self.inner
+        lines = [f"{self.fired} := TRUE;"]
+        for given, parameter in zip(self.routine.program.given, self.inputs, strict=True):
+            if given in listing.reads:
+                text = parameter if same else f"{self.outer}_TO_{self.inner}({parameter})"
+                lines.append(f"{self._declared(given)} := {text};")
+        for each in listing.body:
+            lines += self._lines_of(each)
+        result = "result value"  # no variable of the listing has a space in it
+        lines += self._lines_of(Assign(result, listing.result))
+        back = self._declared(result)
+        value = back if same else f"{self.inner}_TO_{self.outer}({back})"
+        return [*lines, f"IF {self.fired} THEN", f"    {self.output} := {value};", "END_IF;"]
+
+    def _declared(self, name: str) -> str:
+        """Return what a variable is called here; letters alone do not tell two apart."""
+        if name not in self.language.rename:
+            own = self.names.new(name)
+            self.language.rename[name] = own
+            self.variables[own] = self.inner
+        return self.language.rename[name]
+
+    def _lines_of(self, each: Statement | Loop) -> list[str]:
+        if isinstance(each, Loop):
+            return self._loop(each)
+        if isinstance(each, Choose):
+            condition = self._expression(each.condition)
+            then = [line for part in each.then for line in self._lines_of(part)]
+            otherwise = [line for part in each.otherwise for line in self._lines_of(part)]
+            inner = [*(f"    {line}" for line in then), "ELSE", *(f"    {x}" for x in otherwise)]
+            return [f"IF {condition} THEN", *inner, "END_IF;"]
+        if isinstance(each.value, Constant) and math.isnan(each.value.value):
+            zero = self.language.number(0.0)
+            return [f"{self._declared(each.name)} := {zero};", f"{self.fired} := FALSE;"]
+        body, value = statements(each.value, prefix="part_", taken=self.taken)
+        self.taken |= set(variables(body))
+        if body:  # choices, which the language has no expression for
+            parts = setting(each.name, body, value, each.remark)
+            return [line for part in parts for line in self._lines_of(part)]
+        target = self._declared(each.name)
+        remark = self.language.remark.format(each.remark) if each.remark else ""
+        return [f"{target} := {self._expression(value)};{remark}"]
+
+    def _expression(self, node: Node) -> str:
+        for name in symbols(node):
+            if name in self.routine.listing.calls and name not in self.language.rename:
+                call, argument = self.routine.listing.calls[name]
+                function = self._function(call)
+                self.language.rename[name] = f"{function}({self._expression(argument)})"
+        return self.language.expression(node)
+
+    def _function(self, call: Call) -> str:
+        """Return the name of a function of the file."""
+        language = st_numbers(self.kind)
+        body = function_body(call)
+        *inner, last = body
+        made = [name for name in variables(inner) if name]
+        lines = [*language.lines(inner)]
+        assert isinstance(last, Assign)
+        text = "\n".join([*lines, language.expression(last.value)])
+        if text not in self.known:
+            name = self.file_names.new(f"{self.name}_{call.wanted}")
+            self.known[text] = name
+            declared = ["VAR", *(f"    {each} : {self.inner};" for each in made), "END_VAR"]
+            self.functions += [
+                f"FUNCTION {name} : {self.inner}",
+                "VAR_INPUT",
+                f"    h : {self.inner};",
+                "END_VAR",
+                *(declared if made else []),
+                "",
+                *lines,
+                f"{name} := {language.expression(last.value)};",
+                "END_FUNCTION",
+                "",
+            ]
+        return self.known[text]
+
+    def _loop(self, each: Loop) -> list[str]:
+        sums = each.sums
+        index = self._declared(sums.index)
+        self.variables[index] = "DINT"
+        for name, column in sums.columns.items():
+            literals = [st_number(value, self.kind) for value in rounded(column, self.kind, name)]
+            array = self.names.new(sums.wanted[name])
+            head = f"    {array} : ARRAY [0..{len(literals) - 1}] OF {self.inner} := ["
+            body = number_lines(literals, indent="        ")
+            self.constants.append("\n".join([head, *body, "    ];"]))
+            self.language.rename[element(sums, name)] = f"{array}[{index}]"
+        zero = self.language.number(0.0)
+        lines = [f"{self._declared(name)} := {zero};" for name in (sums.area, sums.moment)]
+        inner = [line for part in each.body for line in self._lines_of(part)]
+        return [
+            *lines,
+            f"FOR {index} := 0 TO {sums.count - 1} DO",
+            *(f"    {line}" for line in inner),
+            "END_FOR;",
         ]

@@ -26,6 +26,9 @@ from fuzzyarm.text.numbers import number_text
 
 Core = FloatTable | FixedTable
 
+MOST_CELLS = 1_000_000
+"""Cells of a table in source text, which compilers read slowly."""
+
 
 @dataclass(frozen=True, slots=True)
 class Side:
@@ -94,7 +97,7 @@ class TableCode:
 
 # --- The statements in C ---
 
-_COUNT = """INDEX NAME(const TYPE *POINTS, INDEX count, TYPE x)
+COUNT_FUNCTION = """INDEX NAME(const TYPE *POINTS, INDEX count, TYPE x)
 {
     INDEX low = 0u, high = count;
     while (low < high) {
@@ -109,7 +112,7 @@ _COUNT = """INDEX NAME(const TYPE *POINTS, INDEX count, TYPE x)
 }
 """
 
-_SMALLER = {
+SMALLER = {
     "POINTS": "edges",
     "COMPARISON": "<",
     "REMARK": "the number of edges smaller than x; none for NaN",
@@ -173,8 +176,8 @@ class _CTable(TableCode):
     def _pick(self) -> list[str]:
         index = ""
         for side in self.sides:
-            words = {"INDEX": self.index, "TYPE": self.outer, **_SMALLER}
-            count = self.writer.helper("cell", _COUNT, **words)
+            words = {"INDEX": self.index, "TYPE": self.outer, **SMALLER}
+            count = self.writer.helper("cell", COUNT_FUNCTION, **words)
             edges = self._constant(side, "bins" if self.core.mode == "bins" else "middles")
             call = f"{count}({edges}, {side.size - 1}{self.u}, {side.name})"
             front = f"({index})" if "+" in index else index
@@ -220,7 +223,9 @@ class _CTable(TableCode):
         given = f"({self.inner}){side.name}" if self.inner != self.outer else side.name
         found = f"0{u}"
         if side.size > 2:
-            count = self.writer.helper("level", _COUNT, INDEX=index, TYPE=self.inner, **_REACHED)
+            count = self.writer.helper(
+                "level", COUNT_FUNCTION, INDEX=index, TYPE=self.inner, **_REACHED
+            )
             found = f"{count}({levels} + 1, {side.size - 2}{u}, {x})"
         t = names.new(f"t_{side.name}")
         lower, upper = f"{levels}[{i}]", f"{levels}[{i} + 1u]"

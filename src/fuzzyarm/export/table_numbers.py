@@ -20,6 +20,8 @@ from fuzzyarm.export.numbers import (
     rounded,
     rounded_down,
 )
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import Node
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.axis import mode_named
 from fuzzyarm.table.lookup import OVER_ARRAYS, Arithmetic, Grid
@@ -233,6 +235,30 @@ def scale_over(numbers: Sequence[float], bits: int) -> Scale:
     if not math.isfinite(span * 2.0):
         raise ExportError(f"the range {low:g} .. {high:g} is too wide for fixed point")
     return Scale(0.5 * low + 0.5 * high, span if span > 0.0 else 1.0, bits)
+
+
+# The way from a signal in floating point to a whole number and back, as it is printed.
+
+
+def shift_of(scale: Scale) -> int:
+    """Return what is added to a whole number so that it is not negative."""
+    return -scale.low
+
+
+def scaled(scale: Scale, x: Node) -> Node:
+    """Return a quantity in steps of whole numbers, shifted: cut off, it is rounded.
+
+    NaN becomes the lowest number.
+    """
+    steps = (x - scale.offset) * (1.0 / scale.step) if scale.offset else x * (1.0 / scale.step)
+    inside: Node = op.minimum(op.maximum(float(scale.low), steps), float(scale.high))
+    return inside + (shift_of(scale) + 0.5)
+
+
+def unscaled(scale: Scale, number: Node) -> Node:
+    """Return the quantity of a whole number."""
+    value = number * scale.step
+    return value + scale.offset if scale.offset else value
 
 
 def whole_share(x: Integers, lower: Integers, upper: Integers) -> Integers:

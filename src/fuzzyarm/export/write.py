@@ -1,4 +1,4 @@
-"""From rule bases and tables to exported files."""
+"""From rule bases, tables and controllers to exported files."""
 
 from __future__ import annotations
 
@@ -7,12 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzzyarm.export.c import c_header, c_pair
+from fuzzyarm.export.controller_c import controller_c
+from fuzzyarm.export.controller_st import controller_st
+from fuzzyarm.export.controllers import ControllerProgram
+from fuzzyarm.export.fmu import controller_fmu
 from fuzzyarm.export.names import C_RESERVED, ST_RESERVED, identifier
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.routine import Routine
 from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.export.structured_text import structured_text
-from fuzzyarm.export.table import TableRoutine
+from fuzzyarm.export.table import MOST_CELLS, TableRoutine
 from fuzzyarm.export.table_numbers import fixed_table, float_table
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
@@ -21,8 +25,8 @@ from fuzzyarm.text.files import write_atomically
 EXPORTS = (".h", ".c", ".st")
 """Suffixes of exported files: a header on its own, a pair of .c and .h, Structured Text."""
 
-MOST_CELLS = 1_000_000
-"""Cells of a table in source text, which compilers read slowly."""
+CONTROLLER_EXPORTS = (".h", ".c", ".st", ".fmu")
+"""Suffixes of an exported controller."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,19 +123,7 @@ def export_files(
         If the suffix is none of these or `name` is not an identifier.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in EXPORTS:
-        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(EXPORTS))
-    stem = path.stem
-    if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
-        raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
-    if name is not None:
-        reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
-        if identifier(name) != name or reserved:
-            raise ExportError(
-                f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
-            )
-    prefix = identifier(stem) if name is None else name
+    suffix, prefix = _suffix_and_prefix(path, name, EXPORTS)
     chosen = tuple(routines)
     if suffix == ".st":
         text, blocks = structured_text(chosen, prefix)
@@ -160,3 +152,82 @@ def write_export(
     for where, text in exported.files:
         write_atomically(where, text)
     return exported
+
+
+def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tuple[str, str]:
+    """Return the suffix of a path and what begins the identifiers; refuse what cannot be."""
+    suffix = path.suffix.lower()
+    if suffix not in known:
+        raise ExportError(f"'{path.name}' has no suffix of an export", hint=", ".join(known))
+    if not path.name.isprintable() or any(mark in path.name for mark in '"\\'):
+        raise ExportError(f"{path.name!r} cannot stand in an #include", hint="take another name")
+    if name is None:
+        return suffix, identifier(path.stem)
+    reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
+    if identifier(name) != name or reserved:
+        raise ExportError(
+            f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
+        )
+    return suffix, name
+
+
+# --- Controllers ---
+
+
+@dataclass(frozen=True)
+class ExportedController:
+    """Files of a controller, not yet written.
+
+    Attributes
+    ----------
+    program : ControllerProgram
+        What is in them.
+    files : tuple of (Path, str or bytes)
+        Where and what.
+    calls : tuple of str
+        Prototypes, or the name of a function block.
+    """
+
+    program: ControllerProgram
+    files: tuple[tuple[Path, str | bytes], ...]
+    calls: tuple[str, ...]
+
+    def write(self) -> None:
+        """Write the files, each whole or not at all."""
+        for path, content in self.files:
+            write_atomically(path, content)
+
+
+def export_controller(
+    program: ControllerProgram, path: str | Path, name: str | None = None, *, fmi: int = 2
+) -> ExportedController:
+    """Return the files of a controller for a path, by its suffix.
+
+    Parameters
+    ----------
+    program : ControllerProgram
+        The controller.
+    path : str or Path
+        ``.h``, ``.c`` (with a ``.h`` beside it), ``.st`` or ``.fmu``.
+    name : str, optional
+        Begins every identifier; the name of the file by default.
+    fmi : int
+        Version of FMI, 2 or 3.
+
+    Raises
+    ------
+    ExportError
+        If the suffix is none of these, something cannot be exported, or no C compiler is there.
+    """
+    path = Path(path)
+    suffix, prefix = _suffix_and_prefix(path, name, CONTROLLER_EXPORTS)
+    if suffix == ".st":
+        content, block = controller_st(program, prefix)
+        return ExportedController(program, ((path, content),), (block,))
+    if suffix == ".fmu":
+        return ExportedController(program, ((path, controller_fmu(program, prefix, fmi)),), ())
+    files, made = controller_c(
+        program.steps, prefix, path.stem, suffix, program.tried.vectors, program.head()
+    )
+    listed_files = tuple((path.with_suffix(end), content) for end, content in files.items())
+    return ExportedController(program, listed_files, tuple(made.prototypes().values()))

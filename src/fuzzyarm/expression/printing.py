@@ -276,6 +276,8 @@ class Language(NamedTuple):
             return template.format(*parts)
         # Left to right: the left side may bind as loosely as the operator, nothing else may.
         inner = 3 if operation.sort == "logic" else own + 1  # && within || in parentheses, too
+        if node.operation == "negation":  # in C and Structured Text it binds more than any other
+            inner = 8
         first = node.arguments[0]
         same = isinstance(first, Apply) and first.operation == node.operation
         chained = operation.arity == 2 and (same or operation.sort != "logic")

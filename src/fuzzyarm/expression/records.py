@@ -314,12 +314,12 @@ class Registry(Mapping[str, _Kind], Generic[_Kind]):
 
     def __getitem__(self, name: str) -> _Kind:
         if name not in self._kinds:
-            load_entry_points()
+            _load_entry_points()
         return self._kinds[name]
 
     def __contains__(self, name: object) -> bool:
         if name not in self._kinds:
-            load_entry_points()
+            _load_entry_points()
         return name in self._kinds
 
     def __iter__(self) -> Iterator[str]:
@@ -385,7 +385,7 @@ failures: list[str] = []
 """What kept kinds of other packages from being loaded, a sentence each."""
 
 
-def load_entry_points() -> None:
+def _load_entry_points() -> None:
     """Import the modules that other packages offer as kinds; once in a process.
 
     One that fails does not keep the others away: it is noted in `failures`.

@@ -72,7 +72,8 @@ def singleton(x: X, value: X) -> X:
 
 def _trapezoid_corners(*p: float) -> Sequence[tuple[float, float]]:
     corners = zip(p, (0.0, 1.0, 1.0, 0.0), strict=True)
-    return [corner for corner in corners if abs(corner[0]) < op.inf]
+    # Without any it is 1 everywhere, which one corner on a flat line says.
+    return [corner for corner in corners if abs(corner[0]) < op.inf] or [(0.0, 1.0)]
 
 
 def _binary_corners(start: float, direction: float) -> Sequence[tuple[float, float]]:
@@ -91,7 +92,7 @@ def gaussian(x: X, mean: X, deviation: X) -> X:
     return op.where(op.equal(spread, 0.0), needle, op.exp(-(distance * distance) / spread))
 
 
-def two_sided_gaussian(
+def _two_sided_gaussian(
     x: X, left_mean: X, left_deviation: X, right_mean: X, right_deviation: X
 ) -> X:
     """Gaussian flanks outside the two means; their product where the means are crossed."""
@@ -110,12 +111,12 @@ def sigmoid(x: X, inflection: X, slope: X) -> X:
     return 1.0 / (1.0 + op.exp(-slope * (x - inflection)))
 
 
-def sigmoid_difference(x: X, inflection1: X, slope1: X, inflection2: X, slope2: X) -> X:
+def _sigmoid_difference(x: X, inflection1: X, slope1: X, inflection2: X, slope2: X) -> X:
     """|sigmoid 1 − sigmoid 2|."""
     return abs(sigmoid(x, inflection1, slope1) - sigmoid(x, inflection2, slope2))
 
 
-def sigmoid_product(x: X, inflection1: X, slope1: X, inflection2: X, slope2: X) -> X:
+def _sigmoid_product(x: X, inflection1: X, slope1: X, inflection2: X, slope2: X) -> X:
     """Sigmoid 1 × sigmoid 2."""
     return sigmoid(x, inflection1, slope1) * sigmoid(x, inflection2, slope2)
 
@@ -125,19 +126,19 @@ def _parabolas(t: X) -> X:
     return op.where(t <= 0.5, 2.0 * t * t, 1.0 - 2.0 * ((1.0 - t) * (1.0 - t)))
 
 
-def s_curve(x: X, zero: X, one: X) -> X:
+def _s_curve(x: X, zero: X, one: X) -> X:
     """Rise by two parabolas; a step at `one` where the two are equal."""
     return op.where(x >= one, 1.0, op.where(x <= zero, 0.0, _parabolas((x - zero) / (one - zero))))
 
 
-def z_curve(x: X, one: X, zero: X) -> X:
-    """Fall by two parabolas: the mirror image of `s_curve`."""
+def _z_curve(x: X, one: X, zero: X) -> X:
+    """Fall by two parabolas: the mirror image of `_s_curve`."""
     return op.where(x <= one, 1.0, op.where(x >= zero, 0.0, _parabolas((zero - x) / (zero - one))))
 
 
-def pi_curve(x: X, left: X, top_left: X, top_right: X, right: X) -> X:
-    """`s_curve` on the left times `z_curve` on the right."""
-    return s_curve(x, left, top_left) * z_curve(x, top_right, right)
+def _pi_curve(x: X, left: X, top_left: X, top_right: X, right: X) -> X:
+    """`_s_curve` on the left times `_z_curve` on the right."""
+    return _s_curve(x, left, top_left) * _z_curve(x, top_right, right)
 
 
 def concave(x: X, inflection: X, end: X) -> X:
@@ -164,7 +165,7 @@ def arc(x: X, zero: X, one: X) -> X:
     return op.where(op.equal(zero, one), op.where(x >= one, 1.0, 0.0), op.sqrt(1.0 - t * t))
 
 
-def semi_ellipse(x: X, start: X, end: X) -> X:
+def _semi_ellipse(x: X, start: X, end: X) -> X:
     """Half an ellipse over the stretch from `start` to `end`."""
     radius, centre = 0.5 * abs(end - start), 0.5 * (start + end)
     share = (x - centre) / radius
@@ -279,7 +280,7 @@ def register() -> None:
         ordered=True,
         unbounded=("start", "end"),
         centre=_middle,
-        corners=lambda start, end: [(start, 0.0), (start, 1.0), (end, 1.0), (end, 0.0)],
+        corners=lambda start, end: _trapezoid_corners(start, start, end, end),
         names=_names("Rectangle", "rectmf") | {"fml": "rectangularShape"},
     )
     kind(
@@ -337,7 +338,7 @@ def register() -> None:
     kind(
         "two-sided-gaussian",
         ("left-mean", "left-deviation", "right-mean", "right-deviation"),
-        two_sided_gaussian,
+        _two_sided_gaussian,
         doc="a gaussian flank on either side, 1 between the means",
         positive=("left-deviation", "right-deviation"),
         bends=_flanks,
@@ -374,7 +375,7 @@ def register() -> None:
     kind(
         "sigmoid-difference",
         _TWO_SIGMOIDS,
-        sigmoid_difference,
+        _sigmoid_difference,
         doc="|sigmoid 1 − sigmoid 2|",
         bends=_inflections,
         turns=lambda *p: p[0::2],
@@ -388,7 +389,7 @@ def register() -> None:
     kind(
         "sigmoid-product",
         _TWO_SIGMOIDS,
-        sigmoid_product,
+        _sigmoid_product,
         doc="sigmoid 1 × sigmoid 2",
         bends=_inflections,
         turns=lambda *p: p[0::2],
@@ -399,7 +400,7 @@ def register() -> None:
     kind(
         "z",
         ("one", "zero"),
-        z_curve,
+        _z_curve,
         doc="smooth fall from 1 to 0 by two parabolas",
         ordered=True,
         inverse=lambda degree, one, zero: _parabolas_inverse(degree, zero, one),
@@ -408,7 +409,7 @@ def register() -> None:
     kind(
         "s",
         ("zero", "one"),
-        s_curve,
+        _s_curve,
         doc="smooth rise from 0 to 1 by two parabolas",
         ordered=True,
         inverse=_parabolas_inverse,
@@ -417,7 +418,7 @@ def register() -> None:
     kind(
         "pi",
         _FOUR,
-        pi_curve,
+        _pi_curve,
         doc="s on the left, flat, z on the right",
         ordered=True,
         centre=lambda *p: 0.5 * (p[1] + p[2]),
@@ -464,7 +465,7 @@ def register() -> None:
     kind(
         "semi-ellipse",
         ("start", "end"),
-        semi_ellipse,
+        _semi_ellipse,
         doc="half an ellipse between start and end",
         centre=_middle,
         names={"fll": "SemiEllipse", "fcl": "SemiEllipse", "fis": "SemiEllipse"},

@@ -31,6 +31,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
     Term,
+    last_conclusions,
     propositions,
 )
 from fuzzyarm.text.diagnostic import MAX_MAGNITUDE, MAX_TERMS, Span
@@ -112,9 +113,7 @@ def _refuse_circles(rulebase: RuleBase, dialect: Dialect, findings: Findings) ->
         for term in output.terms
         if term.shape.kind == "formula"
     }
-    last: dict[str, int] = {}
-    for index, block in enumerate(rulebase.blocks):
-        last |= {c.variable: index for rule in block.rules for c in rule.consequents}
+    last = last_conclusions(rulebase)
     waits: dict[str, set[str]] = {}
     reader: dict[str, Rule] = {}
     late: list[str] = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from bisect import bisect_left
 from dataclasses import dataclass, field, replace
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
@@ -80,8 +81,8 @@ def _has_accu_in_defuzzify(text: str) -> bool:
 # --- Where jFuzzyLogic takes its samples, to the last bit ---
 #
 # It walks along the range by adding up steps; the model multiplies them. The two differ by
-# some 1e-16, which matters only to a vertical edge that stands exactly on a sample: there
-# the one may see 1 and the other 0.
+# some 1e-16, which matters only to a vertical edge that stands on a sample: there the one may
+# see 1 and the other 0.
 
 
 def _settle_edges(draft: Draft, findings: Findings) -> None:
@@ -130,22 +131,25 @@ def _edges(shape: Shape) -> tuple[bool, bool]:
 
 def _moved(shape: Shape, samples: list[tuple[float, float]], low: float, high: float) -> Shape:
     left, right = _edges(shape)
+    first, last = shape.parameters[0], shape.parameters[-1]
+    model, walked = _nearest(first, samples)
+    if shape.kind == "singleton" and model != first:
+        return shape  # on no sample, whichever side it is seen from
     p = list(shape.parameters)
-    if left and _seen_from(p[0], samples) < 0:
-        up = math.nextafter(p[0], high)
-        p = [up if value == shape.parameters[0] else value for value in p]
-    if right and _seen_from(p[-1], samples) > 0:
-        down = math.nextafter(p[-1], low)
-        p = [down if value == p[-1] else value for value in p]
+    if left and (model < first <= walked or walked < first <= model):
+        edge = model if walked >= first else math.nextafter(model, high)
+        p = [edge if value == first else value for value in p]
+    model, walked = _nearest(last, samples)
+    if right and (model <= last < walked or walked <= last < model):
+        edge = model if walked <= last else math.nextafter(model, low)
+        p = [edge if value == last else value for value in p]
     return replace(shape, parameters=tuple(p))
 
 
-def _seen_from(edge: float, samples: list[tuple[float, float]]) -> int:
-    """Return -1 or 1 where a sample on the edge is taken before or behind it, else 0."""
-    for model, walked in samples:
-        if model == edge:
-            return (walked > edge) - (walked < edge)
-    return 0
+def _nearest(edge: float, samples: list[tuple[float, float]]) -> tuple[float, float]:
+    """Return the sample of the model that is nearest to an edge, and jFuzzyLogic's."""
+    index = bisect_left(samples, (edge, -math.inf))
+    return min(samples[max(index - 1, 0) : index + 1], key=lambda pair: abs(pair[0] - edge))
 
 
 # --- A function block while it is read ---

@@ -36,7 +36,7 @@ def spelled_shape(
     """
     kind, word, order = spelling
     if kind == "linear":
-        return linear_shape(values, inputs, at, findings)
+        return _linear_shape(values, inputs, at, findings)
     has_height = False
     if kind == "points":
         has_height = dialect.heights and len(values) % 2 == 1
@@ -104,7 +104,7 @@ def _after(x: float) -> float:
     return math.nextafter(x, math.inf)
 
 
-def linear_shape(values: list[float], inputs: int, at: Word, findings: Findings) -> Shape | None:
+def _linear_shape(values: list[float], inputs: int, at: Word, findings: Findings) -> Shape | None:
     """Return a linear consequent; a missing constant is 0."""
     values = _without_padding(values, inputs + 1, at, findings)
     if len(values) == inputs:

@@ -76,7 +76,7 @@ class Strengths:
         ]
 
 
-def member_at(member: Member, xs: Array) -> Array:
+def _member_at(member: Member, xs: Array) -> Array:
     """Return the membership of positions in the set of a member."""
     return degrees(member.term.shape, xs, member.hedges)
 
@@ -90,23 +90,8 @@ def fold_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict
     return folded
 
 
-def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) -> Array:
-    """Return the aggregate of P points at positions of their own.
-
-    Parameters
-    ----------
-    plan : OutputPlan
-        The output.
-    entries : list of (int, ndarray of shape (P,))
-        Member and strength.
-    xs : ndarray of shape (P, K)
-        K positions for each point.
-
-    Returns
-    -------
-    ndarray of shape (P, K)
-        The aggregate there.
-    """
+def _aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) -> Array:
+    """Return the aggregate of P points at positions of their own, both of shape (P, K)."""
     norm = SNORMS[plan.output.aggregation].array
     total = np.zeros(xs.shape)
     low, high = xs.min(axis=1), xs.max(axis=1)
@@ -117,7 +102,7 @@ def aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) 
         if not rows.size:
             continue
         part = slice(None) if rows.size == strength.size else rows
-        degree = member_at(member, xs[part])
+        degree = _member_at(member, xs[part])
         implication = TNORMS[member.implication]
         if implication.leaves_ones:
             flat = [(xs[part] >= a) & (xs[part] <= b) for a, b in plateaus(member.pieces)]
@@ -148,7 +133,7 @@ def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tup
     norm = SNORMS[output.aggregation].array
     total = np.zeros((int(np.prod(strengths.shape)), samples.size))
     for member, strength in strengths.flat():
-        degree = member_at(plan.members[member], samples)
+        degree = _member_at(plan.members[member], samples)
         where = np.flatnonzero(degree > 0.0)
         if not where.size:
             continue
@@ -308,7 +293,7 @@ def panel_rule(
         xs = middle[:, None] + steps
         xs[:, 0] = np.nextafter(x0[part], x1[part])
         xs[:, -1] = np.nextafter(x1[part], x0[part])
-        values = aggregate_at(plan, own, xs) * _WEIGHTS
+        values = _aggregate_at(plan, own, xs) * _WEIGHTS
         total = values.sum(axis=1)
         area[part] = half * total
         moment[part] = half * ((values * steps).sum(axis=1) + (middle - centre) * total)

@@ -8,6 +8,7 @@ take their rules with them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import prod
 from typing import Any
 
@@ -120,6 +121,47 @@ def infer_arrays(
     return {name: result.reshape(shape) for name, result in results.items()}
 
 
+def firing_strengths(
+    rulebase: RuleBase, inputs: Mapping[str, Any]
+) -> tuple[Array, dict[str, Array]]:
+    """Return how far every rule fires at many points, and the outputs there.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    inputs : mapping of str to array_like
+        A value for every input; the arrays broadcast against each other.
+
+    Returns
+    -------
+    strengths : ndarray of float64, shape (rules, *points)
+        Truth of the antecedent times the weight, in the order of ``rulebase.rules``.
+    outputs : dict of str to ndarray of float64
+        NaN where no rule fires, whatever the file says for that case.
+
+    Raises
+    ------
+    InferenceError
+        For names that are unknown or missing, and values that are not numbers.
+    """
+    silent = tuple(replace(output, no_rule=float("nan")) for output in rulebase.outputs)
+    prepared = plan(replace(rulebase, outputs=silent))
+    arrays = _checked(rulebase, inputs)
+    shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    working = working_shape(arrays, shape)
+    strengths = np.zeros((len(prepared.rules), *working))
+    results = {name: np.empty(working) for name in prepared.outputs}
+    if int(np.prod(working)):
+        shared: Degrees = {}
+        for block in blocks(working, _chunk_size(prepared)):
+            chunk = _Chunk(prepared, arrays, working, block, {}, shared)
+            for name, value in chunk.outputs(strengths[:, *block]).items():
+                results[name][block] = value
+    outputs = {name: result.reshape(shape) for name, result in results.items()}
+    return strengths.reshape(-1, *shape), outputs
+
+
 def working_shape(arrays: dict[str, NDArray[Any]], shape: tuple[int, ...]) -> tuple[int, ...]:
     """Bring arrays to the number of axes of what they broadcast to, to one if that is enough.
 
@@ -151,7 +193,7 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
             raise NotANumberError(variable.name, detail) from None
         if np.isnan(array).any():
             raise NotANumberError(variable.name)
-        arrays[variable.name] = into_range(variable, array)
+        arrays[variable.name] = _into_range(variable, array)
     try:
         np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError:
@@ -160,7 +202,7 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
     return arrays
 
 
-def into_range(variable: Variable, array: Array) -> Array:
+def _into_range(variable: Variable, array: Array) -> Array:
     """Return `array` as `variable.outside` says: clamped, as it is, or an error."""
     if variable.outside == "clamp":
         return np.clip(array, variable.low, variable.high)
@@ -220,25 +262,29 @@ class _Chunk:
             for member, rule in output.contributions:
                 self._members.setdefault(rule, []).append((name, member))
 
-    def outputs(self) -> dict[str, Array]:
-        """Evaluate the chunk."""
+    def outputs(self, strengths: Array | None = None) -> dict[str, Array]:
+        """Evaluate the chunk; note in `strengths`, where it is wanted, how far each rule fires."""
         for step in self.plan.steps:
             if isinstance(step, str):
                 self.values[step] = self._conclude(self.plan.outputs[step])
-            else:
-                self._fire(step, self.plan.rules[step])
+                continue
+            strength = self._fire(step, self.plan.rules[step])
+            if strengths is not None and strength is not None:
+                strengths[step] = strength
         return {name: self.values[name] for name in self.plan.outputs}
 
-    def _fire(self, index: int, planned: PlannedRule) -> None:
+    def _fire(self, index: int, planned: PlannedRule) -> Array | None:
+        """Add a rule to what it concludes, and return how far it fires; None: nowhere."""
         strength = self._truth(planned.rule.antecedent, planned)
         if strength is None or planned.rule.weight == 0.0:
-            return
+            return None
         if planned.rule.weight != 1.0:
             strength = strength * planned.rule.weight
         if planned.threshold > 0.0:
             strength = np.where(strength > planned.threshold, strength, 0.0)
         for output, member in self._members.get(index, ()):
             self._strengths[output].add(member, strength)
+        return strength
 
     def _truth(self, expression: Expression, planned: PlannedRule) -> Array | None:
         """Return the truth of an expression over the chunk; None where it is 0 all over."""
@@ -312,8 +358,8 @@ class _Chunk:
             point = ", ".join(f"{n} = {v:.6g}" for n, v in self._point(where).items())
             raise NotANumberError(output.name, f"has none at {point}")
         if fired.all():
-            return into_range(output, value)
-        return np.where(fired, into_range(output, np.where(fired, value, output.low)), value)
+            return _into_range(output, value)
+        return np.where(fired, _into_range(output, np.where(fired, value, output.low)), value)
 
     def _no_rule(self, output: Output, silent: NDArray[np.bool_]) -> float:
         if isinstance(output.no_rule, float | int):

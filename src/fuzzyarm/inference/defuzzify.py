@@ -164,7 +164,7 @@ def defuzzify_over_arrays(
     if not len(strengths):
         return np.zeros(strengths.shape), np.zeros(strengths.shape, dtype=bool)
     if plan.discrete:
-        value_of = _number_of(plan, tsukamoto_over_arrays, consequent_values, values, inputs)
+        value_of = _number_of(plan, tsukamoto_over_arrays, _consequent_values, values, inputs)
         average = method == "centroid" or method in WEIGHTED
         many = weighted_over_arrays if average else discrete_over_arrays
         value, weight = many(plan, strengths, value_of)
@@ -191,7 +191,7 @@ def _centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array
     return integrated_centroid_over_arrays(plan, strengths)
 
 
-def consequent_values(
+def _consequent_values(
     member: Member, values: Mapping[str, Array], inputs: tuple[str, ...]
 ) -> Array:
     """Return the numbers of a linear or formula consequent."""

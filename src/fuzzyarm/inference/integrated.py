@@ -141,7 +141,7 @@ def integrate(
         if height > 0.0:
             strengths[k[consequent + MEMBER]] = height
             strongest = max(strongest, height)
-            count = clip_edges(k, f, consequent, height, heap, edges, count)
+            count = _clip_edges(k, f, consequent, height, heap, edges, count)
     begin = k[detail + STRETCHES_AT]
     for stretch in range(begin, begin + STRETCH * k[detail + STRETCHES], STRETCH):
         count = cross(k, f, stretch, strengths, heap, edges, count)
@@ -165,7 +165,7 @@ def integrate(
 
 
 @kernel
-def clip_edges(
+def _clip_edges(
     k: Any, f: Any, consequent: int, height: float, heap: Any, edges: int, count: int
 ) -> int:
     """Add the edges where an implication clips the straight pieces of a set."""

@@ -120,7 +120,7 @@ def evaluate(block: Any) -> None:
     programs[0] = 0
     for i in range(k[INPUTS]):
         begin = k[COLUMNS] + i * k[WIDTH]
-        locate(k, f, i, block[begin : begin + 1], programs)
+        _locate(k, f, i, block[begin : begin + 1], programs)
     if programs[0] < 0:
         for o in range(k[OUTPUTS]):
             block[k[RESULTS] + o * k[WIDTH]] = math.nan
@@ -157,7 +157,7 @@ def sweep(block: Any) -> None:
         programs[point] = 0
     for i in range(k[INPUTS]):
         begin = k[COLUMNS] + i * width
-        locate(k, f, i, block[begin : begin + points], programs)
+        _locate(k, f, i, block[begin : begin + points], programs)
     sort(block, k, programs, origin, ends)
     k[MISSING] = ends[0] * k[OUTPUTS]
     # The sorted points of program p are [ends[p], ends[p + 1]): one call for all of them, so
@@ -205,7 +205,7 @@ def sort(block: Any, k: Any, programs: Any, origin: Any, ends: Any) -> None:
 
 
 @kernel
-def locate(k: Any, f: Any, i: int, x: Any, programs: Any) -> None:
+def _locate(k: Any, f: Any, i: int, x: Any, programs: Any) -> None:
     """Bring an input into its range; add its share to the numbers of the programs."""
     head = HEAD + INPUT_HEAD * i
     clamped = k[head + CLAMPED] != 0
@@ -251,7 +251,7 @@ def run(block: Any) -> None:
         begin = k[INPUT_ROWS] + i * width
         fuzzify(k, f, room, i, k[at], k[at + 1], block[begin : begin + count])
         at += 2
-    at = join_expressions(k, f, room, at, count)
+    at = _join_expressions(k, f, room, at, count)
     begin = (k[WORK] + TOTAL) * width
     total = room[begin : begin + count]
     begin = (k[WORK] + MOMENT) * width
@@ -265,7 +265,7 @@ def run(block: Any) -> None:
             moment[point] = 0.0
         k[GROUPS] = at
         k[OUTPUT] = head
-        k[NEXT] = fold_heights(k, f, room, at, k[head + AGGREGATION], count)
+        k[NEXT] = _fold_heights(k, f, room, at, k[head + AGGREGATION], count)
         call(k[head + DEFUZZIFIER], block)  # fills total and moment; moves k[NEXT]
         at = k[NEXT]
         begin = k[head + FLOATS_AT]
@@ -311,7 +311,7 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
 
 
 @kernel
-def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
+def _join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
     """Write down the truth of the expressions in parentheses; return what is behind."""
     width = k[WIDTH]
     expressions = k[at]
@@ -334,7 +334,7 @@ def join_expressions(k: Any, f: Any, room: Any, at: int, count: int) -> int:
 
 
 @kernel
-def fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
+def _fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> int:
     """Fold the strengths of the rules of each group, one row each; return what is behind."""
     width = k[WIDTH]
     groups = k[at]
@@ -474,13 +474,13 @@ def closed_centroid(block: Any) -> None:
         one = room[begin : begin + count]
         begin = first + k[at + 1] * width
         other = room[begin : begin + count]
-        add_layer(f[k[at + 2] : k[at + 2] + LAYER], one, other, total, moment)
+        _add_layer(f[k[at + 2] : k[at + 2] + LAYER], one, other, total, moment)
         at += 3
     k[NEXT] = at
 
 
 @kernel
-def add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> None:
+def _add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> None:
     """Add a layer of the closed form at the smaller of two heights."""
     start, depth, a1, a2 = layer[0], layer[1], layer[2], layer[3]
     b1, b2, b3 = layer[4], layer[5], layer[6]
@@ -588,7 +588,7 @@ def enveloped_centroid(block: Any) -> None:
             begin = k[consequent + 1]
             pieces = f[begin : begin + PIECE * k[consequent]]
             if height > 0.0:
-                events = cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
+                events = _cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
         # Events are where a line begins or ends: between two of them the same lines hold.
         count = 0
         for line in range(0, events, PIECE):
@@ -611,7 +611,7 @@ def enveloped_centroid(block: Any) -> None:
 
 
 @kernel
-def cut_pieces(pieces: Any, height: float, scaled: bool, heap: Any, end: int) -> int:
+def _cut_pieces(pieces: Any, height: float, scaled: bool, heap: Any, end: int) -> int:
     """Write the pieces of a set down, cut at a height or scaled by it; return their new end."""
     for piece in range(0, pieces.shape[0], PIECE):
         x_0, y_0, x_1, y_1 = pieces[piece], pieces[piece + 1], pieces[piece + 2], pieces[piece + 3]
@@ -680,7 +680,8 @@ def highest(
             if slope > steep:
                 y = heap[line + 1] + slope * (left - heap[line])
                 x = left + (best - y) / (slope - steep)
-                if left < x < until:
+                # At once where the one above is all but zero: the next call takes the steeper.
+                if left <= x < until:
                     until = x
     return best, steep, until
 

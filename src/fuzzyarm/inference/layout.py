@@ -663,7 +663,8 @@ class _OutputWriter:
             grouped: dict[int, list[_Rule]] = {}
             for member, rule in entries:
                 grouped.setdefault(member, []).append(rule)
-            yield from grouped.items()
+            # In the order of the sets, whatever the cell: exported programs add them up so, too.
+            yield from sorted(grouped.items())
         else:
             for member, rule in entries:
                 yield member, [rule]

@@ -265,10 +265,10 @@ def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, A
 def sampled_maxima_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     """Return the choice among the samples, or None where all are 0."""
     samples, heights = sampled_aggregate_at_point(plan, fired)
-    return greatest_of(plan.output.defuzzifier.method, samples, heights)
+    return _greatest_of(plan.output.defuzzifier.method, samples, heights)
 
 
-def greatest_of(method: str, samples: list[float], heights: list[float]) -> float | None:
+def _greatest_of(method: str, samples: list[float], heights: list[float]) -> float | None:
     """Return mean, smallest or largest of the samples that are greatest."""
     enough = max(heights) * (1.0 - SAME)
     if not enough > 0.0:
@@ -284,12 +284,12 @@ def sampled_maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[
     from fuzzyarm.inference.aggregate_arrays import sampled_aggregate_over_arrays
 
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
-    value, top = greatest_of_many(plan.output.defuzzifier.method, samples, heights)
+    value, top = _greatest_of_many(plan.output.defuzzifier.method, samples, heights)
     return value.reshape(strengths.shape), top.reshape(strengths.shape)
 
 
-def greatest_of_many(method: str, samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`greatest_of` does for each row of `heights`, and the greatest."""
+def _greatest_of_many(method: str, samples: Array, heights: Array) -> tuple[Array, Array]:
+    """Return what :func:`_greatest_of` does for each row of `heights`, and the greatest."""
     import numpy as np
 
     top = heights.max(axis=1)
@@ -396,10 +396,10 @@ def sampled_bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     if sampling == "trapezoid":
         heights[0] *= 0.5
         heights[-1] *= 0.5
-    return nearest_half(samples, heights) if sampling == "midpoints" else halve(samples, heights)
+    return _nearest_half(samples, heights) if sampling == "midpoints" else halve(samples, heights)
 
 
-def nearest_half(samples: list[float], heights: list[float]) -> float | None:
+def _nearest_half(samples: list[float], heights: list[float]) -> float | None:
     """Return the sample at which the running sum is nearest to half of the total."""
     total = sum(heights)
     if not total > 0.0:
@@ -433,13 +433,13 @@ def sampled_bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tupl
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
     heights *= sample_weights(plan)
     midpoints = plan.output.defuzzifier.sampling == "midpoints"
-    function = nearest_half_many if midpoints else halve_many
+    function = _nearest_half_many if midpoints else _halve_many
     value, total = function(samples, heights)
     return value.reshape(strengths.shape), total.reshape(strengths.shape)
 
 
-def nearest_half_many(samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`nearest_half` does for each row of `heights`, and the totals."""
+def _nearest_half_many(samples: Array, heights: Array) -> tuple[Array, Array]:
+    """Return what :func:`_nearest_half` does for each row of `heights`, and the totals."""
     import numpy as np
 
     running = np.cumsum(heights, axis=1)
@@ -450,7 +450,7 @@ def nearest_half_many(samples: Array, heights: Array) -> tuple[Array, Array]:
     return np.where(among, samples, 0.0).sum(axis=1) / among.sum(axis=1), total
 
 
-def halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
+def _halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
     """Return what :func:`halve` does for each row of `heights`, and the totals."""
     import numpy as np
 
@@ -475,7 +475,7 @@ def discrete_at_point(
     samples, heights = [y for y, _ in spikes], [w for _, w in spikes]
     method = plan.output.defuzzifier.method
     return (
-        halve(samples, heights) if method == "bisector" else greatest_of(method, samples, heights)
+        halve(samples, heights) if method == "bisector" else _greatest_of(method, samples, heights)
     )
 
 
@@ -500,7 +500,7 @@ def discrete_over_arrays(
     values, heights = np.take_along_axis(values, order, 1), np.take_along_axis(heights, order, 1)
     value = np.empty(size)
     method = plan.output.defuzzifier.method
-    function = halve_many if method == "bisector" else greatest_of_many
+    function = _halve_many if method == "bisector" else _greatest_of_many
     # The order differs from point to point only where values depend on the inputs.
     for row in range(size) if (values != values[0]).any() else [slice(None)]:
         rows = slice(row, row + 1) if isinstance(row, int) else row

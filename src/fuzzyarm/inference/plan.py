@@ -40,6 +40,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
     Term,
+    last_conclusions,
     propositions,
 )
 
@@ -234,21 +235,21 @@ def _check_reference(rulebase: RuleBase, part: Is | Consequent, known: list[str]
 
 
 def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule, ...]]:
-    last_writer = _last_writers(rulebase)
+    last = last_conclusions(rulebase)
     steps: list[int | str] = []
     rules: list[PlannedRule] = []
     done: set[str] = set()
     for number, block in enumerate(rulebase.blocks):
         used = _outputs_used(rulebase, block)
         for name in used:
-            if last_writer.get(name, -1) > number:
+            if last.get(name, -1) > number:
                 raise CyclicRulesError(
                     f"a rule uses '{name}' before all rules that conclude it are evaluated", (name,)
                 )
-            if last_writer.get(name, -1) < number and name not in done:
+            if last.get(name, -1) < number and name not in done:
                 done.add(name)
                 steps.append(name)
-        open_outputs = frozenset(name for name in used if last_writer.get(name, -1) == number)
+        open_outputs = frozenset(name for name in used if last.get(name, -1) == number)
         start = len(rules)
         rules += [
             PlannedRule(
@@ -263,15 +264,6 @@ def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule
         steps += [start + i for i in _sorted_rules(block, open_outputs)]
     steps += [output.name for output in rulebase.outputs if output.name not in done]
     return tuple(steps), tuple(rules)
-
-
-def _last_writers(rulebase: RuleBase) -> dict[str, int]:
-    return {
-        consequent.variable: number
-        for number, block in enumerate(rulebase.blocks)
-        for rule in block.rules
-        for consequent in rule.consequents
-    }
 
 
 def _outputs_used(rulebase: RuleBase, block: RuleBlock) -> list[str]:

@@ -182,7 +182,7 @@ class _Conjunction(NamedTuple):
     threshold: float
 
 
-Action = Callable[[Point], None]
+_Action = Callable[[Point], None]
 
 
 class Prepared:
@@ -243,8 +243,8 @@ class Prepared:
             by_variable.setdefault(variable, []).append(proposition)
         return {name: Partition(group) for name, group in by_variable.items()}
 
-    def _compile_steps(self) -> list[Action]:
-        actions: list[Action] = []
+    def _compile_steps(self) -> list[_Action]:
+        actions: list[_Action] = []
         waiting: list[int] = []
         for step in self.plan.steps:
             if isinstance(step, int) and _is_conjunction(self.plan.rules[step]):
@@ -259,7 +259,7 @@ class Prepared:
                 actions.append(self._compile_rule(step))
         return actions + self._compile_conjunctions(waiting)
 
-    def _compile_conjunctions(self, rules: list[int]) -> list[Action]:
+    def _compile_conjunctions(self, rules: list[int]) -> list[_Action]:
         """Index conjunctions by their propositions: only those that fire are visited."""
         families: dict[tuple[str, ...], dict[tuple[int, ...], list[_Conjunction]]] = {}
         for index in rules:
@@ -276,7 +276,7 @@ class Prepared:
 
     def _visit(
         self, variables: tuple[str, ...], table: dict[tuple[int, ...], list[_Conjunction]]
-    ) -> Action:
+    ) -> _Action:
         fire = self._fire
 
         def visit(point: Point) -> None:
@@ -302,7 +302,7 @@ class Prepared:
                 for output, member in self._consequents[rule]:
                     fired[output].append((member, strength))
 
-    def _compile_rule(self, index: int) -> Action:
+    def _compile_rule(self, index: int) -> _Action:
         planned = self.plan.rules[index]
         truth = self._compile_expression(planned.rule.antecedent, planned)
         weight, consequents = planned.rule.weight, self._consequents[index]
@@ -359,7 +359,7 @@ class Prepared:
 
         return degree
 
-    def _compile_output(self, name: str) -> Action:
+    def _compile_output(self, name: str) -> _Action:
         output_plan = self.plan.outputs[name]
         output = output_plan.output
 
@@ -606,9 +606,9 @@ def merged(inputs: Mapping[str, Any] | None, named: Mapping[str, Any]) -> dict[s
 
 def holds_arrays(given: Mapping[str, Any]) -> bool:
     """Whether any input is an array."""
-    return any(not isinstance(value, float | int) and is_array(value) for value in given.values())
+    return any(not isinstance(value, float | int) and _is_array(value) for value in given.values())
 
 
-def is_array(value: object) -> bool:
+def _is_array(value: object) -> bool:
     """Whether an input is many values."""
     return isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0

@@ -85,14 +85,8 @@ def _end(plan: OutputPlan, position: float) -> float:
     return plan.output.high if position > 0.0 else plan.output.low
 
 
-def is_rising(plan: OutputPlan, member: Member) -> bool:
-    """Return whether a set rises over the range of its output; it must rise or fall.
-
-    Raises
-    ------
-    InferenceError
-        If it does neither.
-    """
+def _is_rising(plan: OutputPlan, member: Member) -> bool:
+    """Return whether a set rises over the range of its output; it must rise or fall."""
     values = [value for piece in member.pieces for value in (piece.y0, piece.y1)]
     steps = [b - a for a, b in pairwise(values) if abs(b - a) > 1e-12]
     if steps and (min(steps) > 0.0 or max(steps) < 0.0):
@@ -104,7 +98,7 @@ def is_rising(plan: OutputPlan, member: Member) -> bool:
 
 
 def _on_pieces(plan: OutputPlan, member: Member, strength: float) -> float:
-    pieces = member.pieces if is_rising(plan, member) else member.pieces[::-1]
+    pieces = member.pieces if _is_rising(plan, member) else member.pieces[::-1]
     for piece in pieces:
         start, end = (piece.x0, piece.x1) if pieces is member.pieces else (piece.x1, piece.x0)
         first, last = (piece.y0, piece.y1) if pieces is member.pieces else (piece.y1, piece.y0)

@@ -138,7 +138,7 @@ class Scope:
 # --- Shapes ---
 
 
-def elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shape | None:
+def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shape | None:
     """Return the shape that `node` means, or None after a report."""
     height = node.height.value if node.height else 1.0
     if not 0.0 < height <= 1.0:
@@ -158,7 +158,7 @@ def elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shape
     if kind == "formula":
         return _formula(node, scope)
     parameters = tuple(figure.value for figure in node.figures)
-    fault = shape_fault(kind, parameters)
+    fault = _shape_fault(kind, parameters)
     if fault is not None:
         index, message = fault
         scope.report("bad-shape", message, node.figures[index].span)
@@ -166,7 +166,7 @@ def elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shape
     return Shape(kind, parameters, height)
 
 
-def shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+def _shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
     """Return what is wrong with the numbers of a shape, and which of them; None if nothing is.
 
     Parameters
@@ -296,14 +296,14 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
             replacement=turned,
         )
     elif node.low is not None and node.high is not None:
-        fault = range_fault(node.low.value, node.high.value)
+        fault = _range_fault(node.low.value, node.high.value)
         if fault is not None:
             span = node.low.span.to(node.high.span)
             scope.report("bad-range", f"the range of '{node.name.text}' {fault}", span)
     scope.drafts[node.name.text] = Draft(node)
 
 
-def range_fault(low: float, high: float) -> str | None:
+def _range_fault(low: float, high: float) -> str | None:
     """Return what makes the range from `low` to `high` absurd, or None."""
     if any(MAX_MAGNITUDE < abs(end) < math.inf for end in (low, high)):
         return f"goes beyond {MAX_MAGNITUDE:g}"
@@ -322,7 +322,7 @@ def range_of(node: VariableNode) -> tuple[float, float]:
 def add_term(node: TermNode, scope: Scope) -> None:
     """Add the explicit term of `node` to its variable."""
     draft = scope.variable(node.variable)
-    shape = None if node.shape is None else elaborate_shape(node.shape, draft, scope)
+    shape = None if node.shape is None else _elaborate_shape(node.shape, draft, scope)
     if draft is not None:
         # A term with a bad shape is declared all the same, so that its uses are not mistakes too.
         _add(draft, node.name, shape or Shape("singleton", (range_of(draft.node)[0],)), scope)

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
+from fuzzyarm.language.phrases import aligned
 from fuzzyarm.language.statements import (
     STATEMENTS,
     BlockNode,
     Broken,
     StatementKind,
     StatementNode,
-    aligned,
 )
 from fuzzyarm.language.tokens import BlockLine, Cursor, Fault, Line, Token, Trivia, tokenize_line
 from fuzzyarm.model.rulebase import Rule

@@ -60,6 +60,7 @@ from fuzzyarm.model.rulebase import (
     Rule,
     RuleBase,
     RuleBlock,
+    last_conclusions,
     propositions,
 )
 from fuzzyarm.text.diagnostic import (
@@ -641,24 +642,20 @@ def _judge_whole(rulebase: RuleBase, nodes: list[StatementNode], scope: Scope) -
 def _judge_chain(rulebase: RuleBase, scope: Scope) -> None:
     """Demand that an output used as an input is complete before the block that uses it."""
     outputs = {output.name for output in rulebase.outputs}
-    last_writer: dict[str, int] = {}
-    for index, block in enumerate(rulebase.blocks):
-        for rule in block.rules:
-            for consequent in rule.consequents:
-                last_writer[consequent.variable] = index
+    last = last_conclusions(rulebase)
     for index, block in enumerate(rulebase.blocks):
         for rule in block.rules:
             for proposition in propositions(rule.antecedent):
                 name = proposition.variable
                 if name not in outputs:
                     continue
-                if name not in last_writer:
+                if name not in last:
                     scope.report(
                         "unassigned-output",
                         f"the output '{name}' is asked for here, but no rule sets it",
                         proposition.span,
                     )
-                elif last_writer[name] >= index:
+                elif last[name] >= index:
                     scope.report(
                         "cyclic-blocks",
                         f"the output '{name}' is asked for here, but rules set it in this block"

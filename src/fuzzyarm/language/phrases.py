@@ -6,7 +6,7 @@ is written (``str``, canonical) and which variables and terms it names (``mentio
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from enum import StrEnum
 from types import MappingProxyType
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from typing import NamedTuple
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.language.tokens import Cursor, Fault, Figure, Word
 from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
-from fuzzyarm.text.diagnostic import MAX_NESTING, NOWHERE, Diagnostic, Span
+from fuzzyarm.text.diagnostic import MAX_NESTING, NOWHERE, Diagnostic, Span, display_width
 from fuzzyarm.text.names import near_hint, quote
 from fuzzyarm.text.numbers import number_text
 
@@ -72,6 +72,23 @@ def of_term(variable: Word, word: Word) -> Occurrence:
 def declared(kind: Kind, word: Word, owners: tuple[str, ...] = ()) -> Occurrence:
     """Return the declaration of a name."""
     return Occurrence(kind, word.text, word.span, owners, is_definition=True)
+
+
+# --- Lines in columns ---
+
+
+def aligned(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
+    """Return `rows` as lines indented by two, columns a gap apart and left-aligned."""
+    widths = [0] * max(map(len, rows), default=0)
+    for row in rows:
+        for i, text in enumerate(row):
+            widths[i] = max(widths[i], display_width(text))
+    lines = []
+    for row in rows:
+        # Columns as a terminal shows them: a wide character takes two.
+        padded = (text + " " * (widths[i] - display_width(text)) for i, text in enumerate(row))
+        lines.append("  " + gap.join(padded).rstrip())
+    return lines
 
 
 # --- Hedges and propositions ---

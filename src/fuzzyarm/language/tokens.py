@@ -99,7 +99,7 @@ def tokenize_line(number: int, text: str, diagnostics: list[Diagnostic]) -> Line
         elif kind in ("string", "quoted"):
             span = Span(number, column, number, end)
             tokens.append(
-                Token(kind, unescape(match.group()[1:-1], span, diagnostics), number, column, end)
+                Token(kind, _unescape(match.group()[1:-1], span, diagnostics), number, column, end)
             )
         elif kind == "bad" or not stray:
             stray |= kind == "stray"  # one finding for a line full of them
@@ -134,7 +134,7 @@ def _lexical_fault(kind: str, text: str, line: int, column: int, end: int) -> Di
     )
 
 
-def unescape(text: str, span: Span, diagnostics: list[Diagnostic]) -> str:
+def _unescape(text: str, span: Span, diagnostics: list[Diagnostic]) -> str:
     r"""Resolve ``\n``, ``\t``, ``\\``, quotes and ``\uXXXX``; report any other escape."""
     if "\\" not in text:
         return text

@@ -1,1 +1,1 @@
-"""Controllers that learn: training along a trajectory."""
+"""Rule bases from samples, and judged by samples; controllers that learn along a trajectory."""

@@ -19,7 +19,15 @@ from fuzzyarm.controller.on_plant import (
 )
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, stretch
 from fuzzyarm.loop.loop import rms
-from fuzzyarm.loop.run import Program, Record, checked_arms, error_taps, loop_for, shown_errors
+from fuzzyarm.loop.run import (
+    Program,
+    Record,
+    checked_arms,
+    error_taps,
+    loop_for,
+    shown_errors,
+    shown_units,
+)
 from fuzzyarm.plant.plant import is_compiled
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Schedule, Trajectory
@@ -47,6 +55,8 @@ class Snapshot:
         Whether the pass is over.
     diverged : float or None
         When the run was stopped because it had diverged, s; the training ends there.
+    units : tuple of str
+        Of the errors.
     """
 
     passage: int
@@ -56,6 +66,7 @@ class Snapshot:
     errors: Vector
     complete: bool
     diverged: float | None
+    units: tuple[str, ...]
 
     @property
     def rms(self) -> Vector:
@@ -139,6 +150,7 @@ def train(
                 errors,
                 end == count or stopped,
                 float(motion.time[begin + int(record.progress[1])]) if stopped else None,
+                shown_units(course),
             )
             if stopped:
                 return

@@ -344,7 +344,8 @@ class Course:
 
     def output_cell(self, port: Address) -> int:
         """Return the cell of an output as it is."""
-        return self._true + list(self.site.interface.outputs).index(port)
+        first = self._true if self.options.sensors else self._seen
+        return first + list(self.site.interface.outputs).index(port)
 
     def drive_cell(self, port: Address) -> int:
         """Return the cell of a drive as the plant feels it."""
@@ -384,7 +385,11 @@ class Course:
     def _sensing(self, seed: int) -> tuple[Any, Any]:
         """Write sensors and their noise down; both are empty where all sensors are exact."""
         interface = self.site.interface
-        known = {interface.port(name): each for name, each in self.options.sensors.items()}
+        known = {
+            port: each
+            for name, each in self.options.sensors.items()
+            for port in interface.every_port(name)
+        }
         for port in known:
             if port not in interface.outputs:
                 message = f"'{interface.label(port)}' is an input, which has no sensor"
@@ -417,7 +422,9 @@ class Course:
 
     def _pushes(self) -> Any:
         loads = {
-            self.site.interface.port(name): signal for name, signal in self.options.loads.items()
+            port: signal
+            for name, signal in self.options.loads.items()
+            for port in self.site.interface.every_port(name)
         }
         if not loads:
             return []

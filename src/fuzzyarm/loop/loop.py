@@ -10,8 +10,8 @@ seen           the outputs as sensors have them, in the order of the plant
 wanted         room for the drives that a law leaves
 =============  =====================================================================
 
-So far it is what a law is told. Behind it stand the outputs as they are, and the drives as the
-plant feels them. Laws and plant are called by address and know parts of this array only.
+So far it is what a law is told. Behind it stand the outputs as they are (unused where all sensors
+are exact), and the drives. Laws and plant are called by address and know parts of this array only.
 """
 
 from __future__ import annotations
@@ -132,7 +132,11 @@ def run_loop(
     s = setting_numbers
     setting = Setting(s[0], s[1] != 0.0, int(s[2]), s[3] != 0.0, s[4], int(s[5]), int(s[6]))
     frame = frame_of(len(references) // len(iterations), len(limits) // 4, len(board))
-    outputs, drives = board[frame.true : frame.driven], board[frame.driven :]
+    # Where all sensors are exact the plant measures into what a law is told.
+    drives = board[frame.driven :]
+    outputs = board[frame.true : frame.driven]
+    if len(sensors) == 0:
+        outputs = board[frame.seen : frame.told]
     block = links[BLOCK]
     random = setting.seed
     samples = 0
@@ -153,20 +157,15 @@ def run_loop(
             if iteration == 0 or setting.interpolated:
                 refer(board, frame, references, point, iteration, setting)
             # Sensors, then control, then the plant: a law never sees the state that it causes.
-            sense(board, frame, sensors, noise, progress[3])
-            if len(sensors) > 0 and links[DERIVES] != 0:
-                ask_plant(
-                    DERIVE, links, state, board[frame.seen : frame.told], drives, constants, clock
-                )
+            if len(sensors) > 0:
+                sense(board, frame, sensors, noise, progress[3])
+                derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
             control(board[0 : frame.true], laws, numbers, memory, drives)
-            push(drives, pushes, progress[3])
-            if links[ACTUATES] != 0:
-                ask_plant(ACTUATE, links, state, outputs, drives, constants, clock)
-            else:
-                limit(drives, limits, setting.single)
+            actuate(links, state, outputs, drives, constants, clock, limits)
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
+            push(drives, pushes, progress[3])  # loads act behind the actuators
             ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
             progress[3] += 1
             clock[0] = progress[3] * setting.step
@@ -260,6 +259,37 @@ def ask_plant(
 
 
 @kernel
+def actuate(
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+    limits: list[float],
+) -> None:
+    """Make of what is wanted what drives the plant: it does that itself, or the limits do."""
+    if links[ACTUATES] != 0:
+        ask_plant(ACTUATE, links, x, y, u, p, clock)
+    else:
+        limit(u, limits, clock[3] != 0.0)
+
+
+@kernel
+def derive(
+    links: list[int],
+    x: list[float],
+    y: list[float],
+    u: list[float],
+    p: list[float],
+    clock: list[float],
+) -> None:
+    """Have the plant say what follows from outputs as they were seen, if there is anything."""
+    if links[DERIVES] != 0:
+        ask_plant(DERIVE, links, x, y, u, p, clock)
+
+
+@kernel
 def control(
     told: list[float],
     laws: list[int],
@@ -318,15 +348,11 @@ what it remembers; its column of the noise (-1: none)."""
 def sense(
     board: list[float], frame: Frame, sensors: list[float], noise: list[float], tick: int
 ) -> None:
-    """Fill in what sensors make of the outputs; without sensors they are exact.
+    """Fill in what sensors make of the outputs.
 
     `noise` is added before a value is quantised; it has a row of columns for each control period,
     drawn beforehand, so that a seed says all.
     """
-    if len(sensors) == 0:
-        for i in range(frame.told - frame.seen):
-            board[frame.seen + i] = board[frame.true + i]
-        return
     columns = 0
     for i in range(frame.told - frame.seen):
         if sensors[SENSOR * i + NOISY] >= 0.0:

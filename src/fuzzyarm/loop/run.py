@@ -207,9 +207,10 @@ def scales(course: Course) -> NDArray[np.float64]:
     return np.array([turn if outputs[p].unit == "rad" else 1.0 for p in course.motion.tracked])
 
 
-def shown_unit(unit: str) -> str:
-    """Return the unit in which an error is shown."""
-    return "degrees" if unit == "rad" else unit
+def shown_units(course: Course) -> tuple[str, ...]:
+    """Return the units in which the tracked outputs are shown."""
+    units = [course.site.interface.outputs[port].unit for port in course.motion.tracked]
+    return tuple("degrees" if unit == "rad" else unit for unit in units)
 
 
 # --- Loops in which something is plain Python ---
@@ -292,12 +293,15 @@ class Run:
         Of the samples, s.
     reference, errors : ndarray, shape (n, k)
         Of each tracked output: what was wanted, and that minus what was.
-    labels, units : tuple of str
+    axes, labels, units : tuple of str
         Of the tracked outputs.
-    outputs, drives : mapping of str to ndarray, shape (n,)
-        By port, in the units of the plant; drives as the plant felt them.
-    limits : mapping of str to pair of float
+    wanted, outputs, drives : mapping of str to ndarray, shape (n,)
+        By port, in the units of the plant: references of the tracked outputs; outputs as they
+        are, whatever sensors say; drives as the actuators give them, loads not among them.
+    limits, drive_units : mapping
         Of each drive.
+    loaded : tuple of bool
+        Of each sample, whether the arm carries another load than at the start.
     diverged : float or None
         When the run was stopped because it had diverged, s.
     seconds : float
@@ -325,11 +329,15 @@ class Run:
     compiled: bool
     memory: list[float]
     plant: str = "arm"
+    axes: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
+    wanted: Mapping[str, Vector] = field(default_factory=dict)
     outputs: Mapping[str, Vector] = field(default_factory=dict)
     drives: Mapping[str, Vector] = field(default_factory=dict)
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    drive_units: Mapping[str, str] = field(default_factory=dict)
+    loaded: tuple[bool, ...] = ()
     period: float = SET_POINT_PERIOD
     seed: int = 1
     ended: float | None = None
@@ -361,13 +369,14 @@ class Run:
 
     @property
     def metrics(self) -> dict[str, Metrics]:
-        """Metrics of each tracked output."""
+        """Metrics of each axis; of each output where one axis has several that are tracked."""
         found = {}
         for column, label in enumerate(self.labels):
             axis = label.rpartition(".")[0]
             names = [name for name in self.drives if name.rpartition(".")[0] == axis]
             drives = np.column_stack([self.drives[name] for name in names] or [np.zeros((0, 0))])
-            found[label] = metrics_of(
+            name = self.axes[column]
+            found[name if self.axes.count(name) == 1 else label] = metrics_of(
                 self.time,
                 self.reference[:, column],
                 self.errors[:, column],
@@ -385,10 +394,8 @@ class Run:
 
     def columns(self) -> dict[str, Vector]:
         """Return the samples by name: references, outputs and drives."""
-        found = {
-            f"{label} wanted": self.reference[:, column] for column, label in enumerate(self.labels)
-        }
-        return {**found, **self.outputs, **self.drives}
+        wanted = {f"{label} wanted": values for label, values in self.wanted.items()}
+        return {**wanted, **self.outputs, **self.drives}
 
 
 # --- Runs ---
@@ -469,13 +476,18 @@ def plant_motion(
     references: Mapping[str, Signal] | None = None,
     duration: float | None = None,
     connect: Mapping[str, str] | None = None,
+    step: Signal | None = None,
 ) -> Motion:
-    """Return the set points of a plant, at the period of a controller as text."""
+    """Return the set points of a plant, at the period of a controller as text.
+
+    Without references the first output that the controller asks a reference of follows `step`,
+    by default to 1.
+    """
     site = site_of(plant, connect)
     text = text_of(controller, site)
     if not references:
         tracked = first_error(text, site)
-        references = {site.interface.label(tracked): Signal("step", (1.0,))}
+        references = {site.interface.label(tracked): step or Signal("step", (1.0,))}
     period, every = text.model.period, text.model.every
     if duration is None:
         duration = plant.duration or 1000 * period * every
@@ -555,11 +567,15 @@ def run_along(
         compiled,
         program.remembered(record.memory),
         followed.plants[0].name,
+        tuple(axis for axis, _ in followed.tracked),
         tuple(map(label, followed.tracked)),
-        tuple(shown_unit(outputs[port].unit) for port in followed.tracked),
+        shown_units(course),
+        {label(port): samples[:, count + i] for i, port in enumerate(followed.tracked)},
         {label(port): samples[:, front + i] for i, port in enumerate(outputs)},
         {label(port): samples[:, front + len(outputs) + i] for i, port in enumerate(inputs)},
         {label(port): (each.low, each.high) for port, each in inputs.items()},
+        {label(port): each.unit for port, each in inputs.items()},
+        tuple(bool(each) for each in followed.block[taken]),
         followed.period * followed.every,
         options.seed,
         stopped if over else None,

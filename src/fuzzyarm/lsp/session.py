@@ -85,7 +85,7 @@ Range = tuple[int, int, int, int]
 """Start line and character, end line and character, as the protocol counts."""
 
 
-def change_text(text: str, where: Range | None, new: str, encoding: str = UTF16) -> str:
+def _change_text(text: str, where: Range | None, new: str, encoding: str = UTF16) -> str:
     """Return `text` after one change of the protocol; without a range all of it is replaced."""
     if where is None:
         return new
@@ -233,7 +233,7 @@ class Session:
 
     def change(self, where: Range | None, new: str, encoding: str = UTF16) -> None:
         """Take one change as an editor sends it."""
-        self.replace(change_text(self.text, where, new, encoding), self.version)
+        self.replace(_change_text(self.text, where, new, encoding), self.version)
 
     @property
     def reading(self) -> Any:

@@ -361,3 +361,17 @@ def propositions(expression: Expression) -> Iterator[Is]:
     else:
         for operand in expression.operands:
             yield from propositions(operand)
+
+
+def last_conclusions(rulebase: RuleBase) -> dict[str, int]:
+    """Return for each output the index of the last block that concludes it.
+
+    Only behind that block is the output complete: rules that read it earlier are a fault to the
+    language, a circle to inference, and to other programs they take its last value.
+    """
+    return {
+        consequent.variable: index
+        for index, block in enumerate(rulebase.blocks)
+        for rule in block.rules
+        for consequent in rule.consequents
+    }

@@ -220,7 +220,19 @@ class Interface:
         if found:
             hint = " or ".join(self.label(each) for each in found)
             raise PlantError(f"several axes have a port '{name}'", name=name, hint=hint)
-        raise PlantError(f"no port '{name}'", name=name, hint=near_hint(name, names)[0])
+        hint = near_hint(name, names)[0] or f"there are {', '.join(names)}"
+        raise PlantError(f"no port '{name}'", name=name, hint=hint)
+
+    def every_port(self, name: str) -> list[Address]:
+        """Return the ports that a user means by a name: without an axis those of all axes.
+
+        Raises
+        ------
+        PlantError
+            If there is no such port.
+        """
+        same = [each for each in (*self.outputs, *self.inputs) if each[1] == name]
+        return same or [self.port(name)]
 
     def label(self, port: Address) -> str:
         """Return how a port is called: without its axis where there is one only."""
@@ -494,6 +506,27 @@ def numbers_of(
     if own is not None:
         return np.asarray(own(driven, arithmetic), float)
     return np.array([parameter(plant, name).value for name in plant.parameters], float)
+
+
+def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
+    """Return a plant with other actuators; by input, of every axis where none is named.
+
+    Raises
+    ------
+    PlantError
+        If there is no such input.
+    """
+    interface = interface_of(plant)
+    changed = dict(plant.inputs)
+    names = {_address(plant, name): name for name in plant.inputs}
+    for name, port in actuators.items():
+        for address in interface.every_port(name):
+            if address not in names:
+                raise PlantError(f"'{name}' is an output, not an input", name=name)
+            changed[names[address]] = replace(port, unit=interface.inputs[address].unit)
+    other = copy(plant)
+    other.inputs = changed
+    return other
 
 
 def with_parameters(plant: Plant, values: Mapping[str, float]) -> Plant:

@@ -5,7 +5,6 @@ The scenes named here need rich alone, and ``fuzzyarm watch`` shows them too;
 """
 
 from fuzzyarm.studio.document import StudioDocument
-from fuzzyarm.studio.scene import RulebaseScene, Scene
-from fuzzyarm.studio.table_scene import TableScene
+from fuzzyarm.studio.scene import RulebaseScene, Scene, TableScene
 
 __all__ = ["RulebaseScene", "Scene", "StudioDocument", "TableScene"]

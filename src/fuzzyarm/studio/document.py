@@ -10,8 +10,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import read_text
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.lsp.tables import TableText
-from fuzzyarm.studio.scene import RulebaseScene, Scene
-from fuzzyarm.studio.table_scene import TableScene
+from fuzzyarm.studio.scene import RulebaseScene, Scene, TableScene
 from fuzzyarm.text.diagnostic import Diagnostic
 
 SUFFIXES = (".frb", ".lut")

@@ -102,7 +102,7 @@ def compile_table(
         description=target.description,
         rounding=rounding or None,
         mode=mode,
-        provenance=tuple(describe(rulebase, target, axes, levels, source, date).items()),
+        provenance=tuple(_describe(rulebase, target, axes, levels, source, date).items()),
     )
 
 
@@ -244,7 +244,7 @@ def round_to(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
     return np.asarray(multiples * step + 0.0)
 
 
-def describe(
+def _describe(
     rulebase: RuleBase,
     output: Output,
     axes: Sequence[Axis],

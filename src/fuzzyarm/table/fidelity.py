@@ -76,7 +76,7 @@ def measure_fidelity(
     """Compare `table` with the direct inference of `rulebase`.
 
     The dense grid spreads about 160,000 points evenly over the ranges of the inputs, fewer
-    where a point takes long (:func:`even_points`). For the worst difference it also has every
+    where a point takes long (:func:`_even_points`). For the worst difference it also has every
     level, both sides of every threshold and the middle of every cell, because that is where
     the extremes lie.
 
@@ -104,7 +104,7 @@ def measure_fidelity(
             tallies[mode].add_drawn(difference, drawn)
         size = (drawn[0].size,)
         return tuple(tallies[mode].result(mode, table.names, size) for mode in chosen)
-    points, weights = _dense_grid(table.axes, even_points(rulebase))
+    points, weights = _dense_grid(table.axes, _even_points(rulebase))
     rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
     for start in range(0, points[0].size, rows):
         part = [points[0][start : start + rows], *points[1:]]
@@ -120,7 +120,7 @@ def measure_fidelity(
     return tuple(tallies[mode].result(mode, table.names, sizes) for mode in chosen)
 
 
-def even_points(rulebase: RuleBase) -> int:
+def _even_points(rulebase: RuleBase) -> int:
     """Return how many even points a dense grid has, by the output that takes longest at one."""
     count = _DENSE_POINTS
     for output in plan(rulebase).outputs.values():
@@ -422,7 +422,7 @@ def compile_with_report(
         fidelities,
         default_levels=bool(set(table.names) - asked - given),
         tolerance=tolerance,
-        few_points=even_points(rulebase) < _DENSE_POINTS,
+        few_points=_even_points(rulebase) < _DENSE_POINTS,
     )
 
 

@@ -65,7 +65,7 @@ def read_table(path: str | Path) -> LookupTable:
     if path.suffix.lower() not in SUFFIXES:
         raise _unknown_suffix(path)
     if path.suffix.lower() == ".npz":
-        return read_npz(path.read_bytes(), str(path))
+        return _read_npz(path.read_bytes(), str(path))
     parsed = parse_table(path.read_bytes(), str(path))
     if parsed.table is None:
         raise TableFileError(parsed.diagnostics)
@@ -107,7 +107,7 @@ def table_as(table: LookupTable, suffix: str, path: str | Path = "") -> str | by
     if suffix in _TEXTS:
         return _TEXTS[suffix].write(table.plain())
     if suffix == ".npz":
-        return npz_bytes(table)
+        return _npz_bytes(table)
     raise _unknown_suffix(Path(path))
 
 
@@ -123,7 +123,7 @@ def _unknown_suffix(path: Path) -> TableError:
 # row level and its values; page inputs stand in columns of their own before the row level.
 
 
-def write_csv(table: PlainTable) -> str:
+def _write_csv(table: PlainTable) -> str:
     """Return the text of `table` as comma-separated values."""
     out = io.StringIO()
     for line in header_lines(table):
@@ -151,7 +151,7 @@ def _row_labels(table: TableHeader) -> list[list[str]]:
 
 
 def parse_csv(text: str, path: str = "<text>") -> ParsedTable:
-    """Read what :func:`write_csv` writes; every mistake in one run, never an exception."""
+    """Read what :func:`_write_csv` writes; every mistake in one run, never an exception."""
     diagnostics: list[Diagnostic] = []
     header, rows = Header(), []
     for line_number, line in enumerate(split_lines(text), start=1):
@@ -267,15 +267,15 @@ def header_data(table: TableHeader) -> dict[str, Any]:
     }
 
 
-def write_json(table: PlainTable) -> str:
+def _write_json(table: PlainTable) -> str:
     """Return the text of `table` as a JSON object; ``values`` is nested in index order."""
     data = header_data(table)
     data["values"] = _nested(list(table.values), table.shape)
     return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def parse_json(text: str, path: str = "<text>") -> ParsedTable:
-    """Read what :func:`write_json` writes; any fault is a diagnostic."""
+def _parse_json(text: str, path: str = "<text>") -> ParsedTable:
+    """Read what :func:`_write_json` writes; any fault is a diagnostic."""
     try:
         data = json.loads(text)
     except json.JSONDecodeError as error:
@@ -284,7 +284,7 @@ def parse_json(text: str, path: str = "<text>") -> ParsedTable:
     except (RecursionError, ValueError) as error:
         return _fault("bad-json", f"this JSON is not read: {error}", path)
     try:
-        head = header_from(data)
+        head = _header_from(data)
         values = _flat(data["values"], head.shape)
         return ParsedTable(PlainTable(**head.head(), values=tuple(values)), (), head)
     except KeyError as error:
@@ -295,7 +295,7 @@ def parse_json(text: str, path: str = "<text>") -> ParsedTable:
         return _fault("bad-table", "the object is not of the form of a table", path)
 
 
-def header_from(data: Any) -> TableHeader:
+def _header_from(data: Any) -> TableHeader:
     """Return the header that :func:`header_data` made; raise where it is not of that form."""
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise TableError(f'not a lookup table: "format" must be "{FORMAT}"')
@@ -382,8 +382,8 @@ class _Format(NamedTuple):
 
 _TEXTS = {
     ".lut": _Format(parse_lut, write_lut),
-    ".csv": _Format(parse_csv, write_csv),
-    ".json": _Format(parse_json, write_json),
+    ".csv": _Format(parse_csv, _write_csv),
+    ".json": _Format(_parse_json, _write_json),
 }
 
 
@@ -394,7 +394,7 @@ MOST_BYTES = 320_000_000
 """Bytes of an archive, unpacked: the largest table that is compiled, and its header."""
 
 
-def npz_bytes(table: LookupTable) -> bytes:
+def _npz_bytes(table: LookupTable) -> bytes:
     """Return the content of the file: ``values``, ``header``, and each axis for convenience."""
     import numpy as np
 
@@ -407,8 +407,8 @@ def npz_bytes(table: LookupTable) -> bytes:
     return out.getvalue()
 
 
-def read_npz(data: bytes, path: str) -> LookupTable:
-    """Return the table that :func:`npz_bytes` stored.
+def _read_npz(data: bytes, path: str) -> LookupTable:
+    """Return the table that :func:`_npz_bytes` stored.
 
     Raises
     ------
@@ -428,7 +428,7 @@ def read_npz(data: bytes, path: str) -> LookupTable:
                 )
             # NumPy takes any 32 bits for a character; what is not one must not get into a text.
             header = np.asarray(archive["header"], dtype="<U").tobytes().decode("utf-32-le")
-            head = header_from(json.loads(header.rstrip("\0")))
+            head = _header_from(json.loads(header.rstrip("\0")))
             values = np.asarray(archive["values"], dtype=np.float64)
         values.setflags(write=False)
         return LookupTable(**head.head(), values=values)

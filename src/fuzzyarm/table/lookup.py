@@ -199,7 +199,7 @@ def cell_index(k: Any, s: Any, inputs: int, grid: int) -> int:
     at = grid + GRID_HEAD
     for i in range(int(s[grid])):
         count = int(s[at])
-        cell = cell * count + count_smaller(s, at + 1, count - 1, s[k[inputs + i]])
+        cell = cell * count + _count_smaller(s, at + 1, count - 1, s[k[inputs + i]])
         at += 2 * count
     return cell
 
@@ -257,14 +257,14 @@ def neighbour(numbers: list[float], levels: int, count: int, x: float) -> tuple[
         return 0, 0.0
     inside = clamp(x, numbers[levels], numbers[levels + count - 1])
     inner, room = levels + 1, count - 2
-    lower = count_smaller(numbers, inner, room, inside)
+    lower = _count_smaller(numbers, inner, room, inside)
     if lower < room and numbers[inner + lower] == inside:
         lower += 1  # on a level: it is the lower neighbour
     return lower, share_of_way(inside, numbers[levels + lower], numbers[levels + lower + 1])
 
 
 @kernel
-def count_smaller(numbers: list[float], first: int, count: int, x: float) -> int:
+def _count_smaller(numbers: list[float], first: int, count: int, x: float) -> int:
     """Count the sorted numbers that are smaller than x, by halving; none for NaN."""
     low = 0
     high = count
@@ -348,7 +348,7 @@ def _finder(
 
 
 @kernel
-def bucket_of(value: float, low: float, inverse: float, last: float) -> Any:
+def _bucket_of(value: float, low: float, inverse: float, last: float) -> Any:
     """Return the bucket of a number; that of NaN is 0."""
     bucket = (value - low) * inverse
     bucket = bucket if bucket > 0.0 else 0.0  # noqa: FURB136 - 0 for NaN
@@ -365,13 +365,13 @@ def add_cells(x: Any, finder: Finder, size: Any, index: Any) -> bool:
         for k in range(x.size):
             value = x[k]
             bad += value != value  # noqa: PLR0124 - true for NaN only
-            bucket = bucket_of(value, low, inverse, last)
+            bucket = _bucket_of(value, low, inverse, last)
             index[k] = index[k] * size + start[bucket] + np.int32(edge[bucket] < value)
         return bad == 0
     for k in range(x.size):
         value = x[k]
         bad += value != value  # noqa: PLR0124 - true for NaN only
-        cell = start[bucket_of(value, low, inverse, last)]
+        cell = start[_bucket_of(value, low, inverse, last)]
         for _ in range(steps):
             cell += points[cell] < value
         index[k] = index[k] * size + cell
@@ -379,7 +379,7 @@ def add_cells(x: Any, finder: Finder, size: Any, index: Any) -> bool:
 
 
 @kernel
-def add_neighbours(
+def _add_neighbours(
     x: Any, finder: Finder, levels: Any, stride: Any, index: Any, share: Any
 ) -> bool:
     """Add the lower neighbour of x to `index`, and set the share of the way to the upper one.
@@ -394,7 +394,7 @@ def add_neighbours(
         value = x[k]
         bad += value != value  # noqa: PLR0124 - true for NaN only
         value = clamp(value, first, final)
-        bucket = bucket_of(value, low, inverse, last)
+        bucket = _bucket_of(value, low, inverse, last)
         cell = start[bucket] + np.int32(edge[bucket] <= value)
         for _ in range(steps - 1):
             cell += points[cell] <= value
@@ -404,14 +404,14 @@ def add_neighbours(
 
 
 @kernel
-def gather(values: Any, index: Any, out: Any) -> None:
+def _gather(values: Any, index: Any, out: Any) -> None:
     """Fetch the values of cells."""
     for k in range(out.size):
         out[k] = values[index[k]]
 
 
 @kernel
-def blend_corners(values: Any, index: Any, shares: Any, offsets: Any, work: Any, out: Any) -> None:
+def _blend_corners(values: Any, index: Any, shares: Any, offsets: Any, work: Any, out: Any) -> None:
     """Interpolate between the corners of cells, the last axis first.
 
     `shares` has a row for each axis, `offsets` is that of :func:`corner_offsets`; `work` has
@@ -464,7 +464,7 @@ def picker(
     finders = [make_finder(edges) for edges in thresholds]
     if any(finder is None for finder in finders):
         return None
-    cells, fetch = (_machine(add_cells), _machine(gather)) if compiled else (add_cells, gather)
+    cells, fetch = (_machine(add_cells), _machine(_gather)) if compiled else (add_cells, _gather)
     flat = values.ravel()
 
     def evaluate(columns: Sequence[_Array], out: _Array) -> bool:
@@ -490,9 +490,9 @@ def interpolator(
     finders = [make_finder(points[1:-1]) for points in levels]
     if any(finder is None for finder in finders):
         return None
-    neighbours, mix = add_neighbours, blend_corners
+    neighbours, mix = _add_neighbours, _blend_corners
     if compiled:
-        neighbours, mix = _machine(add_neighbours), _machine(blend_corners)
+        neighbours, mix = _machine(_add_neighbours), _machine(_blend_corners)
     flat = values.ravel()
     strides = strides_of(values.shape)
     offsets = np.array(corner_offsets(values.shape), dtype=np.int64)

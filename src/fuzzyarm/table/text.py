@@ -200,7 +200,7 @@ def _report_missing_pages(
 ) -> None:
     where = grids[-1].span if grids else Span(1, 1, 1, 2)
     missing = count - len(filled)
-    condition = next(c for k, c in enumerate(page_conditions(head)) if k not in filled)
+    condition = next(c for k, c in enumerate(_page_conditions(head)) if k not in filled)
     more = f" and {missing - 1} more" if missing > 1 else ""
     diagnostics.append(Diagnostic("missing-grid", f"there is no 'grid{condition}'{more}", where))
 
@@ -496,7 +496,7 @@ def _counted(count: int, word: str) -> str:
     return f"{count} {word}" if count == 1 else f"{count} {word}s"
 
 
-def page_conditions(table: TableHeader) -> Iterator[str]:
+def _page_conditions(table: TableHeader) -> Iterator[str]:
     """Yield the condition of every page, in order."""
     for levels in product(*(axis.levels for axis in table.axes[:-2])):
         yield page_condition(table, levels)
@@ -529,7 +529,7 @@ def write_lut(table: PlainTable) -> str:
     corner = f"{spelled(row.name)} \\ {spelled(column.name)}"
     labels = [corner, *(number_text(x) for x in row.levels)]
     blocks = []
-    for k, condition in enumerate(page_conditions(table)):
+    for k, condition in enumerate(_page_conditions(table)):
         page = texts[k * size : (k + 1) * size]
         cells = [[number_text(x) for x in column.levels]]
         cells += [page[i * columns : (i + 1) * columns] for i in range(rows)]

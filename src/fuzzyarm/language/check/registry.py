@@ -10,8 +10,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from fuzzyarm.language.check.coverage import coverage_gaps, missing_rules, points_without_rule
-from fuzzyarm.language.check.grids import broken_symmetries, jumps
-from fuzzyarm.language.check.rules import conflicting_rules, shared_conclusions
+from fuzzyarm.language.check.rules import (
+    broken_symmetries,
+    conflicting_rules,
+    jumps,
+    shared_conclusions,
+)
 from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.check.terms import (
     clamped_values,

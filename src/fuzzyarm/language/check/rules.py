@@ -1,15 +1,18 @@
-"""Checks of rules: contradictory, said twice, folded into one.
+"""Checks of rules and grids: contradictory, said twice, folded into one; nearly symmetric, cliffs.
 
 Each check is a function from a subject to its findings; :mod:`.registry` runs them all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections import Counter
+from collections.abc import Hashable, Iterator, Mapping
 from itertools import combinations, islice
+from typing import NamedTuple
 
 from fuzzyarm.language.check.subject import Subject, plain_propositions
-from fuzzyarm.language.statements import InferenceNode
+from fuzzyarm.language.phrases import JunctionNode, PropositionNode
+from fuzzyarm.language.statements import CellNode, GridNode, InferenceNode
 from fuzzyarm.model.rulebase import (
     TAKAGI_SUGENO,
     Consequent,
@@ -138,3 +141,222 @@ def _overlap(parts: tuple[Is, ...], subject: Subject) -> bool:
         any(terms <= cell.degrees.keys() for cell in subject.probes(inputs[name]))
         for name, terms in wanted.items()
     )
+
+
+# --- Grids that are antisymmetric (or symmetric) but for a few cells ---
+
+ALMOST = 0.75
+"""So large a part of the pairs must mirror for the others to look like slips."""
+
+_FEWEST_PAIRS = 4
+
+_Position = tuple[tuple[str, int], ...]
+"""Variables and the ranks of their terms: of the row, of the column, of the condition."""
+
+_Pair = tuple[CellNode, CellNode]
+
+
+class _Family(NamedTuple):
+    """The filled cells of the grids of one output over the same variables.
+
+    A grid under ``when p is N`` may mirror its twin under ``when p is P``, or itself.
+    """
+
+    output: str
+    cells: dict[_Position, CellNode]
+    conditions: frozenset[str]
+
+
+class _Break(NamedTuple):
+    """A way to mirror a family that most of its pairs follow, and those that do not."""
+
+    share: float
+    name: str
+    pairs: list[_Pair]
+
+
+def broken_symmetries(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``broken-antisymmetry`` or ``broken-symmetry`` for each pair that does not fit."""
+    for family in _families(subject):
+        opposites = _opposites(subject.middles(family.output) or {})
+        mirrors = [_pairs(family, subject, frozenset())]
+        if family.conditions:
+            mirrors.append(_pairs(family, subject, family.conditions))
+        breaks = [
+            found
+            for pairs in mirrors
+            if opposites and len(pairs) >= _FEWEST_PAIRS
+            for found in _breaks(pairs, opposites)
+        ]
+        best = min(breaks, key=lambda each: each.share, default=None)
+        if best is not None and best.share <= 1.0 - ALMOST:
+            for pair in best.pairs:
+                first = _term(pair[0])
+                wanted = opposites[first][0] if best.name == "antisymmetric" else first
+                yield _asymmetry(best.name, pair, wanted)
+
+
+def _opposites(middles: Mapping[str, float]) -> dict[str, tuple[str, ...]]:
+    """Return what mirrors each term: the one as far from the middle, and that of opposite rank.
+
+    The two differ where the terms lie unevenly, or one of them has no partner.
+    """
+    terms = list(middles)
+    if len(terms) < 2:
+        return {}
+    low, high = middles[terms[0]], middles[terms[-1]]
+    shares = {term: (x - low) / ((high - low) or 1.0) for term, x in middles.items()}
+    by_share = {round(share, 9): term for term, share in shares.items()}
+    return {
+        term: (by_share.get(round(1.0 - shares[term], 9), partner), partner)
+        for term, partner in zip(terms, reversed(terms), strict=True)
+    }
+
+
+def _breaks(pairs: list[_Pair], opposites: Mapping[str, tuple[str, ...]]) -> Iterator[_Break]:
+    odd = [p for p in pairs if _term(p[1]) not in opposites[_term(p[0])]]
+    even = [p for p in pairs if _term(p[0]) != _term(p[1])]
+    yield _Break(len(odd) / len(pairs), "antisymmetric", odd)
+    yield _Break(len(even) / len(pairs), "symmetric", even)
+
+
+def _families(subject: Subject) -> Iterator[_Family]:
+    """Yield the grids over two inputs, those with different conditions on the same variables."""
+    found: dict[tuple[object, ...], _Family] = {}
+    for grid in subject.grids:
+        cells = _cells_by_rank(grid, subject)
+        condition = _ranks_of_condition(grid, subject)
+        if not cells or grid.row is None:
+            continue
+        variables = [(grid.row.text, grid.column.text)]
+        if condition is None:  # hedges or alternatives: such a grid stands for itself
+            key: tuple[object, ...] = (grid.output.text, *variables, str(grid.condition))
+            condition = ()
+        else:
+            key = (grid.output.text, *variables, frozenset(name for name, _ in condition))
+        names = frozenset(name for name, _ in condition)
+        family = found.setdefault(key, _Family(grid.output.text, {}, names))
+        for (row, column), cell in cells.items():
+            position = ((grid.row.text, row), (grid.column.text, column), *condition)
+            family.cells.setdefault(position, cell)
+    yield from found.values()
+
+
+def _ranks_of_condition(grid: GridNode, subject: Subject) -> _Position | None:
+    """Return the propositions of ``when`` by rank, in the order of names; None if not plain."""
+    condition = grid.condition
+    if condition is None:
+        return ()
+    parts = condition.operands if isinstance(condition, JunctionNode) else (condition,)
+    if isinstance(condition, JunctionNode) and condition.word != "and":
+        return None
+    found = []
+    for part in parts:
+        if not isinstance(part, PropositionNode) or part.hedges:
+            return None
+        order = subject.ranks(part.variable.text)
+        if order is None:
+            return None
+        found.append((part.variable.text, order[part.term.text]))
+    return tuple(sorted(found))
+
+
+def _pairs(family: _Family, subject: Subject, fixed: frozenset[str]) -> list[_Pair]:
+    """Return each cell with the one opposite; the `fixed` variables stay as they are.
+
+    Pairs of the term that most cells have are left out: they mirror whatever the grid is like.
+    """
+    last = {
+        name: len(subject.rulebase.variable(name).terms) - 1
+        for name, _ in next(iter(family.cells))
+        if name not in fixed
+    }
+    counts = Counter(cell.term.text for cell in family.cells.values() if cell.term)
+    common = max(counts, key=counts.__getitem__)
+    if 2 * counts[common] <= len(family.cells):
+        common = ""
+    pairs = []
+    for position, cell in family.cells.items():
+        mirror = tuple(
+            (name, last[name] - rank if name in last else rank) for name, rank in position
+        )
+        other = family.cells.get(mirror)
+        if other is None or mirror < position:
+            continue
+        if not all(each.term and each.term.text == common for each in (cell, other)):
+            pairs.append((cell, other))
+    return pairs
+
+
+def _term(cell: CellNode) -> str:
+    return cell.term.text if cell.term else "."
+
+
+def _asymmetry(what: str, pair: _Pair, wanted: str) -> Diagnostic:
+    name = f"broken-{what.replace('symmetric', 'symmetry')}"
+    earlier, later = sorted(pair, key=lambda cell: cell.span)
+    first, second = map(_term, pair)
+    if earlier is later:
+        return Diagnostic(
+            name,
+            f"the grid is otherwise {what}, but the middle cell '{first}' is not its own mirror",
+            later.span,
+        )
+    return Diagnostic(
+        name,
+        f"the grid is otherwise {what}, but '{second}' does not mirror '{first}'",
+        pair[1].span,
+        hint=f"the mirror of '{first}' is '{wanted}'; one of the two cells is a slip",
+        related=(Related("the cell it mirrors", pair[0].span),),
+    )
+
+
+def _cells_by_rank(grid: GridNode, subject: Subject) -> dict[tuple[int, int], CellNode] | None:
+    """Return the filled cells of a two-input grid by the ranks of row and column terms."""
+    if grid.row is None:
+        return None
+    rows, columns = subject.ranks(grid.row.text), subject.ranks(grid.column.text)
+    if rows is None or columns is None:
+        return None
+    return {
+        (rows[row.label.text], columns[column.text]): cell
+        for row in grid.rows
+        for cell, column in zip(row.cells, grid.columns, strict=False)
+        if cell.term is not None
+    }
+
+
+# --- Neighbouring grid cells whose terms lie far apart ---
+
+MOST = 2
+"""A control surface may step by so many terms from one cell to the next."""
+
+
+def jumps(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``jump`` where a cell and its left or upper neighbour are too far apart."""
+    for grid in subject.grids:
+        cells = _cells_by_rank(grid, subject)
+        order = subject.ranks(grid.output.text)
+        if cells is None or order is None:
+            continue
+        for (row, column), cell in cells.items():
+            for neighbour in ((row, column - 1), (row - 1, column)):
+                if neighbour in cells:
+                    yield from _pair(cell, cells[neighbour], order)
+
+
+def _pair(cell: CellNode, other: CellNode, order: dict[str, int]) -> Iterator[Diagnostic]:
+    if cell.term is None or other.term is None:
+        return
+    distance = abs(order[cell.term.text] - order[other.term.text])
+    if distance > MOST:
+        # The finding stands where the later of the two is written.
+        later, earlier = sorted((cell, other), key=lambda c: c.span, reverse=True)
+        assert later.term is not None
+        assert earlier.term is not None
+        yield Diagnostic(
+            "jump",
+            f"'{later.term.text}' lies {distance} terms from its neighbour '{earlier.term.text}'",
+            later.span,
+            related=(Related("the neighbour", earlier.span),),
+        )

@@ -36,7 +36,7 @@ def picture(shape: Shape, variable: Variable) -> str:
     """
     if not SHAPES[shape.kind].fuzzy:
         return ""
-    low, high = shown_range(variable)
+    low, high = _shown_range(variable)
     step = (high - low) / (WIDTH - 1)
     degrees = [_highest(shape, low + i * step, step) for i in range(WIDTH)]
     lines = []
@@ -55,7 +55,7 @@ def _highest(shape: Shape, x: float, step: float) -> float:
     return max(membership(shape, each) for each in (x, *inside))
 
 
-def shown_range(variable: Variable) -> tuple[float, float]:
+def _shown_range(variable: Variable) -> tuple[float, float]:
     """Return the range of `variable`; where it is unbounded, the stretch its terms mark."""
     xs = [x for term in variable.terms for x in corner_points(term.shape)]
     ends = [x for x in (variable.low, variable.high) if math.isfinite(x)]

@@ -16,7 +16,7 @@ from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.text.diagnostic import Span, split_lines
 
 
-def find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurrence, ...]:
+def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurrence, ...]:
     """Return every occurrence of every name, in the order of the text.
 
     Of statements that could not be read, those that are certain: declared variables, and
@@ -100,7 +100,7 @@ class Reading:
     @cached_property
     def occurrences(self) -> tuple[Occurrence, ...]:
         """Every occurrence of every name, in the order of the text."""
-        return find_occurrences(self.document, self.lines)
+        return _find_occurrences(self.document, self.lines)
 
     def raw_line(self, line: int) -> str:
         """Return the text of a line, empty beyond the end."""

@@ -1,4 +1,4 @@
-"""Figures with matplotlib: memberships, control surfaces, tables, one inference.
+"""Figures with matplotlib: memberships, control surfaces, tables, one inference, validations.
 
 Each function returns a :class:`matplotlib.figure.Figure` that belongs to nobody (no global
 state, no window); :func:`save_figure` writes it.
@@ -6,6 +6,7 @@ state, no window); :func:`save_figure` writes it.
 
 from __future__ import annotations
 
+from fuzzyarm.show.figures.residuals import validation_figure
 from fuzzyarm.show.figures.rulebase import inference_figure, memberships_figure, rulebase_figure
 from fuzzyarm.show.figures.style import FigureFileError, save_figure
 from fuzzyarm.show.figures.surface import surface_figure, table_figure
@@ -18,4 +19,5 @@ __all__ = [
     "save_figure",
     "surface_figure",
     "table_figure",
+    "validation_figure",
 ]

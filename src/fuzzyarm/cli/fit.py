@@ -1,0 +1,297 @@
+"""Learn a rule base from samples, and get a text that a person can read.
+
+DATA is a .csv or .parquet file with a row for each sample; its last column is the target
+unless --target names another. A target of words is learned as classes. A table (.lut) or a
+rule base is learned as well: the result is its surrogate, with its fidelity.
+
+The model is Takagi and Sugeno's: LOW and HIGH of the inputs that matter, a linear conclusion
+for each combination. Cross-validation decides how many terms there are, how far conclusions
+are shrunk towards linear regression, and whether moving the terms pays; with --series its
+parts are blocks of time. --words N gives the rules of Wang and Mendel instead. What is
+written is scored as written. Ctrl-C keeps the best so far (exit status 130).
+
+Examples
+--------
+  fuzzyarm fit data.csv -o model.frb
+  fuzzyarm fit series.csv --series --rules 8 --test later.csv -o model.frb
+  fuzzyarm fit data.csv --words 3..9 -o words.frb
+  fuzzyarm fit rulebases/thesis-6.1.lut -o surrogate.frb
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.cli.command import (
+    WordError,
+    argument,
+    busy,
+    command,
+    counted,
+    flag,
+    group,
+    json_of,
+    load_sheet,
+    out,
+    print_json,
+    require_suffix,
+    say,
+)
+
+if TYPE_CHECKING:
+    from fuzzyarm.learning.data import Samples
+    from fuzzyarm.learning.fit import Fit, Options
+
+EXIT_INTERRUPTED = 130
+
+_OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml", ".lut", ".json", ".npz")
+"""Suffixes of what is sampled rather than read as samples."""
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    require_suffix(arguments.out, (".frb",))
+    if not Path(arguments.out).parent.is_dir():
+        raise WordError(f"there is no folder '{Path(arguments.out).parent}'")
+    options = _options(arguments)
+    samples = _samples(arguments)
+    test = _test(arguments, samples)
+    for note in samples.notes:
+        say(f"note: {note}", to_errors=True)
+    from fuzzyarm.learning.fit import fit
+    from fuzzyarm.text.files import write_atomically
+
+    with busy("fitting") as tell:
+        made = fit(samples, options, tell or (lambda _words: None))
+    write_atomically(arguments.out, made.text)
+    report = _report(arguments, samples, made, test)
+    if arguments.json:
+        print_json(report)
+    else:
+        say(*_lines(samples, made, report, options))
+    if made.interrupted:
+        say("fuzzyarm: interrupted: the best so far is written", to_errors=True)
+        return EXIT_INTERRUPTED
+    return 0
+
+
+# --- Words ---
+
+
+def _options(arguments: argparse.Namespace) -> Options:
+    from fuzzyarm.learning.fit import Options
+
+    words = _words(arguments.words) if arguments.words else Options.words
+    name = arguments.name or Path(arguments.out).stem
+    if arguments.words and (arguments.terms or arguments.start != "grid"):
+        raise WordError("--words is for Wang and Mendel's rules, --terms and --start are not")
+    return Options(
+        method="wang-mendel" if arguments.words else "sugeno",
+        start=arguments.start,
+        rules=arguments.rules,
+        terms=_numbers(arguments.terms, "--terms") if arguments.terms else None,
+        words=words,
+        shrinkage=arguments.shrink,
+        move={"yes": True, "no": False, "auto": None}[arguments.move],
+        merge=arguments.merge,
+        series=arguments.series,
+        parts=arguments.folds,
+        digits=arguments.digits,
+        outside=arguments.outside or ("clamp" if _is_model(arguments.data) else "extend"),
+        seed=arguments.seed,
+        name=name,
+    )
+
+
+def _words(text: str) -> tuple[int, int]:
+    """Return the range in ``7`` or ``3..15``."""
+    low, dots, high = text.partition("..")
+    try:
+        return int(low), int(high if dots else low)
+    except ValueError:
+        raise WordError(f"--words takes a number or a range such as 3..15, not '{text}'") from None
+
+
+def _numbers(text: str, option: str) -> tuple[int, ...]:
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise WordError(f"{option} takes numbers such as 2,2,1, not '{text}'") from None
+
+
+# --- Samples ---
+
+
+def _samples(arguments: argparse.Namespace) -> Samples:
+    path: str = arguments.data
+    if _is_model(path):
+        return _samples_of_model(path, arguments)
+    from fuzzyarm.learning.data import Columns, read_samples
+
+    inputs = tuple(arguments.inputs.split(",")) if arguments.inputs else None
+    return read_samples(path, Columns(arguments.target, inputs))
+
+
+def _is_model(path: str) -> bool:
+    return os.path.splitext(path)[1].lower() in _OF_MODELS
+
+
+def _samples_of_model(path: str, arguments: argparse.Namespace) -> Samples:
+    from fuzzyarm.learning.data import rulebase_samples, table_samples
+    from fuzzyarm.model.rulebase import RuleBase
+
+    if arguments.inputs:
+        raise WordError("--inputs is for samples: a surrogate has the inputs of what it stands for")
+    model = load_sheet(path)
+    if isinstance(model, RuleBase):
+        return rulebase_samples(model, arguments.target, seed=arguments.seed, source=path)
+    return table_samples(model, path)
+
+
+def _test(arguments: argparse.Namespace, samples: Samples) -> Samples | None:
+    if not arguments.test:
+        return None
+    from fuzzyarm.learning.data import Columns, read_samples
+
+    test = read_samples(arguments.test, Columns(samples.target, samples.names))
+    return test.in_classes(samples.classes)
+
+
+# --- What is printed ---
+
+
+def _report(
+    arguments: argparse.Namespace, samples: Samples, made: Fit, test: Samples | None
+) -> dict[str, Any]:
+    """Return what was learned as JSON data."""
+    from fuzzyarm.learning.fit import fidelity, linear_outputs, outputs_of, score
+
+    data: dict[str, Any] = {
+        "file": arguments.out,
+        "samples": len(samples),
+        "inputs": list(samples.names),
+        "target": samples.target,
+        "classes": list(samples.classes),
+        "rules": len(made.rulebase.rules),
+        "structure": made.structure,
+        "shrinkage": None if math.isnan(made.shrinkage) else made.shrinkage,
+        "digits": made.digits,
+        "training": {
+            "error": made.error,
+            "error_of_numbers": made.error_of_numbers,
+            "linear": made.linear_error,
+        },
+        "cross_validation": {
+            "error": made.cross_validation,
+            "linear": made.linear_cross_validation,
+            "candidates": [
+                {"structure": words, "rules": rules, "error": error}
+                for words, rules, error in made.candidates
+            ],
+        },
+        "support": list(made.support),
+        "interrupted": made.interrupted,
+    }
+    if test is not None:
+        data["test"] = {
+            "samples": len(test),
+            "error": score(test, outputs_of(made.rulebase, test)),
+            "linear": score(test, linear_outputs(samples, test)),
+        }
+    if _is_model(arguments.data):
+        data["fidelity"] = fidelity(made.rulebase, samples)._asdict()
+    return data
+
+
+def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options) -> list[str]:
+    kind = "wrong answers" if samples.classes else "RMS error"
+    blocks = " in blocks" if options.series else ""
+    cross = f"cross-validation, {options.parts} parts{blocks} (RMS)"
+    rows = [("", "model", "linear regression")]
+    rows.append((f"training ({kind})", *_pair(made.error, made.linear_error)))
+    rows.append((cross, *_pair(made.cross_validation, made.linear_cross_validation)))
+    if "test" in report:
+        tested = report["test"]
+        rows.append(
+            (
+                f"test, {counted(tested['samples'], 'sample')} ({kind})",
+                *_pair(tested["error"], tested["linear"]),
+            )
+        )
+    width = max(len(row[0]) for row in rows)
+    lines = [
+        f"{report['file']}: {counted(report['rules'], 'rule')}, {made.structure}",
+        *(f"  {a:<{width}}  {b:>10}  {c:>17}" for a, b, c in rows),
+    ]
+    if "fidelity" in report:
+        told = report["fidelity"]
+        worst, mean = (f"{100.0 * told[key]:.2g} %" for key in ("worst_share", "rms_share"))
+        lines.append(
+            f"  fidelity: off by {told['worst']:.4g} at most and {told['rms']:.4g} RMS,"
+            f" {worst} and {mean} of the range"
+        )
+    if made.structure == "linear":
+        lines.append("  no terms earned their rules: the model is linear regression")
+    elif made.cross_validation > made.linear_cross_validation:
+        lines.append("  linear regression is better on samples not seen")
+    return lines
+
+
+def _pair(model: float, linear: float) -> tuple[str, str]:
+    return f"{model:.4g}", f"{linear:.4g}"
+
+
+COMMANDS = (
+    command(
+        "fit",
+        __doc__,
+        _run,
+        argument("data DATA", "samples (.csv, .parquet), or a table or rule base to stand for"),
+        out("FILE.frb", "where to write the rule base"),
+        argument("--target NAME", "the column to learn; the last one by default"),
+        argument("--inputs A,B,...", "the columns to learn from; all others by default"),
+        argument("--test FILE", "samples to be judged by, beside linear regression"),
+        flag("--series", "the samples are in the order of time: cross-validate in blocks"),
+        argument("--name NAME", "of the rule base; that of the file by default"),
+        json_of("the report"),
+        *group(
+            "the model",
+            argument("--rules N", "at most", type=int, default=16),
+            argument(
+                "--start",
+                "of the partition",
+                choices=("grid", "fcm", "subtractive"),
+                default="grid",
+            ),
+            argument("--terms N,N,...", "terms of each input, instead of a search"),
+            argument("--shrink L", "of conclusions, instead of a search; 0 is none", type=float),
+            argument(
+                "--move",
+                "the terms by variable projection; auto where it pays",
+                choices=("auto", "yes", "no"),
+                default="auto",
+            ),
+            argument(
+                "--merge S",
+                "likeness of clusters' terms that become one, 0 to 1",
+                type=float,
+                default=0.7,
+            ),
+            argument("--words N[..N]", "Wang and Mendel's rules over so many words"),
+            argument("--digits N", "of the numbers of terms", type=int, default=4),
+            argument(
+                "--outside",
+                "what happens beyond the ranges: extend, of a surrogate clamp",
+                choices=("extend", "clamp", "error"),
+            ),
+        ),
+        *group(
+            "the search",
+            argument("--folds N", "parts of the cross-validation", type=int, default=5),
+            argument("--seed N", "of all that is drawn", type=int, default=0),
+        ),
+    ),
+)

@@ -1,0 +1,216 @@
+"""Judge a rule base by samples: how good, where, and which rules these samples have tested.
+
+DATA is a .csv or .parquet file with a column for each input of MODEL and, for errors, one
+that is called like its output (or --target). Of a controller it is the rule base it uses.
+Without a target, as in the record of a run, the rules are judged alone.
+
+Printed are the error beside that of always giving the mean, the error by region (where a
+term of an input holds most), calibration, and how often and how strongly each rule fires:
+often is the share of samples at which its firing strength is at least 0.01. Rules that never
+fire are named. --plot FIG draws residuals, calibration and the rules.
+
+  fuzzyarm validate model.frb later.csv --plot residuals.png
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from fuzzyarm.cli.command import (
+    WordError,
+    argument,
+    command,
+    counted,
+    flag,
+    json_of,
+    load_rulebase,
+    print_json,
+    say,
+)
+
+if TYPE_CHECKING:
+    from fuzzyarm.learning.data import Samples
+    from fuzzyarm.learning.validation import Region, RuleUse, Validation
+    from fuzzyarm.model.rulebase import RuleBase
+
+_FEW = 20
+"""Rules that are listed, unless --all."""
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    if arguments.plot:
+        from fuzzyarm.show.figures.style import require_figure_suffix
+
+        require_figure_suffix(arguments.plot)
+    rulebase = load_rulebase(arguments.model, "validate")
+    samples = _samples(rulebase, arguments)
+    for note in samples.notes:
+        say(f"note: {note}", to_errors=True)
+    from fuzzyarm.learning.validation import validate
+
+    found = validate(rulebase, samples)
+    if arguments.plot:
+        from fuzzyarm.show.figures import save_figure, validation_figure
+
+        title = f"{rulebase.name}: {counted(found.samples, 'sample')}"
+        save_figure(validation_figure(found, samples.target, title), arguments.plot)
+    if arguments.json:
+        print_json(found.to_dict(), ascii_only=False)
+    else:
+        say(*_lines(found, samples, every=arguments.all))
+    return 0
+
+
+def _samples(rulebase: RuleBase, arguments: argparse.Namespace) -> Samples:
+    """Return the samples with the columns that the rule base has."""
+    from fuzzyarm.learning.data import Columns, column_names, read_samples
+
+    inputs = tuple(each.name for each in rulebase.inputs)
+    outputs = [each.name for each in rulebase.outputs]
+    names = column_names(arguments.data)
+    target = arguments.target
+    if target is not None and target not in names:
+        raise WordError(f"{arguments.data} has no column '{target}'")
+    if target is None:
+        target = next((name for name in outputs if name in names), None)
+    if target is None and len(outputs) > 1:  # outputs that are classes: their column has words
+        target = next((name for name in reversed(names) if name not in inputs), None)
+    if target is None:
+        say(
+            f"note: no column is called {' or '.join(outputs)}: rules are judged without errors",
+            to_errors=True,
+        )
+    wanted = Columns(target or outputs[0], inputs, target_needed=target is not None)
+    samples = read_samples(arguments.data, wanted)
+    if samples.classes:
+        return samples.in_classes(tuple(outputs))
+    if target is not None and target not in outputs:
+        if len(outputs) > 1:
+            listed = ", ".join(outputs)
+            raise WordError(f"'{target}' is not an output", hint=f"there are: {listed}")
+        return samples.renamed(outputs[0])
+    return samples
+
+
+# --- What is printed ---
+
+
+def _lines(found: Validation, samples: Samples, *, every: bool) -> list[str]:
+    lines = [*_summary(found, samples), ""]
+    if found.calibration:
+        lines += ["calibration: means of samples with predictions next to each other"]
+        lines += _columns(
+            ("samples", "predicted", "observed"),
+            [
+                (str(each.samples), f"{each.predicted:.4g}", f"{each.observed:.4g}")
+                for each in found.calibration
+            ],
+        )
+        lines.append("")
+    if found.confusion:
+        lines.append("answers: a row for each class as it is, a column for each as it is given")
+        rows = zip(found.classes, found.confusion, strict=True)
+        lines += _columns(("", *found.classes), [(name, *map(str, row)) for name, row in rows])
+        lines.append("")
+    lines += [*_regions(found.regions), "", *_rules(found, every=every)]
+    return lines
+
+
+def _summary(found: Validation, samples: Samples) -> list[str]:
+    lines = [counted(found.samples, "sample")]
+    if found.silent:
+        lines[0] += f", no rule fires at {found.silent} of them: they count in no error"
+    if found.outside:
+        lines.append(f"{counted(found.outside, 'sample')} beyond the range of an input")
+    if found.classes and not math.isnan(found.error):
+        lines.append(f"wrong answers {100.0 * found.error:.3g} %")
+    elif found.calibration:
+        spread = float(samples.values.std())
+        lines.append(
+            f"RMS error {found.error:.4g}, of always the mean {spread:.4g};"
+            f" {100.0 * found.explained:.4g} % of the variance explained"
+        )
+        lines.append(
+            f"bias {found.bias:.3g}, worst {found.worst:.4g} at sample {found.worst_sample}"
+        )
+        lines.append(f"observed = {found.slope:.4g} × predicted {found.intercept:+.4g}")
+    return lines
+
+
+def _regions(regions: tuple[Region, ...]) -> list[str]:
+    rows = [
+        (each.input, each.term, str(each.samples), _figure(each.error), _figure(each.bias))
+        for each in regions
+    ]
+    header = ("input", "region", "samples", "error", "bias")
+    return ["error by region: where a term holds most", *_columns(header, rows, words=2)]
+
+
+def _rules(found: Validation, *, every: bool) -> list[str]:
+    firing = [rule for rule in found.rules if not rule.never_fires]
+    rules = sorted(firing, key=lambda rule: (-rule.mean, rule.number))
+    shown = rules if every else rules[:_FEW]
+    lines = ["rules by how much they fire", *_columns(_RULE, [_row(rule) for rule in shown])]
+    if len(shown) < len(rules):
+        lines.append(f"  and {len(rules) - len(shown)} more: --all lists them")
+    never = found.never_fired
+    if not never:
+        return [*lines, "every rule fires at some sample"]
+    lines.append(f"{counted(len(never), 'rule')} never {'fires' if len(never) == 1 else 'fire'}:")
+    listed = never if every else never[:_FEW]
+    lines += [f"  line {rule.line}: {rule.text}" for rule in listed]
+    if len(listed) < len(never):
+        lines.append(f"  and {len(never) - len(listed)} more")
+    return lines
+
+
+_RULE = ("line", "often", "mean", "strongest", "leads", "error", "rule")
+
+
+def _row(rule: RuleUse) -> tuple[str, ...]:
+    return (
+        str(rule.line),
+        f"{100.0 * rule.often:.3g} %",
+        f"{rule.mean:.3f}",
+        f"{rule.strongest:.3f}",
+        str(rule.leads),
+        _figure(rule.error),
+        f" {rule.text}",
+    )
+
+
+def _figure(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.3g}"
+
+
+def _columns(header: tuple[str, ...], rows: Sequence[tuple[str, ...]], words: int = 0) -> list[str]:
+    """Return a table; the first `words` columns and the last one of texts go to the left."""
+    table = [header, *rows]
+    widths = [max(len(row[k]) for row in table) for k in range(len(header))]
+    last = len(header) - 1 if header[-1] == "rule" else -1
+    return [
+        "  "
+        + "  ".join(
+            cell.strip() if k == last else f"{cell:<{w}}" if k < words else f"{cell:>{w}}"
+            for k, (cell, w) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in table
+    ]
+
+
+COMMANDS = (
+    command(
+        "validate",
+        __doc__,
+        _run,
+        argument("model MODEL", "a rule base, or a controller that uses one"),
+        argument("data DATA", "samples: .csv or .parquet"),
+        argument("--target NAME", "the column that the output is judged by"),
+        argument("--plot FIG", "draw residuals, calibration and rules: .png, .svg or .pdf"),
+        flag("--all", "list every rule"),
+        json_of("the judgement"),
+    ),
+)

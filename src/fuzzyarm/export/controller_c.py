@@ -1,0 +1,707 @@
+"""A controller in C99: a struct with what it remembers, `init` and `step`, and its self-test."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fuzzyarm.export.c import SWITCH, routine_headers
+from fuzzyarm.export.listing import c_numbers, needs_math_header, spread
+from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.export.numbers import C_TYPES, Kind, c_number, rounded, rounded_down
+from fuzzyarm.export.routine import CWriter, comment, plain
+from fuzzyarm.export.steps import (
+    FIRST,
+    LAST,
+    Ask,
+    Find,
+    Grid,
+    Learned,
+    Pick,
+    Set,
+    Step,
+    Steps,
+    Teach,
+    Variable,
+)
+from fuzzyarm.export.table import COUNT_FUNCTION, SMALLER
+from fuzzyarm.export.table_numbers import FixedTable, scaled, shift_of, unscaled
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import Node, postorder, symbol, symbols
+from fuzzyarm.expression.printing import variables as names_set
+from fuzzyarm.text.numbers import number_text
+
+_FUNCTIONS = ("init", "step", "save", "load")
+
+POINTERS = {"reference": "reference", "measured": "measured", "drive": "drive"}
+"""The arguments of the step that hold ports, by their sort."""
+
+
+@dataclass(frozen=True)
+class Vectors:
+    """A sequence of periods for the self-test: ports, row by row, and the drives."""
+
+    given: Sequence[Sequence[float]]
+    expected: Sequence[Sequence[float]]
+    tolerance: float
+
+
+@dataclass
+class CController:
+    """The parts of a C file of a controller.
+
+    Attributes
+    ----------
+    steps : Steps
+        The controller.
+    writer : CWriter
+        Of the file: its prefix begins every name.
+    """
+
+    steps: Steps
+    writer: CWriter
+    members: dict[str, str] = field(default_factory=dict)  # symbol → how C reads it
+    targets: dict[str, str] = field(default_factory=dict)  # symbol → how C writes it
+    functions: dict[str, str] = field(default_factory=dict)  # of routines and grids
+    tables: dict[str, str] = field(default_factory=dict)  # of learned tables: their member
+    judges: dict[str, str] = field(default_factory=dict)
+    parts: set[str] = field(default_factory=set)  # variables that hold parts of expressions
+
+    def __post_init__(self) -> None:
+        self.prefix = self.writer.prefix
+        for word in ("state", "gains", "reference", "measured", "drives", *_FUNCTIONS):
+            self.writer.names.new(f"{self.prefix}_{word}")
+        self.outer, self.wide = (
+            C_TYPES[kind] for kind in (self.steps.precision.outside, self.steps.precision.wide)
+        )
+        self.language = c_numbers(self.writer, self.steps.precision.wide)
+        self.locals = Names(taken={"s", "reference", "measured", "drive", "last"})
+        self.axes = self._axis_members()
+        self.types = list(self._types())
+        for name, routine in self.steps.routines.items():
+            self.functions[name] = self.writer.names.new(f"{self.prefix}_{name}")
+            self._define(name, routine)
+
+    # --- Names ---
+
+    def _axis_members(self) -> dict[str, Names]:
+        """Give the axes their members; of one axis the struct itself is its room."""
+        axes = self.steps.model.axis_names
+        self.room = Names()
+        for word in ("gains", "first", "until_set_point"):
+            self.room.new(word)
+        if len(axes) == 1:
+            self.paths = {axes[0]: ""}
+            return {axes[0]: self.room}
+        self.paths = {axis: f"{self.room.new(axis)}." for axis in axes}
+        return {axis: Names() for axis in axes}
+
+    def kind_of(self, variable: Variable) -> str:
+        """Return the type of a variable."""
+        return self.wide if variable.wide else self.outer
+
+    def _know(self, name: str, text: str, kind: str) -> None:
+        """Let a symbol be read by a text; a narrow one is widened where it is."""
+        self.targets[name] = text
+        self.members[name] = text if kind == self.wide else f"({self.wide}){text}"
+        self.language.rename[name] = self.members[name]
+
+    # --- Types ---
+
+    def _types(self) -> Iterator[str]:
+        for sort in POINTERS:
+            yield from self._port_type(sort)
+        yield from self._gain_type()
+        yield from self._table_types()
+        lines = []
+        if self.steps.of_sort("gain"):
+            lines.append(
+                f"    {self.prefix}_gains gains; /* init sets them; change them at will */"
+            )
+        if self.steps.needs_first:
+            lines.append("    int first; /* whether no step was made yet */")
+        if self.steps.needs_last:
+            lines.append(
+                "    unsigned until_set_point; /* periods to the next one, this included */"
+            )
+        inner = {axis: list(self._axis_lines(axis)) for axis in self.axes}
+        lines += self._in_axes(inner)
+        self.language.rename[FIRST], self.language.rename[LAST] = "s->first", "last"
+        if not lines:
+            lines = ["    char nothing; /* C wants a member */"]
+        yield "\n".join(
+            [f"typedef struct {{ /* {self.prefix}_state */", *lines, f"}} {self.prefix}_state;\n"]
+        )
+
+    def _in_axes(self, lines: dict[str, list[str]]) -> list[str]:
+        """Return members, in a struct for each axis where there are several."""
+        found: list[str] = []
+        for axis, own in lines.items():
+            path = self.paths[axis]
+            if not own:
+                continue
+            if path:
+                own = ["    struct {", *(f"    {line}" for line in own), f"    }} {path[:-1]};"]  # noqa: PLW2901
+            found += own
+        return found
+
+    def _port_type(self, sort: str) -> Iterator[str]:
+        ports = self.steps.of_sort(sort)
+        if not ports:
+            return
+        lines: dict[str, list[str]] = {axis: [] for axis in self.axes}
+        names = {axis: Names() for axis in self.axes}
+        for port in ports:
+            member = names[port.axis].new(port.name)
+            self._know(port.symbol, f"{sort}->{self.paths[port.axis]}{member}", self.outer)
+            lines[port.axis].append(f"    {self.outer} {member};")
+        name = f"{self.prefix}_{_TYPE_OF[sort]}"
+        yield "\n".join([f"typedef struct {{ /* {name} */", *self._in_axes(lines), f"}} {name};\n"])
+
+    def _gain_type(self) -> Iterator[str]:
+        gains = self.steps.of_sort("gain")
+        if not gains:
+            return
+        names, lines = Names(), []
+        units = {gain.name: gain.unit for gain in self.steps.model.gains}
+        count = len(self.steps.model.axis_names)
+        for gain in gains:
+            if gain.number <= 0:
+                member = names.new(gain.name)
+                size = f"[{count}]" if gain.number == 0 else ""
+                unit = f" /* {plain(units[gain.name])} */" if units[gain.name] else ""
+                lines.append(f"    {self.outer} {member}{size};{unit}")
+            index = f"[{gain.number}]" if gain.number >= 0 else ""
+            self._know(gain.symbol, f"s->gains.{member}{index}", self.outer)
+        yield "\n".join(
+            [f"typedef struct {{ /* {self.prefix}_gains */", *lines, f"}} {self.prefix}_gains;\n"]
+        )
+
+    def _axis_lines(self, axis: str) -> Iterator[str]:
+        for each in self.steps.variables.values():
+            if each.axis == axis and each.sort in ("signal", "state"):
+                member = self.axes[axis].new(each.name)
+                kind = self.kind_of(each)
+                self._know(each.symbol, f"s->{self.paths[axis]}{member}", kind)
+                remark = " /* remembered */" if each.sort == "state" else ""
+                yield f"    {kind} {member};{remark}"
+        for key, table in self.steps.learned.items():
+            if table.axis == axis:
+                member = self.axes[axis].new(table.name)
+                self.tables[key] = f"s->{self.paths[axis]}{member}"
+                yield f"    {self.table_types[key]} {member}; /* learns */"
+
+    def _table_types(self) -> Iterator[str]:
+        self.table_types: dict[str, str] = {}
+        known: dict[tuple[int, int], str] = {}
+        for key, table in self.steps.learned.items():
+            shape = (len(table.values), table.delay)
+            if shape not in known:
+                known[shape] = self.writer.names.new(f"{self.prefix}_{table.name}_table")
+                whole = _whole(table)
+                ring = (
+                    [
+                        f"    {whole} ring[{table.delay}]; /* cells in use before; -1: none */",
+                        "    unsigned next;",
+                    ]
+                    if table.delay
+                    else []
+                )
+                yield "\n".join(
+                    [
+                        f"typedef struct {{ /* {known[shape]} */",
+                        f"    {self.outer} values[{shape[0]}];",
+                        f"    unsigned long visits[{shape[0]}]; /* of each cell */",
+                        *ring,
+                        f"}} {known[shape]};\n",
+                    ]
+                )
+            self.table_types[key] = known[shape]
+
+    # --- Functions that the step calls ---
+
+    def _define(self, name: str, routine: object) -> None:
+        names = Names()
+        parameters = [names.new(argument.name) for argument in routine.arguments]  # type: ignore[attr-defined]
+        kind = C_TYPES[routine.kind]  # type: ignore[attr-defined]
+        body = routine.body(self.writer, parameters)  # type: ignore[attr-defined]
+        listed = ", ".join(f"{kind} {parameter}" for parameter in parameters)
+        lines = [f"    {line}" if line else "" for line in body]
+        head = f"{self._inner()}{kind} {self.functions[name]}({listed})"
+        self.writer.helpers.append("\n".join([head, "{", *lines, "}", ""]))
+
+    def _inner(self) -> str:
+        return "static inline " if self.writer.storage else "static "
+
+    def _cell_function(self, name: str, grid: Grid) -> str:
+        """Return the name of the function that finds a cell."""
+        if name in self.functions:
+            return self.functions[name]
+        names = Names()
+        kind = self.steps.precision.wide
+        words = {"INDEX": "unsigned", "TYPE": self.wide, **SMALLER}
+        index, parameters = "", []
+        for axis, thresholds in grid:
+            parameter = names.new(axis)
+            parameters.append(parameter)
+            if not thresholds:
+                continue
+            edges = rounded_down(thresholds, kind, f"the thresholds of '{axis}'")
+            literals = [c_number(x, kind) for x in edges.tolist()]
+            array = self.writer.constant(kind, literals, f"{identifier(axis)}_edges")
+            count = self.writer.helper("count", COUNT_FUNCTION, **words)
+            call = f"{count}({array}, {len(thresholds)}u, {parameter})"
+            index = f"({index}) * {len(thresholds) + 1}u + {call}" if index else call
+        listed = ", ".join(f"{self.wide} {parameter}" for parameter in parameters)
+        unused = [f"    (void){p};" for (_, t), p in zip(grid, parameters, strict=True) if not t]
+        self.functions[name] = self.writer.names.new(f"{self.prefix}_{name}")
+        head = f"{self._inner()}unsigned {self.functions[name]}({listed})"
+        body = [head, "{", *unused, f"    return {index or '0u'};", "}", ""]
+        self.writer.helpers.append("\n".join(body))
+        return self.functions[name]
+
+    def _learn_function(self, key: str) -> str:
+        """Return the name of the function that corrects a table.
+
+        What `learn` in the kernel does, over indices of arrays, which are no expressions.
+        """
+        table_type = self.table_types[key]
+        if table_type in self.functions:
+            return self.functions[table_type]
+        table, wide = self.steps.learned[key], self.wide
+        whole = _whole(table)
+        values = "table->values[responsible]"
+        held, limited = f"{values} + rate * judged", self.language.expression(_limited())
+        if self.outer != wide:
+            held = f"({self.outer})(({wide}){held})"
+            limited = f"({self.outer})({limited.replace('value', f'({wide})value')})"
+        zero = self.language.number(0.0)
+        name = self.functions[table_type] = self.writer.names.new(
+            f"{self.prefix}_learn_{table.name}"
+        )
+        lines = [
+            f"const {whole} responsible = "
+            + ("table->ring[table->next];" if table.delay else f"({whole})cell;"),
+            f"if (responsible >= 0 && rate != {zero}) {{"
+            + (" /* none is, before the first delay is over */" if table.delay else ""),
+            f"    const {self.outer} value = {held};",
+            f"    {values} = {limited};",
+            "}",
+            "table->visits[cell]++;",
+        ]
+        if table.delay:
+            lines.append(f"table->ring[table->next] = ({whole})cell;")
+            lines.append(f"table->next = (table->next + 1u) % {table.delay}u;")
+        head = (
+            f"{self._inner()}void {name}({table_type} *table, unsigned cell, {wide} judged,"
+            f" {wide} rate, {wide} bound)"
+        )
+        body = [f"    {line}" for line in lines]
+        self.writer.helpers.append("\n".join([head, "{", *body, "}", ""]))
+        return name
+
+    # --- The step ---
+
+    def step_lines(self) -> list[str]:
+        """Return the statements of the step."""
+        lines = []
+        if self.steps.needs_last:
+            lines += [
+                "const int last = s->until_set_point <= 1u;",
+                f"s->until_set_point = last ? {self.prefix.upper()}_SET_POINT_EVERY"
+                " : s->until_set_point - 1u;",
+            ]
+        uses = self._uses()
+        for number, each in enumerate(self.steps.steps):
+            following = self.steps.steps[number + 1 : number + 2]
+            lines += self._step(each, following[0] if following else None, uses)
+        if self.steps.needs_first:
+            lines.append("s->first = 0;")
+        return lines
+
+    def _uses(self) -> dict[str, int]:
+        """Count how often each local variable is read."""
+        found: dict[str, int] = {}
+        for each in self.steps.steps:
+            for name in reads(each):
+                found[name] = found.get(name, 0) + 1
+        return found
+
+    def _step(self, each: Step, following: Step | None, uses: dict[str, int]) -> list[str]:
+        if isinstance(each, Set):
+            return self._set(each)
+        if isinstance(each, Teach):
+            return [self._taught(each)]
+        kind = self.wide
+        if isinstance(each, Ask):
+            text, kind = self._asked(each)
+        elif isinstance(each, Find):
+            inputs = ", ".join(self.members[name] for name in each.inputs)
+            function = self._cell_function(each.grid, self.steps.grids[each.grid])
+            text, kind = f"{function}({inputs})", "unsigned"
+        else:
+            text, kind = f"{self.tables[each.table]}.values[{self.targets[each.cell]}]", self.outer
+        once = isinstance(following, Set) and uses.get(each.target) == 1
+        if once and kind != "unsigned" and each.target in symbols(following.value):  # type: ignore[union-attr]
+            self._know(each.target, text, kind)
+            return []
+        name = self._local(each.target, kind)
+        return [f"const {kind} {name} = {text};"]
+
+    def _local(self, target: str, kind: str) -> str:
+        name = self.locals.new(target.split(":")[1])
+        if kind == "unsigned":
+            self.targets[target] = self.members[target] = name
+        else:
+            self._know(target, name, kind)
+        return name
+
+    def _set(self, each: Set) -> list[str]:
+        body, value = spread("part", each.value, self.parts)
+        lines = self.language.lines(body)
+        self.parts |= set(names_set(body))
+        text = self.language.expression(value)
+        variable = self.steps.variables.get(each.target)
+        if variable is not None:
+            kind = self.kind_of(variable)
+        else:
+            kind = self.outer if each.rounded else self.wide
+        narrow = kind != self.wide
+        if each.rounded and not narrow and self.outer != self.wide:
+            text = f"({self.wide})({self.outer})({text})"  # kept wide for a later line: zoom
+        # A value that was narrow before needs no way through the wider type.
+        plain = text.removeprefix(f"({self.wide})")
+        if narrow and plain != text and not set(plain) & set(" ?("):
+            text = plain
+        elif narrow:
+            text = f"({kind}){text}" if text.isidentifier() else f"({kind})({text})"
+        if variable is None:
+            return [*lines, f"const {kind} {self._local(each.target, kind)} = {text};"]
+        return [*lines, f"{self.targets[each.target]} = {text};"]
+
+    def _asked(self, each: Ask) -> tuple[str, str]:
+        """Return the call of a routine and the type of its result."""
+        routine, function = self.steps.routines[each.routine], self.functions[each.routine]
+        core = getattr(routine, "core", None)
+        if not isinstance(core, FixedTable):
+            kind = C_TYPES[routine.kind]
+            texts = [self._in_type(name, kind) for name in each.inputs]
+            return f"{function}({', '.join(texts)})", kind
+        kind, wide = C_TYPES[routine.kind], self.wide
+        inputs = []
+        for scale, name in zip(core.inputs, each.inputs, strict=True):
+            text = self.language.expression(scaled(scale, symbol(name)))
+            inputs.append(f"({kind})((int32_t)({text}) - {shift_of(scale)})")
+        self.language.rename["whole number"] = f"({wide}){function}({', '.join(inputs)})"
+        return self.language.expression(unscaled(core.output, symbol("whole number"))), wide
+
+    def _in_type(self, name: str, kind: str) -> str:
+        """Return how a symbol is handed to a function that takes this type."""
+        return self.targets[name] if kind != self.wide else self.members[name]
+
+    def _taught(self, each: Teach) -> str:
+        judge = self.steps.judges[each.judge]
+        kind = self.steps.precision.outside
+        if each.judge not in self.judges:
+            values = rounded(np.asarray(judge.values).ravel(), kind, f"table '{each.judge}'")
+            literals = [c_number(x, kind) for x in values.tolist()]
+            columns = judge.shape[-1]
+            self.judges[each.judge] = self.writer.constant(kind, literals, each.judge, columns)
+        cast = f"({self.wide})" if self.wide != self.outer else ""
+        arguments = [
+            f"&{self.tables[each.table]}",
+            self.targets[each.cell],
+            f"{cast}{self.judges[each.judge]}[{self.targets[each.judged]}]",
+            self.language.expression(each.rate),
+            self.language.expression(each.bound),
+        ]
+        return f"{self._learn_function(each.table)}({', '.join(arguments)});"
+
+    # --- init, save, load ---
+
+    def init_lines(self) -> list[str]:
+        """Return the statements of init."""
+        lines = []
+        for each in self.steps.variables.values():
+            if each.sort in ("gain", "signal", "state"):
+                kind = self.steps.precision.wide if each.wide else self.steps.precision.outside
+                start = rounded([each.start], kind, f"'{each.name}'").tolist()[0]
+                lines.append(f"{self.targets[each.symbol]} = {c_number(start, kind)};")
+        if self.steps.needs_first:
+            lines.append("s->first = 1;")
+        if self.steps.needs_last:
+            lines.append(f"s->until_set_point = {self.prefix.upper()}_SET_POINT_EVERY;")
+        if self.steps.learned:
+            lines.append("unsigned k;")
+            lines.insert(0, lines.pop())
+        for key, table in self.steps.learned.items():
+            lines += self._init_table(key, table)
+        return lines
+
+    def _init_table(self, key: str, table: Learned) -> list[str]:
+        kind, member = self.steps.precision.outside, self.tables[key]
+        start = c_number(0.0, kind)
+        if any(table.values):
+            values = rounded(table.values, kind, f"table '{table.name}'").tolist()
+            literals = [c_number(x, kind) for x in values]
+            start = f"{self.writer.constant(kind, literals, f'{table.name}_start')}[k]"
+        lines = [
+            f"for (k = 0u; k < {len(table.values)}u; k++) {{",
+            f"    {member}.values[k] = {start};",
+            f"    {member}.visits[k] = 0ul;",
+            "}",
+        ]
+        if table.delay:
+            lines += [
+                f"for (k = 0u; k < {table.delay}u; k++) {{",
+                f"    {member}.ring[k] = -1;",
+                "}",
+                f"{member}.next = 0u;",
+            ]
+        return lines
+
+    def prototypes(self) -> dict[str, str]:
+        """Return the functions of the file, by what they do."""
+        p = self.prefix
+        ports = [
+            f"{'' if sort == 'drive' else 'const '}{p}_{_TYPE_OF[sort]} *{sort}"
+            for sort in POINTERS
+            if self.steps.of_sort(sort)
+        ]
+        found = {
+            "init": f"void {p}_init({p}_state *s)",
+            "step": f"void {p}_step({', '.join([f'{p}_state *s', *ports])})",
+        }
+        if self.steps.learned:
+            kind = self.outer
+            found["save"] = (
+                f"void {p}_save(const {p}_state *s, {kind} *values, unsigned long *visits)"
+            )
+            found["load"] = (
+                f"void {p}_load({p}_state *s, const {kind} *values, const unsigned long *visits)"
+            )
+        return found
+
+    def copy_lines(self, what: str) -> list[str]:
+        """Return the statements of ``save`` or ``load``."""
+        lines, first = ["unsigned k;"], 0
+        for key, table in self.steps.learned.items():
+            outer = f"{first}u + k" if first else "k"
+            for name, optional in (("values", False), ("visits", True)):
+                inside, outside = f"{self.tables[key]}.{name}[k]", f"{name}[{outer}]"
+                pair = (outside, inside) if what == "save" else (inside, outside)
+                body = [
+                    f"for (k = 0u; k < {len(table.values)}u; k++) {{",
+                    f"    {pair[0]} = {pair[1]};",
+                    "}",
+                ]
+                if optional:
+                    body = [f"if ({name} != 0) {{", *(f"    {line}" for line in body), "}"]
+                lines += body
+            first += len(table.values)
+        return lines
+
+    # --- The file ---
+
+    def headers(self) -> list[str]:
+        """Return the standard headers that are needed."""
+        nodes: list[Node] = []
+        for each in self.steps.steps:
+            nodes += [each.value] if isinstance(each, Set) else []
+        found = {"math.h"} if needs_math_header(list(postorder(*nodes))) else set()
+        for routine in self.steps.routines.values():
+            found |= set(routine_headers(routine))
+        return [f"#include <{name}>" for name in sorted(found)]
+
+    def constants(self) -> list[str]:
+        """Return the macros of the file."""
+        upper, model = self.prefix.upper(), self.steps.model
+        lines = [
+            f"#define {upper}_PERIOD {c_number(model.period, self.steps.precision.outside)} /* s */"
+        ]
+        if self.steps.needs_last:
+            lines.append(f"#define {upper}_SET_POINT_EVERY {model.every}u /* periods */")
+        if self.steps.learned:
+            cells = sum(len(table.values) for table in self.steps.learned.values())
+            lines.append(f"#define {upper}_LEARNED_CELLS {cells}u /* of save and load */")
+        return lines
+
+    def definitions(self) -> str:
+        """Return constants, helpers and functions as text."""
+        bodies = {"init": self.init_lines(), "step": self.step_lines()}
+        if self.steps.learned:
+            bodies |= {what: self.copy_lines(what) for what in ("save", "load")}
+        functions = []
+        for what, prototype in self.prototypes().items():
+            body = bodies[what]
+            if not any("s->" in line for line in body):  # a drive that is a number
+                body = ["(void)s;", *body]
+            lines = [f"    {line}" if line else "" for line in body]
+            functions.append("\n".join([f"{self.writer.storage}{prototype}", "{", *lines, "}", ""]))
+        return "\n".join([*self.writer.constants, *self.writer.helpers, *functions])
+
+    def self_test(self, vectors: Vectors) -> list[str]:
+        """Return a ``main`` that runs the sequence and returns 0 if the drives come out."""
+        kind = self.steps.precision.outside
+        sorts = [sort for sort in POINTERS if self.steps.of_sort(sort)]
+        count = len(vectors.expected)
+        lines = [f"#ifdef {SWITCH}", "", "/* Returns 0 if the steps give what the model gives. */"]
+        lines += ["int main(void)", "{"]
+        arrays = {"given": vectors.given, "expected": vectors.expected}
+        for name, rows in arrays.items():
+            width = max(1, len(rows[0]))
+            literals = [_literal(x, kind) for row in rows for x in (row or [0.0])]
+            body = [
+                f"        {{{', '.join(literals[i : i + width])}}},"
+                for i in range(0, len(literals), width)
+            ]
+            lines += [
+                f"    static const {C_TYPES[kind]} {name}[{count}][{width}] = {{",
+                *body[:-1],
+                body[-1].removesuffix(","),
+                "    };",
+            ]
+        tolerance = c_number(vectors.tolerance, kind)
+        lines += [f"    static {self.prefix}_state s;"]
+        lines += [f"    {self.prefix}_{_TYPE_OF[sort]} {sort};" for sort in sorts]
+        lines += ["    unsigned k;", f"    {self.prefix}_init(&s);"]
+        lines += [f"    for (k = 0u; k < {count}u; k++) {{"]
+        place = 0
+        for sort in ("reference", "measured"):
+            for port in self.steps.of_sort(sort):
+                member = self.targets[port.symbol].replace("->", ".", 1)
+                lines.append(f"        {member} = given[k][{place}];")
+                place += 1
+        if not place:
+            lines.append("        (void)given;")
+        called = ", ".join(["&s", *(f"&{sort}" for sort in sorts)])
+        lines.append(f"        {self.prefix}_step({called});")
+        for number, port in enumerate(self.steps.of_sort("drive")):
+            member = self.targets[port.symbol].replace("->", ".", 1)
+            difference = f"{member} - expected[k][{number}]"
+            lines += [
+                f"        if (!({difference} <= {tolerance} && {difference} >= -{tolerance})) {{",
+                "            return 1;",
+                "        }",
+            ]
+        return [*lines, "    }", "    return 0;", "}", "", "#endif", ""]
+
+    def ram(self) -> int:
+        """Return roughly how many bytes the state takes."""
+        size = {"float": 4, "double": 8}
+        total = 8
+        for each in self.steps.variables.values():
+            if each.sort in ("gain", "signal", "state"):
+                total += size[self.kind_of(each)]
+        for table in self.steps.learned.values():
+            total += len(table.values) * (size[self.outer] + 8) + 4 * table.delay + 4
+        return total
+
+
+def controller_c(
+    steps: Steps, prefix: str, stem: str, suffix: str, vectors: Vectors, words: Sequence[str]
+) -> tuple[dict[str, str], CController]:
+    """Return a header on its own (``.h``), or a ``.c`` and a ``.h``, by suffix.
+
+    Parameters
+    ----------
+    steps : Steps
+        The controller.
+    prefix : str
+        Begins every identifier.
+    stem, suffix : str
+        Of the file.
+    vectors : Vectors
+        For the self-test.
+    words : sequence of str
+        Lines for the comment at the head.
+    """
+    alone = suffix == ".h"
+    writer = CWriter(prefix, "static inline " if alone else "")
+    made = CController(steps, writer)
+    code = made.definitions()
+    guard = writer.names.new(f"{prefix.upper()}_H")
+    library = " -lm" if steps.calls_functions else ""
+    sources = f"-x c {stem}.h" if alone else f"{stem}.c"
+    test = (
+        f"gcc -std=c99 -ffp-contract=off -D{SWITCH} {sources} -o self_test{library} && ./self_test"
+    )
+    head = [
+        *words,
+        "",
+        *_use_words(made, stem, alone=alone),
+        f"self-test (returns 0 if all is well): {test}",
+    ]
+    top = [*comment(head, "/*", " *", " */"), ""]
+    opening = [f"#ifndef {guard}", f"#define {guard}", "", *made.headers()]
+    opening += [""] if opening[-1] else []
+    declared = [*made.constants(), "", *made.types]
+    test_lines = made.self_test(vectors)
+    if alone:
+        lines = [*top, *opening, *declared, code, *test_lines, "#endif", ""]
+        return {suffix: "\n".join(lines)}, made
+    prototypes = [f"{prototype};" for prototype in made.prototypes().values()]
+    plus_plus = ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
+    minus = ["", "#ifdef __cplusplus", "}", "#endif", ""]
+    header = [*top, *opening, *declared, *plus_plus, *prototypes, *minus, "#endif", ""]
+    source = [*top, f'#include "{stem}.h"', "", code, *test_lines]
+    return {".c": "\n".join(source), ".h": "\n".join(header)}, made
+
+
+def _use_words(made: CController, stem: str, *, alone: bool) -> list[str]:
+    prefix = made.prefix
+    lines = [f"{prototype};" for prototype in made.prototypes().values()]
+    lines += [
+        f"constants (flash): {made.writer.flash} bytes, besides the code",
+        f"state (RAM): about {made.ram()} bytes; nothing is allocated, nothing is static",
+        f'use: #include "{stem}.h"' + ("" if alone else f", link {stem}.c"),
+        f"call {prefix}_init once, {prefix}_step every {number_text(made.steps.model.period)} s;"
+        f" gains are s.gains, which {prefix}_init sets",
+    ]
+    if made.steps.needs_last:
+        lines.append(
+            f"a set point lasts {made.steps.model.every} periods, counted from init; where the"
+            " next one comes off that count, set s.until_set_point = 1 before the last step of"
+            " the present one"
+        )
+    if made.steps.learned:
+        lines.append(
+            f"tables that learn lie in the state: {prefix}_save copies their values and visits"
+            f" out ({prefix.upper()}_LEARNED_CELLS numbers each, axis by axis), {prefix}_load"
+            " copies them in, after init; visits may be a null pointer"
+        )
+    return lines
+
+
+_TYPE_OF = {"reference": "reference", "measured": "measured", "drive": "drives"}
+
+
+def reads(each: Step) -> Iterator[str]:
+    """Yield the symbols that a step reads."""
+    if isinstance(each, Set):
+        yield from symbols(each.value)
+    elif isinstance(each, Ask | Find):
+        yield from each.inputs
+    elif isinstance(each, Pick):
+        yield each.cell
+    else:
+        yield from (each.cell, each.judged, *symbols(each.rate), *symbols(each.bound))
+
+
+def _whole(table: Learned) -> str:
+    """Return the type of a cell in a ring, where -1 is none."""
+    return "int" if len(table.values) <= 0x7FFF else "long"
+
+
+def _limited() -> Node:
+    """Return a value within ± bound, as the kernel has it."""
+    bound = symbol("bound")
+    limited: Node = op.minimum(op.maximum(symbol("value"), -bound), bound)
+    return limited
+
+
+def _literal(value: float, kind: Kind) -> str:
+    return "NAN" if math.isnan(value) else c_number(value, kind)

@@ -1,0 +1,235 @@
+"""Controllers ready to be exported: tables in place of rules, the self-test, what is said."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.export.controller_c import Vectors
+from fuzzyarm.export.replica import Replica, trial
+from fuzzyarm.export.steps import RoutineOptions, Steps, Variable, steps_of
+from fuzzyarm.export.table_numbers import FixedTable
+from fuzzyarm.model.controller import Line, Signal, Source
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.table import LookupTable
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.version import __version__
+
+PERIODS = 80
+"""Periods of a self-test."""
+
+PERIODS_OF_REPLICA = 24
+"""Periods of a self-test whose results need the slower model."""
+
+Compile = Callable[[RuleBase, str], LookupTable]
+"""From a rule base and one of its outputs to a table."""
+
+
+def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText:
+    """Return a controller that looks tables up where it asks rule bases.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    compile_output : callable
+        From a rule base and the name of an output to its table.
+
+    Returns
+    -------
+    ControllerText
+        A line ``a, b = rules R(e)`` becomes a line for each table ``R_a``, ``R_b``.
+    """
+    sheets = dict(text.sheets)
+    tables: dict[tuple[int, str], LookupTable] = {}
+
+    def table(rulebase: RuleBase, output: str) -> LookupTable:
+        key = (id(rulebase), output)
+        if key not in tables:
+            tables[key] = compile_output(rulebase, output)
+        return tables[key]
+
+    def lines_of(line: Line) -> list[Line]:
+        if not isinstance(line, Signal) or line.source is None or line.source.kind != "rules":
+            return [line]
+        source = line.source
+        found: list[Line] = []
+        used = text.sheets[source.name]
+        for number, name in enumerate(line.names):
+            outputs = [sheet.outputs[number].name for sheet in used if isinstance(sheet, RuleBase)]
+            own = source.name if len(line.names) == 1 else f"{source.name}_{outputs[0]}"
+            sheets[own] = tuple(
+                table(sheet, output)
+                for sheet, output in zip(used, outputs, strict=True)
+                if isinstance(sheet, RuleBase)
+            )
+            looked_up = Source("table", own, source.inputs, source.options)
+            found.append(replace(line, names=(name,), source=looked_up))
+        return found
+
+    axes = tuple(
+        replace(each, lines=tuple(new for line in each.lines for new in lines_of(line)))
+        for each in text.model.axes
+    )
+    return ControllerText(replace(text.model, axes=axes), sheets, text.path)
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What a controller does over a sequence of periods.
+
+    Attributes
+    ----------
+    vectors : Vectors
+        Ports and drives.
+    worst : float
+        Largest difference of a drive to the controller in double precision.
+    largest : float
+        Largest drive.
+    """
+
+    vectors: Vectors
+    worst: float
+    largest: float
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerProgram:
+    """A controller, ready to be exported.
+
+    Attributes
+    ----------
+    text : ControllerText
+        As it is exported, with tables in place of rules where that is asked for.
+    precision : str
+        ``mixed``, ``float32`` or ``float64``.
+    q : int or None
+        Fraction bits of tables in whole numbers.
+    """
+
+    text: ControllerText
+    precision: str = "mixed"
+    q: int | None = None
+
+    @cached_property
+    def steps(self) -> Steps:
+        """The steps of a period."""
+        return steps_of(self.text, self.precision, RoutineOptions(self.q))
+
+    @cached_property
+    def tried(self) -> Tried:
+        """The sequence of the self-test, by the model of the same arithmetic.
+
+        In double precision, and where only signals are stored in single precision, that is the
+        controller itself; else the replica.
+        """
+        steps = self.steps
+        exact = self.precision != "float32" and self.q is None
+        replica = None if exact else Replica(steps)
+        held = self.text.run(single=self.precision == "mixed", compiled=False) if exact else None
+        # With signals in single precision the difference is that to double precision.
+        plain = held if self.precision == "float64" and held else self.text.run(compiled=False)
+        drives, outside = steps.of_sort("drive"), steps.precision.outside
+        given_rows, expected_rows, worst = [], [], 0.0
+        periods = PERIODS if exact else PERIODS_OF_REPLICA
+        for given in trial(steps, periods):
+            ports = _by_port(steps, given)
+            truth = plain.step(ports["measured"], ports["reference"])
+            if replica is not None:
+                found = replica.step(given)
+                row = [float(found[each.symbol]) for each in drives]
+            else:
+                assert held is not None
+                known = truth if held is plain else held.step(*ports.values())
+                row = [float(outside(known[port_name(steps, each)])) for each in drives]
+            inputs = [*steps.of_sort("reference"), *steps.of_sort("measured")]
+            given_rows.append([given[each.symbol] for each in inputs])
+            expected_rows.append(row)
+            differences = (
+                abs(x - truth[port_name(steps, each)]) for x, each in zip(row, drives, strict=True)
+            )
+            worst = max([worst, *(d for d in differences if not math.isnan(d))])
+        largest = max(
+            (abs(x) for row in expected_rows for x in row if not math.isnan(x)), default=0.0
+        )
+        tolerance = self._loose() * float(np.finfo(outside).eps) * max(largest, 1e-30)
+        return Tried(Vectors(given_rows, expected_rows, tolerance), worst, largest)
+
+    def _loose(self) -> float:
+        """Return how many last places of the largest drive a self-test forgives."""
+        loose = 4096.0 if self.precision == "float32" else 16.0
+        return loose * 16.0 if self.steps.calls_functions else loose
+
+    def head(self) -> list[str]:
+        """Return the lines at the head of an exported file."""
+        model, steps = self.text.model, self.steps
+        words = f"{model.name}: {model.description}" if model.description else model.name
+        lines = [
+            f"made by fuzzyarm {__version__}; do not edit: make it again from its source",
+            "",
+            f"controller {words}",
+            f"runs every {number_text(model.period)} s",
+            *self._port_words(),
+            *self._sheet_words(),
+            steps.precision.words + (" for signals" if self.q is not None else ""),
+            f"worst difference to the controller in double precision: {self.tried.worst:.3g}"
+            f" ({len(self.tried.vectors.expected)} periods, drives up to {self.tried.largest:.3g})",
+        ]
+        if steps.calls_functions:
+            lines.append(
+                "functions of math.h are called, whose last bits may differ between machines"
+            )
+        return [*lines, *(f"{key}: {value}" for key, value in self.provenance())]
+
+    def _port_words(self) -> list[str]:
+        words = {"reference": "references", "measured": "measured", "drive": "drives"}
+        return [
+            f"{word}: {', '.join(port_name(self.steps, each) for each in self.steps.of_sort(sort))}"
+            for sort, word in words.items()
+            if self.steps.of_sort(sort)
+        ]
+
+    def _sheet_words(self) -> list[str]:
+        lines = []
+        for name, routine in self.steps.routines.items():
+            rulebase = getattr(routine, "rulebase", None)
+            if isinstance(rulebase, RuleBase):
+                lines.append(f"{name}: direct inference of {len(rulebase.rules)} rules")
+            else:
+                core = routine.core  # type: ignore[attr-defined]
+                shape = " x ".join(map(str, core.table.shape))
+                whole = f", in q{self.q}" if isinstance(core, FixedTable) else ""
+                lines.append(f"{name}: table of {shape} cells, looked up by {core.mode}{whole}")
+        lines += [
+            f"{each.axis} {each.name}: table of {len(each.values)} cells that learns"
+            for each in self.steps.learned.values()
+        ]
+        return lines
+
+    def provenance(self) -> list[tuple[str, str]]:
+        """Return where it comes from."""
+        found = []
+        if self.text.path:
+            found.append(("source", Path(self.text.path).name))
+            content = Path(self.text.path).read_bytes() if Path(self.text.path).is_file() else b""
+            found.append(("sha256", hashlib.sha256(content).hexdigest()))
+        return found
+
+
+def port_name(steps: Steps, port: Variable) -> str:
+    """Return the name of a port: ``port`` of one axis, ``axis.port`` of several."""
+    return port.name if len(steps.model.axis_names) == 1 else f"{port.axis}.{port.name}"
+
+
+def _by_port(steps: Steps, given: dict[str, float]) -> dict[str, dict[str, float]]:
+    return {
+        sort: {port_name(steps, each): given[each.symbol] for each in steps.of_sort(sort)}
+        for sort in ("measured", "reference")
+    }

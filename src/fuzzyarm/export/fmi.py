@@ -1,0 +1,546 @@
+"""The C of a co-simulation unit around a controller: the functions of FMI 2.0 and FMI 3.0.
+
+What both versions do is written once (`_COMMON`); each adds its own names and arguments. A
+function that a controller has no use for is there all the same, as a stub that returns an
+error where it is called with something: hosts look every name up when they load a unit.
+
+References: Functional Mock-up Interface 2.0.4 (2022) and 3.0.1 (2023), modelica.org.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from fuzzyarm.export.steps import Variable
+
+OK, ERROR = 0, 3
+"""Of the status that every function returns."""
+
+_COMMON = """#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined _WIN32
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+
+typedef struct { /* an instance */
+    PREFIX_state state;
+PORTS    double start; /* of the simulation, s */
+    unsigned long steps; /* that were made */
+} unit;
+
+static const char token[] = "TOKEN";
+
+static void begin(unit *u)
+{
+    memset(u, 0, sizeof *u);
+    PREFIX_init(&u->state);
+}
+
+static unit *instantiate(const char *given)
+{
+    unit *u = NULL;
+    if (given != NULL && strcmp(given, token) == 0) {
+        u = malloc(sizeof *u);
+    }
+    if (u != NULL) {
+        begin(u);
+    }
+    return u;
+}
+
+/* The number of a value reference; NULL where there is none. */
+static double *number(unit *u, unsigned reference)
+{
+    switch (reference) {
+CASES    default: return NULL;
+    }
+}
+
+static int get_numbers(unit *u, const unsigned *references, size_t count, double *values)
+{
+    size_t k;
+    for (k = 0; k < count; k++) {
+        const double *found = number(u, references[k]);
+        if (found != NULL) {
+            values[k] = *found;
+        } else if (references[k] == TIME) {
+            values[k] = u->start + (double)u->steps * PERIOD;
+        } else {
+            return 3;
+        }
+    }
+    return 0;
+}
+
+static int set_numbers(unit *u, const unsigned *references, size_t count, const double *values)
+{
+    size_t k;
+    for (k = 0; k < count; k++) {
+        double *found = references[k] < SETTABLE ? number(u, references[k]) : NULL;
+        if (found == NULL) {
+            return 3;
+        }
+        *found = values[k];
+    }
+    return 0;
+}
+
+/* Make the steps whose time has come before the end; a thousandth of a period is rounding. */
+static void advance(unit *u, double end)
+{
+    while (u->start + (double)u->steps * PERIOD < end - 1e-3 * PERIOD) {
+        PREFIX_step(CALLED);
+        u->steps++;
+    }
+}
+
+static void *copied(const void *from)
+{
+    void *to = malloc(sizeof(unit));
+    if (to != NULL) {
+        memcpy(to, from, sizeof(unit));
+    }
+    return to;
+}
+"""
+
+_FMI2 = """
+EXPORT const char *fmi2GetTypesPlatform(void)
+{
+    return "default";
+}
+
+EXPORT const char *fmi2GetVersion(void)
+{
+    return "2.0";
+}
+
+EXPORT void *fmi2Instantiate(const char *name, int type, const char *guid, const char *resources,
+    const void *callbacks, int visible, int logging)
+{
+    (void)name, (void)resources, (void)callbacks, (void)visible, (void)logging;
+    return type == 1 ? instantiate(guid) : NULL; /* co-simulation */
+}
+
+EXPORT void fmi2FreeInstance(void *instance)
+{
+    free(instance);
+}
+
+EXPORT int fmi2SetDebugLogging(void *instance, int on, size_t n, const char *const categories[])
+{
+    (void)instance, (void)on, (void)n, (void)categories;
+    return 0;
+}
+
+EXPORT int fmi2SetupExperiment(void *instance, int has_tolerance, double tolerance, double start,
+    int has_end, double end)
+{
+    (void)has_tolerance, (void)tolerance, (void)has_end, (void)end;
+    ((unit *)instance)->start = start;
+    return 0;
+}
+
+EXPORT int fmi2EnterInitializationMode(void *instance)
+{
+    (void)instance;
+    return 0;
+}
+
+EXPORT int fmi2ExitInitializationMode(void *instance)
+{
+    (void)instance;
+    return 0;
+}
+
+EXPORT int fmi2Terminate(void *instance)
+{
+    (void)instance;
+    return 0;
+}
+
+EXPORT int fmi2Reset(void *instance)
+{
+    begin(instance);
+    return 0;
+}
+
+EXPORT int fmi2GetReal(void *instance, const unsigned vr[], size_t n, double values[])
+{
+    return get_numbers(instance, vr, n, values);
+}
+
+EXPORT int fmi2SetReal(void *instance, const unsigned vr[], size_t n, const double values[])
+{
+    return set_numbers(instance, vr, n, values);
+}
+
+EXPORT int fmi2DoStep(void *instance, double now, double size, int keeps_state)
+{
+    (void)keeps_state;
+    advance(instance, now + size);
+    return 0;
+}
+
+EXPORT int fmi2GetFMUstate(void *instance, void **state)
+{
+    free(*state);
+    *state = copied(instance);
+    return *state != NULL ? 0 : 3;
+}
+
+EXPORT int fmi2SetFMUstate(void *instance, void *state)
+{
+    memcpy(instance, state, sizeof(unit));
+    return 0;
+}
+
+EXPORT int fmi2FreeFMUstate(void *instance, void **state)
+{
+    (void)instance;
+    free(*state);
+    *state = NULL;
+    return 0;
+}
+
+EXPORT int fmi2SerializedFMUstateSize(void *instance, void *state, size_t *size)
+{
+    (void)instance, (void)state;
+    *size = sizeof(unit);
+    return 0;
+}
+
+EXPORT int fmi2SerializeFMUstate(void *instance, void *state, char bytes[], size_t size)
+{
+    (void)instance;
+    if (size < sizeof(unit)) {
+        return 3;
+    }
+    memcpy(bytes, state, sizeof(unit));
+    return 0;
+}
+
+EXPORT int fmi2DeSerializeFMUstate(void *instance, const char bytes[], size_t size, void **state)
+{
+    (void)instance;
+    if (size != sizeof(unit)) {
+        return 3;
+    }
+    *state = copied(bytes);
+    return *state != NULL ? 0 : 3;
+}
+"""
+
+_FMI3 = """
+EXPORT const char *fmi3GetVersion(void)
+{
+    return "3.0";
+}
+
+EXPORT int fmi3SetDebugLogging(void *instance, bool on, size_t n, const char *const categories[])
+{
+    (void)instance, (void)on, (void)n, (void)categories;
+    return 0;
+}
+
+EXPORT void *fmi3InstantiateCoSimulation(const char *name, const char *given,
+    const char *resources, bool visible, bool logging, bool events, bool early,
+    const unsigned required[], size_t n, void *environment, callback message, callback update)
+{
+    (void)name, (void)resources, (void)visible, (void)logging, (void)events, (void)early;
+    (void)required, (void)n, (void)environment, (void)message, (void)update;
+    return instantiate(given);
+}
+
+EXPORT void *fmi3InstantiateModelExchange(const char *name, const char *given,
+    const char *resources, bool visible, bool logging, void *environment, callback message)
+{
+    (void)name, (void)given, (void)resources, (void)visible, (void)logging;
+    (void)environment, (void)message;
+    return NULL;
+}
+
+EXPORT void *fmi3InstantiateScheduledExecution(const char *name, const char *given,
+    const char *resources, bool visible, bool logging, void *environment, callback message,
+    callback update, callback lock, callback unlock)
+{
+    (void)name, (void)given, (void)resources, (void)visible, (void)logging;
+    (void)environment, (void)message, (void)update, (void)lock, (void)unlock;
+    return NULL;
+}
+
+EXPORT void fmi3FreeInstance(void *instance)
+{
+    free(instance);
+}
+
+EXPORT int fmi3EnterInitializationMode(void *instance, bool has_tolerance, double tolerance,
+    double start, bool has_end, double end)
+{
+    (void)has_tolerance, (void)tolerance, (void)has_end, (void)end;
+    ((unit *)instance)->start = start;
+    return 0;
+}
+
+EXPORT int fmi3ExitInitializationMode(void *instance)
+{
+    (void)instance;
+    return 0;
+}
+
+EXPORT int fmi3EnterStepMode(void *instance)
+{
+    (void)instance;
+    return 0;
+}
+
+EXPORT int fmi3Terminate(void *instance)
+{
+    (void)instance;
+    return 0;
+}
+
+EXPORT int fmi3Reset(void *instance)
+{
+    begin(instance);
+    return 0;
+}
+
+EXPORT int fmi3GetFloat64(void *instance, const unsigned vr[], size_t n, double values[], size_t m)
+{
+    return n == m ? get_numbers(instance, vr, n, values) : 3;
+}
+
+EXPORT int fmi3SetFloat64(void *instance, const unsigned vr[], size_t n, const double values[],
+    size_t m)
+{
+    return n == m ? set_numbers(instance, vr, n, values) : 3;
+}
+
+EXPORT int fmi3DoStep(void *instance, double now, double size, bool keeps_state,
+    bool *event, bool *terminate, bool *early, double *last)
+{
+    (void)keeps_state;
+    advance(instance, now + size);
+    *event = *terminate = *early = false;
+    *last = now + size;
+    return 0;
+}
+
+EXPORT int fmi3GetFMUState(void *instance, void **state)
+{
+    free(*state);
+    *state = copied(instance);
+    return *state != NULL ? 0 : 3;
+}
+
+EXPORT int fmi3SetFMUState(void *instance, void *state)
+{
+    memcpy(instance, state, sizeof(unit));
+    return 0;
+}
+
+EXPORT int fmi3FreeFMUState(void *instance, void **state)
+{
+    (void)instance;
+    free(*state);
+    *state = NULL;
+    return 0;
+}
+
+EXPORT int fmi3SerializedFMUStateSize(void *instance, void *state, size_t *size)
+{
+    (void)instance, (void)state;
+    *size = sizeof(unit);
+    return 0;
+}
+
+EXPORT int fmi3SerializeFMUState(void *instance, void *state, unsigned char bytes[], size_t size)
+{
+    (void)instance;
+    if (size < sizeof(unit)) {
+        return 3;
+    }
+    memcpy(bytes, state, sizeof(unit));
+    return 0;
+}
+
+EXPORT int fmi3DeserializeFMUState(void *instance, const unsigned char bytes[], size_t size,
+    void **state)
+{
+    (void)instance;
+    if (size != sizeof(unit)) {
+        return 3;
+    }
+    *state = copied(bytes);
+    return *state != NULL ? 0 : 3;
+}
+
+EXPORT int fmi3GetNumberOfEventIndicators(void *instance, size_t *n)
+{
+    (void)instance;
+    *n = 0;
+    return 0;
+}
+
+EXPORT int fmi3GetNumberOfContinuousStates(void *instance, size_t *n)
+{
+    (void)instance;
+    *n = 0;
+    return 0;
+}
+
+EXPORT int fmi3GetNumberOfVariableDependencies(void *instance, unsigned vr, size_t *n)
+{
+    (void)instance, (void)vr;
+    *n = 0;
+    return 0;
+}
+"""
+
+_MANY = "const unsigned vr[], size_t n"
+_SEED = "const unsigned unknown[], size_t n, const unsigned known[], size_t m, const double seed[]"
+
+_STUBS2: tuple[tuple[str, str], ...] = (
+    *((f"Get{kind}", f"{_MANY}, {c} values[]") for kind, c in (
+        ("Integer", "int"), ("Boolean", "int"), ("String", "const char *"))),
+    *((f"Set{kind}", f"{_MANY}, const {c} values[]") for kind, c in (
+        ("Integer", "int"), ("Boolean", "int"), ("String", "char *const"))),
+    ("GetDirectionalDerivative", f"{_SEED}, double values[]"),
+    ("SetRealInputDerivatives", f"{_MANY}, const int order[], const double values[]"),
+    ("GetRealOutputDerivatives", f"{_MANY}, const int order[], double values[]"),
+    ("CancelStep", ""),
+    ("GetStatus", "int kind, int *value"),
+    ("GetRealStatus", "int kind, double *value"),
+    ("GetIntegerStatus", "int kind, int *value"),
+    ("GetBooleanStatus", "int kind, int *value"),
+    ("GetStringStatus", "int kind, const char **value"),
+    ("EnterEventMode", ""),
+    ("NewDiscreteStates", "void *info"),
+    ("EnterContinuousTimeMode", ""),
+    ("CompletedIntegratorStep", "int keeps_state, int *event, int *terminate"),
+    ("SetTime", "double time"),
+    ("SetContinuousStates", "const double x[], size_t n"),
+    *((f"Get{what}", "double x[], size_t n") for what in (
+        "Derivatives", "EventIndicators", "ContinuousStates", "NominalsOfContinuousStates")),
+)  # fmt: skip
+
+_NUMBERS3 = (
+    ("Float32", "float"), ("Int8", "signed char"), ("UInt8", "unsigned char"),
+    ("Int16", "int16_t"), ("UInt16", "uint16_t"), ("Int32", "int32_t"), ("UInt32", "uint32_t"),
+    ("Int64", "int64_t"), ("UInt64", "uint64_t"), ("Boolean", "bool"),
+)  # fmt: skip
+
+_STUBS3: tuple[tuple[str, str], ...] = (
+    *((f"Get{kind}", f"{_MANY}, {c} values[], size_t m") for kind, c in _NUMBERS3),
+    *((f"Set{kind}", f"{_MANY}, const {c} values[], size_t m") for kind, c in _NUMBERS3),
+    ("GetString", f"{_MANY}, const char *values[], size_t m"),
+    ("SetString", f"{_MANY}, const char *const values[], size_t m"),
+    ("GetBinary", f"{_MANY}, size_t sizes[], const unsigned char *values[], size_t m"),
+    ("SetBinary", f"{_MANY}, const size_t sizes[], const unsigned char *const values[], size_t m"),
+    ("GetClock", f"{_MANY}, bool values[]"),
+    ("SetClock", f"{_MANY}, const bool values[]"),
+    ("GetVariableDependencies", "unsigned dependent, size_t elements[], unsigned independents[],"
+     " size_t others[], int kinds[], size_t n"),
+    ("GetDirectionalDerivative", f"{_SEED}, size_t k, double values[], size_t j"),
+    ("GetAdjointDerivative", f"{_SEED}, size_t k, double values[], size_t j"),
+    ("EnterEventMode", ""),
+    ("EnterConfigurationMode", ""),
+    ("ExitConfigurationMode", ""),
+    ("GetIntervalDecimal", f"{_MANY}, double intervals[], int qualifiers[]"),
+    ("GetIntervalFraction", f"{_MANY}, uint64_t counters[], uint64_t resolutions[],"
+     " int qualifiers[]"),
+    ("GetShiftDecimal", f"{_MANY}, double shifts[]"),
+    ("GetShiftFraction", f"{_MANY}, uint64_t counters[], uint64_t resolutions[]"),
+    ("SetIntervalDecimal", f"{_MANY}, const double intervals[]"),
+    ("SetIntervalFraction", f"{_MANY}, const uint64_t counters[], const uint64_t resolutions[]"),
+    ("SetShiftDecimal", f"{_MANY}, const double shifts[]"),
+    ("SetShiftFraction", f"{_MANY}, const uint64_t counters[], const uint64_t resolutions[]"),
+    ("EvaluateDiscreteStates", ""),
+    ("UpdateDiscreteStates", "bool *update, bool *terminate, bool *nominals, bool *values,"
+     " bool *has_next, double *next"),
+    ("EnterContinuousTimeMode", ""),
+    ("CompletedIntegratorStep", "bool keeps_state, bool *event, bool *terminate"),
+    ("SetTime", "double time"),
+    ("SetContinuousStates", "const double x[], size_t n"),
+    *((f"Get{what}", "double x[], size_t n") for what in (
+        "ContinuousStateDerivatives", "EventIndicators", "ContinuousStates",
+        "NominalsOfContinuousStates")),
+    ("GetOutputDerivatives", f"{_MANY}, const int32_t orders[], double values[], size_t m"),
+    ("ActivateModelPartition", "unsigned clock, double time"),
+)  # fmt: skip
+
+
+def _stub(version: int, name: str, parameters: str) -> str:
+    listed = f"void *instance, {parameters}" if parameters else "void *instance"
+    names = [part.replace("[]", "").replace("*", " ").split()[-1] for part in listed.split(",")]
+    unused = ", ".join(f"(void){each}" for each in names)
+    # To be asked for nothing is no mistake.
+    result = f"n == 0 ? {OK} : {ERROR}" if "size_t n" in parameters else str(ERROR)
+    return f"EXPORT int fmi{version}{name}({listed})\n{{\n    {unused};\n    return {result};\n}}\n"
+
+
+def fmi_source(
+    version: int,
+    prefix: str,
+    token: str,
+    places: Sequence[tuple[Variable, str]],
+    settable: int,
+    period: float,
+) -> str:
+    """Return the C of a unit, to be put behind the controller's own.
+
+    Parameters
+    ----------
+    version : int
+        2 or 3.
+    prefix : str
+        Of the controller.
+    token : str
+        What the description of the unit names it by.
+    places : sequence of (Variable, str)
+        By value reference, a variable and the member of `unit` that holds it.
+    settable : int
+        So many of them, the first ones, may be set.
+    period : float
+        Of the controller, s.
+    """
+    sorts = [
+        sort
+        for sort in ("reference", "measured", "drive")
+        if any(variable.sort == sort for variable, _ in places)
+    ]
+    types = {"reference": "reference", "measured": "measured", "drive": "drives"}
+    cases = "".join(
+        f"    case {number}u: return &u->{place};\n" for number, (_, place) in enumerate(places)
+    )
+    words = {
+        "PREFIX": prefix,
+        "PORTS": "".join(f"    {prefix}_{types[sort]} {sort};\n" for sort in sorts),
+        "TOKEN": token,
+        "CASES": cases,
+        "TIME": f"{len(places)}u",
+        "SETTABLE": f"{settable}u",
+        "PERIOD": repr(float(period)),
+        "CALLED": ", ".join(["&u->state", *(f"&u->{sort}" for sort in sorts)]),
+    }
+    text = _COMMON
+    for word, instead in words.items():
+        text = text.replace(word, instead)
+    return "\n".join([*_head(version), text + (_FMI2 if version == 2 else _FMI3), *_stubs(version)])
+
+
+def _head(version: int) -> Iterator[str]:
+    if version == 3:
+        yield "#include <stdbool.h>"
+        yield "#include <stdint.h>\n"
+        yield "typedef void (*callback)(void);\n"
+
+
+def _stubs(version: int) -> Iterator[str]:
+    for name, parameters in _STUBS2 if version == 2 else _STUBS3:
+        yield _stub(version, name, parameters)

@@ -1,0 +1,292 @@
+"""A controller as a co-simulation unit: its description, the library, the archive."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import platform
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from xml.etree import ElementTree as Xml
+
+from fuzzyarm.export.controller_c import controller_c
+from fuzzyarm.export.controllers import ControllerProgram, port_name
+from fuzzyarm.export.fmi import fmi_source
+from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.steps import Variable
+from fuzzyarm.version import __version__
+
+VERSIONS = (2, 3)
+
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+"""The time of all files in an archive: the same source gives the same bytes."""
+
+Entry = tuple[Variable, str, str]
+"""A variable, its name in the unit, and the member that holds it."""
+
+
+def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) -> bytes:
+    """Return a controller as a co-simulation unit, built with the C compiler that is there.
+
+    Parameters
+    ----------
+    program : ControllerProgram
+        In double precision.
+    prefix : str
+        The model identifier.
+    version : int
+        Of FMI, 2 or 3.
+
+    Raises
+    ------
+    ExportError
+        If there is no C compiler, or it fails.
+    """
+    if version not in VERSIONS:
+        raise ExportError(f"no version {version} of FMI", hint="there are 2 and 3")
+    if program.precision != "float64":
+        raise ExportError("a unit computes in double precision", hint="--precision float64")
+    compiler = find_compiler()
+    steps = program.steps
+    files, made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
+    entries = list(_entries(program, made.targets))
+    settable = sum(each.sort in ("reference", "measured", "gain") for each, _, _ in entries)
+    digest = hashlib.sha256((files[".h"] + str(version)).encode()).digest()
+    token = f"{{{uuid.UUID(bytes=digest[:16])}}}"
+    places = [(variable, place) for variable, _, place in entries]
+    shell = fmi_source(version, prefix, token, places, settable, steps.model.period)
+    source = f'#include "{prefix}.h"\n\n{shell}'
+    library = compile_library(compiler, {f"{prefix}.h": files[".h"], f"{prefix}.c": source}, prefix)
+    description = _description(program, prefix, version, token, entries)
+    folder = {2: _platform2(), 3: _platform3()}[version]
+    content: dict[str, str | bytes] = {
+        "modelDescription.xml": description,
+        f"binaries/{folder}/{prefix}{_suffix()}": library,
+        f"sources/{prefix}.h": files[".h"],
+        f"sources/{prefix}.c": source,
+    }
+    if version == 3:
+        content["sources/buildDescription.xml"] = _build_description(prefix)
+    return _archive(content)
+
+
+# --- The C compiler ---
+
+
+def find_compiler() -> list[str]:
+    """Return the words that call the C compiler: `CC`, else the first of cc, gcc and clang.
+
+    Raises
+    ------
+    ExportError
+        If there is none.
+    """
+    asked = os.environ.get("CC", "")
+    words = shlex.split(asked)
+    if words:
+        if shutil.which(words[0]) is None:
+            raise ExportError(f"the C compiler '{words[0]}' of CC is not there")
+        return words
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name) is not None:
+            return [name]
+    raise ExportError(
+        "an .fmu needs a C compiler, and there is none",
+        hint="install gcc or clang, or say which one in CC; a .h needs none",
+    )
+
+
+def compile_library(compiler: Sequence[str], files: dict[str, str], name: str) -> bytes:
+    """Return the shared library that a C compiler makes of some files.
+
+    Raises
+    ------
+    ExportError
+        With what the compiler says, if it fails.
+    """
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
+        for file, text in files.items():
+            (Path(folder) / file).write_text(text, "utf-8")
+        target = Path(folder) / f"{name}{_suffix()}"
+        # Products and sums stay apart: a fused one would move the last bit.
+        words = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"]
+        command = [*compiler, *words, f"{name}.c", "-o", target.name, "-lm"]
+        try:
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        except OSError as error:
+            raise ExportError(f"cannot run the C compiler: {error}") from None
+        if done.returncode != 0 or not target.is_file():
+            said = next(iter(done.stderr.strip().splitlines()), "it says nothing")
+            raise ExportError(f"the C compiler '{compiler[0]}' failed: {said}")
+        return target.read_bytes()
+
+
+def _suffix() -> str:
+    return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def _platform2() -> str:
+    bits = "64" if sys.maxsize > 2**32 else "32"
+    return {"win32": "win", "darwin": "darwin"}.get(sys.platform, "linux") + bits
+
+
+def _platform3() -> str:
+    machine = platform.machine().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64", "i686": "x86"}.get(machine, machine)
+    system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
+    return f"{machine}-{system}"
+
+
+# --- The description ---
+
+
+def _entries(program: ControllerProgram, targets: dict[str, str]) -> Iterator[Entry]:
+    """Yield what has a value reference, what may be set first."""
+    steps = program.steps
+    for sort in ("reference", "measured", "gain", "drive", "signal"):
+        for each in steps.of_sort(sort):
+            place = targets[each.symbol].replace("s->", "state.", 1).replace("->", ".", 1)
+            name = each.name if sort == "gain" else port_name(steps, each)
+            if each.number >= 0:
+                name = f"{name}[{each.number + 1}]"
+            name = {"reference": f"reference.{name}", "measured": f"measured.{name}"}.get(
+                sort, f"signal.{name}" if sort == "signal" else name
+            )
+            yield each, _structured(name), place
+
+
+def _structured(name: str) -> str:
+    """Return a name by the structured naming convention: odd parts stand between quotes."""
+    parts = name.split(".")
+    return ".".join(part if _PLAIN.fullmatch(part) else _quoted(part) for part in parts)
+
+
+_PLAIN = re.compile(r"[A-Za-z_]\w*(\[\d+\])?", re.ASCII)
+
+
+def _quoted(part: str) -> str:
+    escaped = part.replace("\\", "\\\\").replace("'", "\\'")
+    return f"'{escaped.encode('ascii', 'replace').decode()}'"
+
+
+_CAUSALITY = {
+    "reference": "input", "measured": "input", "gain": "parameter", "drive": "output",
+    "signal": "local",
+}  # fmt: skip
+
+
+def _words_of(variable: Variable, program: ControllerProgram) -> dict[str, str]:
+    """Return the attributes that both versions share, but for the start."""
+    gains = {gain.name: gain.unit for gain in program.text.model.gains}
+    variability = {"gain": "tunable", "reference": "discrete", "measured": "discrete"}
+    words = {
+        "causality": _CAUSALITY[variable.sort],
+        "variability": variability.get(variable.sort, "discrete"),
+    }
+    unit = gains.get(variable.name, "") if variable.sort == "gain" else ""
+    return words | ({"unit": unit} if unit else {})
+
+
+def _starts(variable: Variable) -> bool:
+    return variable.sort in ("reference", "measured", "gain")
+
+
+def _description(
+    program: ControllerProgram, prefix: str, version: int, token: str, entries: Sequence[Entry]
+) -> str:
+    model = program.text.model
+    root = Xml.Element(
+        "fmiModelDescription",
+        {
+            "fmiVersion": f"{version}.0",
+            "modelName": model.name,
+            "guid" if version == 2 else "instantiationToken": token,
+            "description": f"{model.description or model.name}; runs every {model.period!r} s",
+            "generationTool": f"fuzzyarm {__version__}",
+            "variableNamingConvention": "structured",
+        },
+    )
+    if version == 2:
+        root.set("numberOfEventIndicators", "0")
+    ways = {
+        "modelIdentifier": prefix,
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState": "true",
+        "canSerializeFMUstate" if version == 2 else "canSerializeFMUState": "true",
+    }
+    if version == 3:
+        ways["fixedInternalStepSize"] = repr(model.period)
+    way = Xml.SubElement(root, "CoSimulation", ways)
+    if version == 2:
+        Xml.SubElement(Xml.SubElement(way, "SourceFiles"), "File", {"name": f"{prefix}.c"})
+    units = dict.fromkeys(_words_of(each, program).get("unit", "") for each, _, _ in entries)
+    named = [unit for unit in units if unit]
+    if named:
+        listed = Xml.SubElement(root, "UnitDefinitions")
+        for unit in named:
+            Xml.SubElement(listed, "Unit", {"name": unit})
+    Xml.SubElement(
+        root,
+        "DefaultExperiment",
+        {"startTime": "0.0", "stopTime": repr(1000 * model.period), "stepSize": repr(model.period)},
+    )
+    variables = Xml.SubElement(root, "ModelVariables")
+    for number, (each, name, _) in enumerate(entries):
+        words = {"name": name, "valueReference": str(number), **_words_of(each, program)}
+        start = {"start": repr(each.start)} if _starts(each) else {}
+        if version == 3:
+            Xml.SubElement(variables, "Float64", {**words, **start})
+        else:
+            own = {"unit": words.pop("unit")} if "unit" in words else {}
+            variable = Xml.SubElement(variables, "ScalarVariable", words)
+            Xml.SubElement(variable, "Real", {**own, **start})
+    if version == 3:
+        time = {"name": "time", "valueReference": str(len(entries)), "causality": "independent"}
+        Xml.SubElement(variables, "Float64", {**time, "variability": "continuous"})
+    _structure(root, version, entries)
+    Xml.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, "unicode")}\n'
+
+
+def _structure(root: Xml.Element, version: int, entries: Sequence[Entry]) -> None:
+    """Say what is calculated: drives are, of what was measured when a period began."""
+    structure = Xml.SubElement(root, "ModelStructure")
+    drives = [number for number, (each, _, _) in enumerate(entries) if each.sort == "drive"]
+    if version == 3:
+        for word in ("Output", "InitialUnknown"):
+            for number in drives:
+                Xml.SubElement(structure, word, {"valueReference": str(number), "dependencies": ""})
+        return
+    for word in ("Outputs", "InitialUnknowns"):
+        listed = Xml.SubElement(structure, word)
+        for number in drives:
+            Xml.SubElement(listed, "Unknown", {"index": str(number + 1), "dependencies": ""})
+
+
+def _build_description(prefix: str) -> str:
+    root = Xml.Element("fmiBuildDescription", {"fmiVersion": "3.0"})
+    configuration = Xml.SubElement(root, "BuildConfiguration", {"modelIdentifier": prefix})
+    sources = Xml.SubElement(configuration, "SourceFileSet", {"language": "C99"})
+    Xml.SubElement(sources, "SourceFile", {"name": f"{prefix}.c"})
+    Xml.indent(root)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{Xml.tostring(root, "unicode")}\n'
+
+
+def _archive(content: dict[str, str | bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in content.items():
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, data)
+    return buffer.getvalue()

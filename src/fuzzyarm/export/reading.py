@@ -1,0 +1,271 @@
+"""What a function of a kernel computes, as an expression: read from its own source.
+
+A kernel is plain Python that writes numbers into cells; what is exported has to be the very
+same arithmetic. So it is not written a second time: the source is run here on expressions in
+place of numbers. What is known (the kind of an instruction, the cells that it names, numbers
+that never change) is computed; what is not becomes an expression, and an ``if`` on it a
+choice between what both branches leave behind. That needs no more of Python than kernels use:
+assignments, ``if``, loops over known ranges, calls of each other.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import operator
+import textwrap
+from collections.abc import Callable
+from functools import cache
+from typing import Any, ClassVar, Protocol
+
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import Node, apply
+
+__all__ = ["Cells", "read"]
+
+
+class Cells(Protocol):
+    """The numbers that a kernel works on, by their index."""
+
+    def load(self, index: int) -> Any:
+        """Return a number, or an expression for one that changes."""
+
+    def store(self, index: int, value: Any) -> None:
+        """Have a number or an expression written."""
+
+    def rounded(self, value: Any) -> Any:
+        """Return a value as it is stored in the precision of the run."""
+
+    def is_nan(self, value: Node) -> Node:
+        """Return the condition that an expression is not a number."""
+
+    def is_not_zero(self, value: Node) -> Node:
+        """Return the condition that an expression is not 0."""
+
+
+def read(function: Callable[..., Any], cells: Cells, *arguments: Any) -> Any:
+    """Return what a kernel returns; the cells are told what it writes.
+
+    Parameters
+    ----------
+    function : callable
+        A kernel in plain Python.
+    cells : Cells
+        What its argument ``s`` stands for.
+    *arguments
+        Its arguments; ``s`` is given as `cells`, the code as a list.
+    """
+    trial = _Trial(cells)
+    result = _Reader(function, trial).run([trial if each is cells else each for each in arguments])
+    for index, value in trial.written.items():
+        cells.store(index, value)
+    return result
+
+
+class _Trial:
+    """Cells that keep what is written until it is known which branch is taken."""
+
+    def __init__(self, cells: Cells) -> None:
+        self.cells = cells
+        self.written: dict[int, Any] = {}
+
+    def load(self, index: int) -> Any:
+        return self.written[index] if index in self.written else self.cells.load(index)
+
+
+_BINARY: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
+    ast.Div: operator.truediv, ast.Mod: operator.mod,
+}  # fmt: skip
+
+_COMPARED: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
+}  # fmt: skip
+
+
+@cache
+def _source(function: Callable[..., Any]) -> ast.FunctionDef:
+    (found,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
+    assert isinstance(found, ast.FunctionDef)
+    return found
+
+
+class _Reader:
+    """One call of a function."""
+
+    def __init__(self, function: Callable[..., Any], cells: _Trial) -> None:
+        self.function = function
+        self.names = vars(inspect.getmodule(function))
+        self.cells = cells
+        self.known: dict[str, Any] = {}
+
+    def run(self, arguments: list[Any]) -> Any:
+        source = _source(self.function)
+        names = [each.arg for each in source.args.args]
+        self.known = dict(zip(names, arguments, strict=True))
+        *body, last = source.body
+        self.statements(body)
+        if isinstance(last, ast.Return) and last.value is not None:
+            return self.value(last.value)
+        self.statements([last])
+        return None
+
+    # --- Statements ---
+
+    def statements(self, body: list[ast.stmt]) -> None:
+        for each in body:
+            self.statement(each)
+
+    def statement(self, each: ast.stmt) -> None:
+        if isinstance(each, ast.Expr):
+            if not isinstance(each.value, ast.Constant):  # else a docstring
+                self.value(each.value)
+        elif isinstance(each, ast.Assign):
+            value = self.value(each.value)
+            for target in each.targets:
+                self.assign(target, value)
+        elif isinstance(each, ast.AnnAssign) and each.value is not None:
+            self.assign(each.target, self.value(each.value))
+        elif isinstance(each, ast.AugAssign):
+            before = self.value(each.target)
+            self.assign(each.target, _BINARY[type(each.op)](before, self.value(each.value)))
+        elif isinstance(each, ast.If):
+            self.choose(each)
+        elif isinstance(each, ast.For):
+            for item in self.value(each.iter):
+                self.assign(each.target, item)
+                self.statements(each.body)
+        else:
+            raise NotImplementedError(ast.unparse(each))
+
+    def assign(self, target: ast.expr, value: Any) -> None:
+        if isinstance(target, ast.Name):
+            self.known[target.id] = value
+        elif isinstance(target, ast.Tuple):
+            for part, each in zip(target.elts, value, strict=True):
+                self.assign(part, each)
+        else:
+            assert isinstance(target, ast.Subscript)
+            assert self.value(target.value) is self.cells
+            self.cells.written[self.value(target.slice)] = value
+
+    def choose(self, each: ast.If) -> None:
+        condition = self.value(each.test)
+        if not isinstance(condition, Node):
+            self.statements(each.body if condition else each.orelse)
+            return
+        names, written = dict(self.known), dict(self.cells.written)
+        self.statements(each.body)
+        then_names, then_written = self.known, self.cells.written
+        self.known, self.cells.written = dict(names), dict(written)
+        self.statements(each.orelse)
+        for name in then_names.keys() & self.known.keys():
+            self.known[name] = _choice(condition, then_names[name], self.known[name])
+        for index in {**then_written, **self.cells.written}:
+            before = written[index] if index in written else self.cells.cells.load(index)
+            then = then_written.get(index, before)
+            otherwise = self.cells.written.get(index, before)
+            self.cells.written[index] = _choice(condition, then, otherwise)
+
+    # --- Expressions ---
+
+    def value(self, each: ast.expr) -> Any:
+        reader = self._READERS.get(type(each))
+        if reader is None:
+            raise NotImplementedError(ast.unparse(each))
+        return reader(self, each)
+
+    def name(self, each: ast.Name) -> Any:
+        return self.known[each.id] if each.id in self.known else self.names[each.id]
+
+    def binary(self, each: ast.BinOp) -> Any:
+        return _BINARY[type(each.op)](self.value(each.left), self.value(each.right))
+
+    def comparison(self, each: ast.Compare) -> Any:
+        (sign,), (right,) = each.ops, each.comparators
+        a, b = self.value(each.left), self.value(right)
+        if isinstance(sign, ast.NotEq) and isinstance(a, Node) and b == 0.0:
+            return self.cells.cells.is_not_zero(a)
+        return _compared(type(sign), a, b)
+
+    def choice(self, each: ast.IfExp) -> Any:
+        condition = self.value(each.test)
+        if isinstance(condition, Node):
+            return _choice(condition, self.value(each.body), self.value(each.orelse))
+        return self.value(each.body if condition else each.orelse)
+
+    def subscript(self, each: ast.Subscript) -> Any:
+        array, index = self.value(each.value), self.value(each.slice)
+        return self.cells.load(index) if array is self.cells else array[index]
+
+    def unary(self, each: ast.UnaryOp) -> Any:
+        value = self.value(each.operand)
+        return -value if isinstance(each.op, ast.USub) else not value
+
+    def joined(self, each: ast.BoolOp) -> Any:
+        """Join conditions, as far as the known ones do not decide."""
+        conjunction = isinstance(each.op, ast.And)
+        found: Node | None = None
+        for part in each.values:
+            value = self.value(part)
+            if isinstance(value, Node):
+                joined = "both" if conjunction else "either"
+                found = value if found is None else apply(joined, found, value)
+            elif bool(value) != conjunction:
+                return value
+        return conjunction if found is None else found
+
+    def called(self, each: ast.Call) -> Any:
+        if isinstance(each.func, ast.Attribute):  # math.isnan(x)
+            assert each.func.attr == "isnan"
+            value = self.value(each.args[0])
+            known = not isinstance(value, Node)
+            return math.isnan(value) if known else self.cells.cells.is_nan(value)
+        assert isinstance(each.func, ast.Name)
+        name, arguments = each.func.id, [self.value(part) for part in each.args]
+        if name == "stored":
+            return self.cells.cells.rounded(arguments[0])
+        if name in _PLAIN:
+            unknown = any(isinstance(argument, Node) for argument in arguments)
+            plain, traced = _PLAIN[name]
+            return traced(*arguments) if unknown else plain(*arguments)
+        return _Reader(self.names[name], self.cells).run(arguments)
+
+    _READERS: ClassVar[dict[type, Callable[..., Any]]] = {
+        ast.Constant: lambda _, each: each.value,
+        ast.Name: name,
+        ast.BinOp: binary,
+        ast.UnaryOp: unary,
+        ast.BoolOp: joined,
+        ast.Compare: comparison,
+        ast.IfExp: choice,
+        ast.Subscript: subscript,
+        ast.Call: called,
+    }
+
+
+def _choice(condition: Node, then: Any, otherwise: Any) -> Any:
+    if then is otherwise:
+        return then
+    return op.where(condition, then, otherwise)
+
+
+def _compared(sign: type, a: Any, b: Any) -> Any:
+    if sign in _COMPARED:
+        return _COMPARED[sign](a, b)
+    if not isinstance(a, Node) and not isinstance(b, Node):
+        return a == b if sign is ast.Eq else a != b
+    equal = op.equal(a, b)
+    return equal if sign is ast.Eq else ~equal
+
+
+_PLAIN: dict[str, tuple[Callable[..., Any], Callable[..., Any]]] = {
+    "min": (min, op.minimum),
+    "max": (max, op.maximum),
+    "abs": (abs, abs),
+    "float": (float, lambda value: value),
+    "int": (int, int),
+    "range": (range, range),
+}
+"""Functions of Python, on what is known and on expressions."""

@@ -1,0 +1,175 @@
+"""The model of an exported controller: its steps in Python, and signals to try it with."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.export.numbers import Kind
+from fuzzyarm.export.routine import Routine
+from fuzzyarm.export.steps import (
+    FIRST,
+    LAST,
+    Ask,
+    Find,
+    Grid,
+    Pick,
+    Set,
+    Step,
+    Steps,
+    Teach,
+    Variable,
+)
+from fuzzyarm.export.table import TableRoutine
+from fuzzyarm.export.table_numbers import FixedTable, scaled, shift_of, unscaled
+from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, schedule
+from fuzzyarm.expression.nodes import Node, symbol
+
+
+class Replica:
+    """The steps in Python, in the precision and with the arithmetic of the exported program.
+
+    Parameters
+    ----------
+    steps : Steps
+        Which controller.
+    """
+
+    def __init__(self, steps: Steps) -> None:
+        self.program = steps
+        self.real = steps.precision.wide
+        self._orders: dict[Node, Schedule] = {}
+        self._routines = {name: _call_of(each) for name, each in steps.routines.items()}
+        self.start()
+
+    def start(self) -> None:
+        """Forget everything."""
+        steps = self.program
+        self.values: dict[str, Any] = {
+            name: self.real(self._held(each)) for name, each in steps.variables.items()
+        }
+        held = np.float32 if steps.single else np.float64
+        self.tables = {
+            name: np.array(each.values, held).astype(self.real)
+            for name, each in steps.learned.items()
+        }
+        self.visits = {name: np.zeros(len(t), np.int64) for name, t in self.tables.items()}
+        self._rings = {name: [-1] * each.delay for name, each in steps.learned.items()}
+        self._judges = {
+            name: np.asarray(table.values, held).ravel().astype(self.real)
+            for name, table in steps.judges.items()
+        }
+        self._periods = 0
+
+    def _held(self, variable: Variable) -> float:
+        wide = variable.wide or not self.program.single
+        return variable.start if wide else float(np.float32(variable.start))
+
+    def step(self, given: Mapping[str, float]) -> dict[str, float]:
+        """Run one period with values of references and measured ports, by symbol."""
+        outside = self.program.precision.outside
+        for name, value in given.items():
+            self.values[name] = self.real(outside(value))
+        self._periods += 1
+        self.values[FIRST] = np.bool_(self._periods == 1)
+        self.values[LAST] = np.bool_(self._periods % self.program.model.every == 0)
+        for each in self.program.steps:
+            self._run(each)
+        return {each.symbol: self.values[each.symbol] for each in self.program.of_sort("drive")}
+
+    def _run(self, each: Step) -> None:
+        values = self.values
+        if isinstance(each, Set):
+            value = self._value(each.value)
+            if each.rounded and self.program.single:
+                value = self.real(np.float32(value))
+            values[each.target] = value
+        elif isinstance(each, Ask):
+            given = [values[name] for name in each.inputs]
+            values[each.target] = self._routines[each.routine](given, self.real)
+        elif isinstance(each, Find):
+            values[each.target] = _cell(
+                self.program.grids[each.grid], [values[n] for n in each.inputs]
+            )
+        elif isinstance(each, Pick):
+            values[each.target] = self.tables[each.table][values[each.cell]]
+        else:
+            self._teach(each)
+
+    def _value(self, node: Node) -> Any:
+        if node not in self._orders:
+            self._orders[node] = schedule(node)
+        return self.real(evaluate_arrays(node, self.values, self.real, self._orders[node]))
+
+    def _teach(self, each: Teach) -> None:
+        table, ring = self.tables[each.table], self._rings[each.table]
+        cell = self.values[each.cell]
+        responsible = ring.pop(0) if ring else cell
+        if self.program.learned[each.table].delay:
+            ring.append(cell)
+        rate, bound = self._value(each.rate), self._value(each.bound)
+        if responsible >= 0 and rate != 0.0:
+            judged = self._judges[each.judge][self.values[each.judged]]
+            value = table[responsible] + rate * judged
+            if self.program.single:
+                value = self.real(np.float32(value))
+            table[responsible] = min(max(value, -bound), bound)
+        self.visits[each.table][cell] += 1
+
+
+def _cell(grid: Grid, inputs: Sequence[Any]) -> int:
+    """Return the number of a cell, the last input fastest."""
+    cell = 0
+    for (_, thresholds), x in zip(grid, inputs, strict=True):
+        cell = cell * (len(thresholds) + 1) + bisect_left(thresholds, float(x))
+    return cell
+
+
+def _call_of(routine: Routine) -> Callable[[Sequence[Any], Kind], Any]:
+    """Return how the exported program calls a routine."""
+
+    def plain(inputs: Sequence[Any], real: Kind) -> Any:
+        return real(routine.evaluate(*([x] for x in inputs))[0])
+
+    core = routine.core if isinstance(routine, TableRoutine) else None
+    if not isinstance(core, FixedTable):
+        return plain
+
+    def in_whole_numbers(inputs: Sequence[Any], real: Kind) -> Any:
+        numbers = [
+            [int(evaluate_arrays(scaled(scale, symbol("x")), {"x": x}, real)) - shift_of(scale)]
+            for scale, x in zip(core.inputs, inputs, strict=True)
+        ]
+        number = real(int(core.evaluate(*numbers)[0]))
+        return real(evaluate_arrays(unscaled(core.output, symbol("n")), {"n": number}, real))
+
+    return in_whole_numbers
+
+
+# --- Signals to try a controller with ---
+
+
+def trial(steps: Steps, periods: int, seed: int = 1) -> Iterator[dict[str, float]]:
+    """Yield values for the ports, period by period.
+
+    References wander; measured values miss them by errors of every size from 1e-4 to 10, so
+    that rule bases are asked near their middle and beyond their ranges.
+    """
+    draw = np.random.default_rng(seed)
+    outside = steps.precision.outside
+    references = {each: draw.uniform(0.2, 2.0, 2) for each in steps.of_sort("reference")}
+    errors = {each: draw.uniform(0.05, 0.4, 2) for each in steps.of_sort("measured")}
+    for k in range(periods):
+        given = {
+            each.symbol: float(outside(a * math.sin(0.05 * b * k)))
+            for each, (a, b) in references.items()
+        }
+        for each, (a, b) in errors.items():
+            size = 10.0 ** (4.0 * math.sin(a * k + 1.0) * math.cos(0.3 * b * k) - 1.5)
+            target = given.get(each.symbol.replace("measured:", "reference:"), 0.0)
+            given[each.symbol] = float(outside(target - min(size, 10.0) * math.sin(b * k + 2.0)))
+        yield given

@@ -1,0 +1,694 @@
+"""A controller as steps with named variables: a walk over the instructions of its kernel.
+
+What an instruction computes is read from the kernel itself (:mod:`fuzzyarm.export.reading`);
+here its cells get names, and what is more than arithmetic (asking a rule base, looking up,
+learning) becomes a step of its own. C and Structured Text print the steps; run in Python
+(:mod:`fuzzyarm.export.replica`) they are the model of the exported program, to the bit and in
+its precision.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.controller import kernel as at
+from fuzzyarm.controller.program import Program, SourceError, Wiring, write_down
+from fuzzyarm.controller.text import ControllerText, wiring_of
+from fuzzyarm.export.names import Names, identifier
+from fuzzyarm.export.numbers import ExportError, Precision, precision_named
+from fuzzyarm.export.reading import read
+from fuzzyarm.export.routine import Routine
+from fuzzyarm.export.rulebase import direct_routine
+from fuzzyarm.export.table import MOST_CELLS, TableRoutine
+from fuzzyarm.export.table_numbers import (
+    FixedTable,
+    FloatTable,
+    fixed_table,
+    float_table,
+)
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import (
+    Apply,
+    Node,
+    Symbol,
+    apply,
+    as_node,
+    children,
+    postorder,
+    symbol,
+    symbols,
+)
+from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.model.controller import ControllerModel
+from fuzzyarm.plant.setting import LAST as LAST_PERIOD
+from fuzzyarm.plant.setting import PERIOD, Arithmetic
+from fuzzyarm.table import LookupTable
+from fuzzyarm.table.lookup import GRID_HEAD, INPUTS, VALUES
+
+MOST_STEPS = 20_000
+"""Instructions of a controller, which are written out one after the other."""
+
+MOST_LEARNED = 0xFFFF
+"""Cells of a table that learns: an `unsigned` holds their index on every machine."""
+
+FIRST, LAST = "first", "last"
+"""Symbols of two conditions: the first period; the last one of a set point."""
+
+# --- Variables ---
+
+
+class Variable(NamedTuple):
+    """A number of the controller that lasts from step to step, or a port.
+
+    Attributes
+    ----------
+    sort : str
+        ``reference``, ``measured``, ``drive``, ``signal``, ``state`` or ``gain``.
+    axis : str
+        Empty of a gain for all axes.
+    name : str
+        In the text; of a state what it is made of.
+    start : float
+        Before the first step.
+    wide : bool
+        Whether it is kept as it was computed, not rounded to the type of signals.
+    number : int
+        Of a gain with a value for each axis, the number of the axis; else -1.
+    """
+
+    sort: str
+    axis: str
+    name: str
+    start: float = 0.0
+    wide: bool = False
+    number: int = -1
+
+    @property
+    def symbol(self) -> str:
+        """What stands for it in expressions."""
+        number = f"[{self.number}]" if self.number >= 0 else ""
+        return f"{self.sort}:{self.axis}:{self.name}{number}"
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A table that learns: it lies in memory, beside it how often its cells were in use.
+
+    Attributes
+    ----------
+    axis, name : str
+        Of the text.
+    values : tuple of float
+        Before the first step.
+    delay : int
+        Cells remembered in its ring.
+    """
+
+    axis: str
+    name: str
+    values: tuple[float, ...]
+    delay: int
+
+
+Grid = tuple[tuple[str, tuple[float, ...]], ...]
+"""Of each input of a table its name and the thresholds between its cells."""
+
+# --- Steps ---
+
+
+class Set(NamedTuple):
+    """Set a variable, or a local one (``local:NAME:NUMBER``), to a value."""
+
+    target: str
+    value: Node
+    rounded: bool = False
+
+
+class Ask(NamedTuple):
+    """Set a local variable to what a routine gives for some symbols."""
+
+    target: str
+    routine: str  # a key of `Steps.routines`
+    inputs: tuple[str, ...]
+
+
+class Find(NamedTuple):
+    """Find the cell of a table, by the thresholds of a grid."""
+
+    target: str  # the local variable for its number
+    grid: str  # a key of `Steps.grids`
+    inputs: tuple[str, ...]
+
+
+class Pick(NamedTuple):
+    """Set a local variable to the value of a cell of a table that learns."""
+
+    target: str
+    table: str  # a key of `Steps.learned`
+    cell: str
+
+
+class Teach(NamedTuple):
+    """Correct a table that learns."""
+
+    table: str
+    cell: str
+    judge: str  # a key of `Steps.judges`: the performance table
+    judged: str  # the cell of the performance table
+    rate: Node
+    bound: Node
+
+
+Step = Set | Ask | Find | Pick | Teach
+
+
+class Remembered(NamedTuple):
+    """What an instruction remembers: a cell behind its state, and how it is called."""
+
+    offset: int
+    suffix: str
+
+
+REMEMBERED: dict[int, tuple[Remembered, ...]] = {
+    at.CHANGE: (Remembered(at.BEFORE, "before"),),
+    at.RATE: (Remembered(at.BEFORE, "before"), Remembered(at.FILTERED, "slope")),
+    at.INTEGRATE: (Remembered(at.TOTAL, "total"),),
+    at.SUM: (Remembered(at.TOTAL, "total"),),
+    at.LAG: (Remembered(at.LAGGED, "lagged"),),
+    at.LIMIT: (Remembered(at.OVER, "excess"),),
+    at.SLEW: (Remembered(at.LAST_DRIVE, "before_slew"),),
+}
+"""By instruction, the cells that change; all others behind its state are numbers."""
+
+
+@dataclass
+class Steps:
+    """A controller as an exported program.
+
+    Attributes
+    ----------
+    model : ControllerModel
+        What the text says.
+    precision : Precision
+        Types of signals, of gains and of the arithmetic; `wide` is that of the arithmetic.
+    variables : dict of str to Variable
+        By symbol, in the order of the cells.
+    steps : list of Step
+        Of one period.
+    routines : dict of str to Routine
+        Rule bases and tables that stay as they are, by the name of their function.
+    scales : dict
+        Of routines in whole numbers, those of their inputs and of the result.
+    grids : dict of str to Grid
+        By the name of the function that finds a cell of a table in memory.
+    grid_tables : dict of str to LookupTable
+        By the same names, a table on that grid.
+    learned : dict of str to Learned
+        Tables that learn.
+    judges : dict of str to LookupTable
+        Performance tables.
+    needs_last, needs_first : bool
+        Whether it matters when a set point ends, and which period is the first one.
+    """
+
+    model: ControllerModel
+    precision: Precision
+    variables: dict[str, Variable] = field(default_factory=dict)
+    steps: list[Step] = field(default_factory=list)
+    routines: dict[str, Routine] = field(default_factory=dict)
+    grids: dict[str, Grid] = field(default_factory=dict)
+    grid_tables: dict[str, LookupTable] = field(default_factory=dict)
+    learned: dict[str, Learned] = field(default_factory=dict)
+    judges: dict[str, LookupTable] = field(default_factory=dict)
+    needs_last: bool = False
+    needs_first: bool = False
+
+    def of_sort(self, sort: str) -> list[Variable]:
+        """Return the variables of a sort, in order."""
+        return [each for each in self.variables.values() if each.sort == sort]
+
+    @property
+    def single(self) -> bool:
+        """Whether signals are stored in single precision."""
+        return self.precision.outside is np.float32
+
+    @cached_property
+    def calls_functions(self) -> bool:
+        """Whether a routine calls functions whose last bits may differ between libraries."""
+        return any(getattr(each, "calls_functions", False) for each in self.routines.values())
+
+
+class RoutineOptions(NamedTuple):
+    """How tables are exported: in whole numbers of so many bits, or as the signals are."""
+
+    q: int | None = None
+
+
+def steps_of(
+    text: ControllerText, precision: str = "float64", options: RoutineOptions | None = None
+) -> Steps:
+    """Return a controller as steps.
+
+    Parameters
+    ----------
+    text : ControllerText
+        Without mistakes and partners.
+    precision : str
+        ``float64``; ``mixed``: signals and gains in single, arithmetic in double precision;
+        ``float32``.
+    options : RoutineOptions, optional
+        Of its tables.
+
+    Raises
+    ------
+    ExportError
+        If it has a partner, or something in it cannot be exported.
+    """
+    model = text.model
+    if model.partners:
+        partner = model.partners[0]
+        raise ExportError(
+            f"the partner '{partner.name}' is the law '{partner.law}', which is not text"
+            " and cannot be exported",
+            hint="leave it out, and write it in the target language",
+        )
+    types = precision_named(precision, arithmetic=True)
+    wiring = wiring_of(model)
+    arithmetic = Arithmetic(types.outside is np.float32, math.pi, False)
+    try:
+        # No inference is called while the instructions are read: any address will do.
+        program = write_down(model, text.sheets, {}, wiring, arithmetic, 0)
+    except SourceError as error:
+        raise ExportError(error.message, hint=error.hint) from None
+    if program.code[0] > MOST_STEPS:
+        raise ExportError(f"{program.code[0]:,} instructions are more than {MOST_STEPS:,}")
+    return _Walk(text, program, wiring, types, options or RoutineOptions()).steps()
+
+
+class _Walk:
+    """The walk over the instructions; it is also what kernels take for their cells."""
+
+    def __init__(
+        self,
+        text: ControllerText,
+        program: Program,
+        wiring: Wiring,
+        types: Precision,
+        options: RoutineOptions,
+    ) -> None:
+        self.text, self.program, self.options = text, program, options
+        self.made = Steps(text.model, types)
+        self.code = program.code
+        self.symbols: dict[int, str] = {PERIOD: "period"}
+        self.unseen: set[str] = set()  # states that are NaN before the first period
+        self.locals = 0
+        self.stored: list[tuple[int, Node, bool]] = []
+        self.scratch: dict[int, str] = {}  # of cells without a name, the local that has the value
+        self.asked: dict[tuple[int, str], str] = {}
+        self.names = Names()
+        self.state_names = Names()
+        for sort, cells in (
+            ("reference", wiring.references),
+            ("measured", wiring.measured),
+            ("drive", wiring.drives),
+        ):
+            for (axis, port), cell in cells.items():
+                self._variable(cell, Variable(sort, axis, port))
+        self.drives = {self.symbols[cell]: cell for cell in wiring.drives.values()}
+        self._gains()
+        self.signals = {cell: key for key, cell in program.signals.items()}
+
+    def steps(self) -> Steps:
+        """Walk."""
+        for number in range(self.code[0]):
+            begin = 1 + at.INSTRUCTION * number
+            self._instruction(begin, *self.code[begin : begin + at.INSTRUCTION])
+        # Drives of one port add up in the arithmetic of the run; the sum is rounded once.
+        for each in self.made.of_sort("drive"):
+            value = symbol(self.scratch[self.drives[each.symbol]])
+            self.made.steps.append(Set(each.symbol, value, rounded=True))
+        return self.made
+
+    # --- Names ---
+
+    def _variable(self, cell: int, variable: Variable) -> str:
+        self.made.variables[variable.symbol] = variable
+        self.symbols[cell] = variable.symbol
+        return variable.symbol
+
+    def _gains(self) -> None:
+        for gain in self.text.model.gains:
+            several = len(gain.values) > 1
+            for number, cell in enumerate(self.program.gains[gain.name]):
+                start = float(self.program.cells[cell])
+                own = number if several else -1
+                self._variable(cell, Variable("gain", "", gain.name, start, number=own))
+
+    def _state(self, what: int, state: int, begin: int) -> None:
+        """Name the cells that an instruction changes, after the signal that it works for."""
+        for offset, suffix in REMEMBERED.get(what, ()):
+            if state + offset in self.symbols:  # the excess of a limit that an integral reads
+                continue
+            axis, base = self._works_for(begin)
+            start = float(self.program.cells[state + offset])
+            name = self.state_names.new(f"{axis}_{base}_{suffix}").removeprefix(
+                f"{identifier(axis)}_"
+            )
+            # No language has NaN for what has seen nothing yet: the first period is known.
+            unseen = math.isnan(start)
+            variable = Variable("state", axis, name, 0.0 if unseen else start, wide=True)
+            found = self._variable(state + offset, variable)
+            if unseen:
+                self.unseen.add(found)
+
+    def _works_for(self, begin: int) -> tuple[str, str]:
+        """Return axis and name of the next signal or drive that is written."""
+        for other in range(begin, 1 + at.INSTRUCTION * self.code[0], at.INSTRUCTION):
+            into = self.code[other + 1]
+            if into in self.signals:
+                return self.signals[into]
+            found = self.made.variables.get(self.symbols.get(into, ""))
+            if found is not None:
+                return found.axis, found.name
+        raise AssertionError("an instruction works for nothing")
+
+    def _local(self, wanted: str = "") -> str:
+        """Return the symbol of a new local variable."""
+        self.locals += 1
+        return f"local:{wanted or 't'}:{self.locals}"
+
+    # --- What kernels ask for (`Cells`) ---
+
+    def load(self, index: int) -> Any:
+        """Return the symbol of a cell that changes, else its number."""
+        if index in self.scratch:
+            return symbol(self.scratch[index])
+        if index == LAST_PERIOD:
+            self.made.needs_last = True
+            return symbol(LAST)
+        if index == PERIOD:
+            return self.text.model.period
+        if index in self.symbols:
+            return symbol(self.symbols[index])
+        return float(self.program.cells[index])
+
+    def is_nan(self, value: Node) -> Node:
+        """Return the condition that a value is not a number, or nothing yet."""
+        nan: Node = ~op.equal(value, value)
+        if isinstance(value, Symbol) and value.name in self.unseen:
+            self.made.needs_first = True
+            return symbol(FIRST) | nan
+        return nan
+
+    def is_not_zero(self, value: Node) -> Node:
+        """Return the condition that a value is not 0; the clock has conditions, not numbers."""
+        condition: Node = value if value is symbol(LAST) else ~op.equal(value, 0.0)
+        return condition
+
+    def store(self, index: int, value: Any) -> None:
+        """Take down what an instruction writes, for `_flush`."""
+        self.stored.append((index, as_node(value), False))
+
+    def rounded(self, value: Any) -> Any:
+        """Give a value that is rounded a variable of its own."""
+        if not self.made.single or self.made.precision.wide is np.float32:
+            return value
+        name = self._local()
+        self.made.steps.append(Set(name, as_node(value), rounded=True))
+        return symbol(name)
+
+    def _flush(self) -> None:
+        """Add the steps that write what was taken down: every value is of the time before."""
+        writes, self.stored = self.stored, []
+        values = [value for _, value, _ in writes]
+        while (node := _shared(values)) is not None:
+            name = self._local()
+            self.made.steps.append(Set(name, node))
+            values = [_with(value, node, symbol(name)) for value in values]
+        set_before: set[str] = set()
+        ready = []
+        for (cell, _, rounded), value in zip(writes, values, strict=True):
+            if not set_before.isdisjoint(symbols(value)):
+                name = self._local()
+                self.made.steps.append(Set(name, value))
+                value = symbol(name)  # noqa: PLW2901
+            ready.append((cell, value, rounded))
+            set_before.add(self.symbols.get(cell, ""))
+        for cell, value, rounded in ready:
+            self._set(cell, value, rounded=rounded)
+
+    def _set(self, cell: int, value: Node, *, rounded: bool) -> None:
+        if cell in self.signals and cell not in self.symbols:
+            axis, name = self.signals[cell]
+            self._variable(cell, Variable("signal", axis, name))
+        target = self.symbols.get(cell)
+        if target is None and isinstance(value, Symbol) and value.name.startswith("local:"):
+            self.scratch[cell] = value.name
+            return
+        if target is None or target in self.drives:
+            variable = self.made.variables.get(target or "")
+            wanted = f"{variable.axis}_{variable.name}" if variable is not None else ""
+            target = self.scratch[cell] = self._local(wanted)
+        elif not rounded and self.made.variables[target].sort == "signal":
+            # What `zoom` writes is not rounded: it is kept as it is.
+            self.made.variables[target] = self.made.variables[target]._replace(wide=True)
+        self.made.steps.append(Set(target, value, rounded))
+
+    # --- Instructions ---
+
+    def _instruction(
+        self, begin: int, what: int, into: int, a: int, b: int, c: int, rounded: int
+    ) -> None:
+        if what <= at.SUBTRACT_MULTIPLY:
+            value = read(at.combined, self, what, *(self.load(cell) for cell in (a, b, c)))
+        elif what <= at.SLEW:
+            self._state(what, b, begin)
+            if what == at.INTEGRATE and self.program.cells[b + at.WINDUP] != 0.0:
+                self._excess(b, begin)
+            value = read(at.remembered, self, what, self, self.load(a), b, self.made.single)
+        elif what == at.ZOOM:
+            read(at.zoom, self, self.code, self, a, b)
+            self._flush()
+            return
+        elif what == at.INFER:
+            self._ask(a)
+            return
+        elif what == at.LEARN:
+            self._teach(a, into)
+            return
+        else:
+            value = self._looked_up(what, a, b)
+        # What it makes comes first, then what it remembers.
+        self.stored.insert(0, (into, as_node(value), bool(rounded)))
+        self._flush()
+
+    def _excess(self, state: int, begin: int) -> None:
+        """Name what an integral reads of a limit that comes later."""
+        limit = int(self.program.cells[state + at.EXCESS])
+        for other in range(begin, 1 + at.INSTRUCTION * self.code[0], at.INSTRUCTION):
+            if self.code[other] == at.LIMIT and self.code[other + 3] == limit:
+                self._state(at.LIMIT, limit, other)
+
+    def _input(self, cell: int) -> str:
+        """Return the symbol of a cell; a number is put into a variable."""
+        value = self.load(cell)
+        if not isinstance(value, Node):
+            name = self._local()
+            self.made.steps.append(Set(name, as_node(value)))
+            return name
+        assert isinstance(value, Symbol)
+        return value.name
+
+    def _inner(self) -> str:
+        """Return the precision of functions within the controller."""
+        return "float32" if self.made.precision.wide is np.float32 else "float64"
+
+    def _ask(self, begin: int) -> None:
+        count, results = self.code[begin + at.COUNT_INPUTS], self.code[begin + at.COUNT_RESULTS]
+        cells = self.code[begin + at.INFER_CELLS : begin + at.INFER_CELLS + count + results]
+        name, rulebase = self.program.rulebases[cells[count]]
+        inputs = tuple(self._input(cell) for cell in cells[:count])
+        for output, cell in zip(rulebase.outputs, cells[count:], strict=True):
+            key = (id(rulebase), output.name)
+            if key not in self.asked:
+                try:
+                    routine = direct_routine(rulebase, output.name, self._inner(), in_loop=True)
+                except ExportError as error:
+                    hint = "--table looks the rules up in a table"
+                    raise ExportError(error.message, hint=hint) from None
+                if routine.program.holds:
+                    raise ExportError(
+                        f"'{output.name}' of '{rulebase.name}' holds its value where no rule"
+                        " fires, which a controller does not",
+                        hint="say a number:  no-rule 0",
+                    )
+                self.asked[key] = self._routine(f"{name}_{output.name}", routine)
+            self.scratch[cell] = self._local()
+            self.made.steps.append(Ask(self.scratch[cell], self.asked[key], inputs))
+
+    def _routine(self, wanted: str, routine: Routine) -> str:
+        name = self.names.new(wanted)
+        self.made.routines[name] = routine
+        return name
+
+    def _looked_up(self, what: int, a: int, b: int) -> Node:
+        """Return the symbol of what a table says."""
+        target = self._local()
+        if what == at.LOOK_UP_CELL:
+            self.made.steps.append(Pick(target, self._learned(b), self.scratch[a]))
+            return symbol(target)
+        values = self.code[a + VALUES]
+        name, table = self.program.tables[values]
+        inputs = tuple(self._input(cell) for cell in self._inputs_of(a + INPUTS, b))
+        if any(place.values == values for place in self.program.learned.values()):
+            cell = self._found(b, table, name, inputs)
+            self.made.steps.append(Pick(target, self._learned(values), cell))
+        else:
+            self.made.steps.append(Ask(target, self._table(values, inputs), inputs))
+        return symbol(target)
+
+    def _inputs_of(self, begin: int, grid: int) -> list[int]:
+        count = int(self.program.cells[grid])
+        assert grid + GRID_HEAD <= len(self.program.cells)
+        return self.code[begin : begin + count]
+
+    def _table(self, values: int, inputs: Sequence[str]) -> str:
+        """Return the name of the routine of a table; axes with the same one share it."""
+        name, table = self.program.tables[values]
+        if table.values.size > MOST_CELLS:
+            raise ExportError(
+                f"the table '{name}' has {table.values.size:,} cells; at most {MOST_CELLS:,} are"
+                " exported"
+            )
+        # Signals in single precision find their cell among thresholds in single precision.
+        signals = [self.made.variables.get(each) for each in inputs]
+        narrow = all(each is not None and not each.wide for each in signals)
+        core = self._core(table, narrow=narrow)
+        for known, routine in self.made.routines.items():
+            if isinstance(routine, TableRoutine) and _same_table(routine.core, core):
+                return known
+        return self._routine(name, TableRoutine(core))
+
+    def _core(self, table: LookupTable, *, narrow: bool) -> FloatTable | FixedTable:
+        if self.options.q is not None:
+            return fixed_table(table, self.options.q)
+        if self.made.single and self.made.precision.wide is np.float64:
+            # The kernel holds values in the precision of signals and computes in double.
+            held = np.asarray(table.values, np.float32).astype(np.float64)
+            table = replace(table, values=held)
+        precision = self._inner()
+        if table.default_mode != "linear" and self.made.single and narrow:
+            precision = "float32"
+        return float_table(table, None, precision)
+
+    def _learned(self, values: int) -> str:
+        for (axis, name), place in self.program.learned.items():
+            if place.values == values:
+                return f"{axis}:{name}"
+        raise AssertionError("a table that nothing teaches is a routine")
+
+    def _found(self, begin: int, table: LookupTable, name: str, inputs: tuple[str, ...]) -> str:
+        """Add the step that finds a cell; return the local with its number."""
+        grid = self._grid(begin, table)
+        known = {other: key for key, other in self.made.grids.items()}
+        if grid not in known:
+            known[grid] = self.names.new(f"{name}_cell")
+            self.made.grids[known[grid]] = grid
+            self.made.grid_tables[known[grid]] = table
+        target = self._local()
+        self.made.steps.append(Find(target, known[grid], inputs))
+        return target
+
+    def _grid(self, begin: int, table: LookupTable) -> Grid:
+        """Read a grid out of the cells."""
+        found, at_axis = [], begin + GRID_HEAD
+        for axis in table.axes:
+            count = int(self.program.cells[at_axis])
+            thresholds = self.program.cells[at_axis + 1 : at_axis + count]
+            found.append((axis.name, tuple(map(float, thresholds))))
+            at_axis += 2 * count
+        return tuple(found)
+
+    def _teach(self, begin: int, into: int) -> None:
+        if self.options.q is not None:
+            raise ExportError(
+                "a table that learns is exported in floating point", hint="leave out --q"
+            )
+        entries = self.code[begin : begin + at.LEARN_INPUTS]
+        values = entries[VALUES]
+        (key,) = (k for k, place in self.program.learned.items() if place.values == values)
+        name = f"{key[0]}:{key[1]}"
+        place = self.program.learned[key]
+        if name in self.made.learned:
+            raise ExportError(
+                f"two lines teach the table '{key[1]}' of axis '{key[0]}'; one is exported"
+            )
+        if place.count > MOST_LEARNED:
+            raise ExportError(
+                f"the table '{key[1]}' learns in {place.count:,} cells; at most {MOST_LEARNED:,}"
+                " are exported"
+            )
+        start = self.program.cells[values : values + place.count]
+        delay = entries[at.DELAY]
+        self.made.learned[name] = Learned(*key, tuple(map(float, start)), delay)
+        table, judge = self.program.tables[values][1], self.program.tables[entries[at.JUDGE]]
+        cells = self._inputs_of(begin + at.LEARN_INPUTS, entries[at.GRID])
+        inputs = tuple(self._input(cell) for cell in cells)
+        cell = judged = self._found(entries[at.GRID], table, key[1], inputs)
+        if entries[at.ALIKE] == 0:
+            judged = self._found(entries[at.JUDGE_GRID], judge[1], judge[0], inputs)
+        judge_name = self._judge(*judge)
+        rate, bound = (as_node(self.load(entries[field])) for field in (at.GAIN, at.BOUND))
+        self.made.steps.append(Teach(name, cell, judge_name, judged, rate, bound))
+        self.scratch[into] = cell
+
+    def _judge(self, name: str, table: LookupTable) -> str:
+        """Return what a performance table is called; axes share one."""
+        for known, other in self.made.judges.items():
+            if np.array_equal(other.values, table.values):
+                return known
+        found = self.names.new(name)
+        self.made.judges[found] = table
+        return found
+
+
+def _same_table(a: FloatTable | FixedTable, b: FloatTable | FixedTable) -> bool:
+    """Whether two tables are one function."""
+    return (
+        type(a) is type(b)
+        and (a.mode, a.precision, a.scales) == (b.mode, b.precision, b.scales)
+        and [axis.levels for axis in a.table.axes] == [axis.levels for axis in b.table.axes]
+        and all(map(np.array_equal, (*a.points, a.values), (*b.points, b.values)))
+    )
+
+
+def _shared(roots: Sequence[Node]) -> Node | None:
+    """Return an innermost part that is used more than once; a condition is no variable."""
+    nodes = list(postorder(*roots))
+    uses = Counter(child for node in nodes for child in children(node))
+    uses.update(roots)
+    for node in nodes:
+        condition = isinstance(node, Apply) and OPERATIONS[node.operation].is_condition
+        if isinstance(node, Apply) and uses[node] > 1 and not condition:
+            return node
+    return None
+
+
+def _with(root: Node, part: Node, instead: Node) -> Node:
+    """Return an expression with another part in place of one."""
+    made: dict[Node, Node] = {}
+    for node in postorder(root):
+        if node is part:
+            made[node] = instead
+        elif isinstance(node, Apply):
+            made[node] = apply(node.operation, *(made[child] for child in node.arguments))
+        else:
+            made[node] = node
+    return made[root]

@@ -1,0 +1,560 @@
+"""Samples to learn from and to judge by: CSV and Parquet files, data frames, arrays, tables.
+
+A sample is a row: one value for each input, and the value of the target that belongs to it.
+What is wrong with a file is said with its line and column, all of it in one run.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference import infer
+from fuzzyarm.language.reading import decoded
+from fuzzyarm.text.diagnostic import (
+    MAX_INPUTS,
+    NOWHERE,
+    Diagnostic,
+    RuleBaseError,
+    Span,
+    split_lines,
+)
+from fuzzyarm.text.names import near_hint
+
+if TYPE_CHECKING:
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.table import LookupTable
+
+Array = NDArray[np.float64]
+
+SUFFIXES = (".csv", ".tsv", ".txt", ".parquet")
+"""Of files with samples."""
+
+MOST_FINDINGS = 20
+"""Findings that one file is given; a column of another kind would have one in each line."""
+
+
+class DataError(RuleBaseError):
+    """Samples that cannot be used; ``diagnostics`` say what is wrong and where."""
+
+
+class ColumnError(FuzzyarmError, LookupError):
+    """There is no column of that name.
+
+    Attributes
+    ----------
+    name : str
+        As asked for.
+    columns : tuple of str
+        Those there are.
+    """
+
+    def __init__(self, name: str, columns: Sequence[str]) -> None:
+        hint, _ = near_hint(name, columns)
+        listed = ", ".join(columns[:10])
+        super().__init__(f"there is no column '{name}'", hint=hint or f"there are: {listed}")
+        self.name, self.columns = name, tuple(columns)
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Rows of data: inputs, and what belongs to them.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the inputs.
+    inputs : ndarray of float64, shape (samples, inputs)
+        Finite.
+    target : str
+        Name of the target.
+    values : ndarray of float64, shape (samples,)
+        Of the target; where there are `classes`, the index of each sample's class.
+    classes : tuple of str
+        Of a target of words, in alphabetical order; empty for numbers.
+    source : str
+        Where they come from, for comments.
+    notes : tuple of str
+        What the reader had to take for granted, a sentence each.
+    """
+
+    names: tuple[str, ...]
+    inputs: Array
+    target: str
+    values: Array
+    classes: tuple[str, ...] = ()
+    source: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def outputs(self) -> Array:
+        """What a model of them gives, shape (samples, outputs): values, or 1 for the class."""
+        if not self.classes:
+            return self.values[:, None]
+        return np.equal(self.values[:, None], np.arange(len(self.classes))).astype(float)
+
+    def part(self, rows: NDArray[Any]) -> Samples:
+        """Return some of the samples, by their indices."""
+        return Samples(
+            self.names, self.inputs[rows], self.target, self.values[rows], self.classes, self.source
+        )
+
+    def renamed(self, target: str) -> Samples:
+        """Return the samples with another name of the target."""
+        return replace(self, target=target)
+
+    def in_classes(self, classes: tuple[str, ...]) -> Samples:
+        """Return the samples with the classes of other ones; an error for a class not there."""
+        if bool(classes) != bool(self.classes):
+            kind = "words" if classes else "numbers"
+            message = f"'{self.target}' must have {kind}, as in the samples of the model"
+            raise _refused("wrong-target", message, self.source)
+        unknown = [name for name in self.classes if name not in classes]
+        if unknown:
+            message = f"'{self.target}' has '{unknown[0]}', which the model does not know"
+            raise _refused("unknown-class", message, self.source)
+        turned = np.array([float(classes.index(name)) for name in self.classes])
+        values = turned[self.values.astype(int)] if classes else self.values
+        return replace(self, values=values, classes=classes)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Which columns of a file are wanted.
+
+    Attributes
+    ----------
+    target : str or None
+        What is to be learned; None: the last column.
+    inputs : tuple of str or None
+        None: all other columns.
+    target_needed : bool
+        Whether a file without the target is at fault; its values are NaN otherwise.
+    """
+
+    target: str | None = None
+    inputs: tuple[str, ...] | None = None
+    target_needed: bool = True
+
+
+LAST = Columns()
+"""The last column is the target, all others are inputs."""
+
+
+# --- From arrays and frames ---
+
+
+def as_samples(
+    inputs: ArrayLike,
+    values: ArrayLike,
+    names: Sequence[str] | None = None,
+    target: str = "y",
+    source: str = "",
+) -> Samples:
+    """Return samples in arrays.
+
+    Parameters
+    ----------
+    inputs : array_like, shape (samples, inputs)
+        A vector is one input.
+    values : array_like, shape (samples,)
+        Of the target.
+    names : sequence of str, optional
+        Of the inputs; x1, x2 … by default.
+    target, source : str
+        Name of the target, and where the samples come from.
+
+    Raises
+    ------
+    DataError
+        If the shapes do not fit or a value is not a finite number.
+    """
+    try:
+        x = np.asarray(inputs, dtype=float)
+        y = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise _refused("not-a-number", "samples must be numbers") from None
+    x = x[:, None] if x.ndim == 1 else x
+    if x.ndim != 2 or y.shape != x.shape[:1]:
+        shapes = f"inputs have the shape {x.shape}, values {y.shape}"
+        raise _refused("bad-shape", f"{shapes}: one row of inputs for each value is needed")
+    given = tuple(f"x{k + 1}" for k in range(x.shape[1])) if names is None else tuple(names)
+    if len(given) != x.shape[1]:
+        raise _refused("bad-shape", f"{len(given)} names for {x.shape[1]} inputs")
+    for name, column in (*zip(given, x.T, strict=True), (target, y)):
+        if not np.isfinite(column).all():
+            row = int(np.flatnonzero(~np.isfinite(column))[0])
+            raise _refused("not-finite", f"'{name}' is not a finite number in sample {row + 1}")
+    return _checked(Samples(given, x, target, y, source=source))
+
+
+def frame_samples(frame: Any, columns: Columns = LAST, source: str = "") -> Samples:
+    """Return samples in a data frame of pandas.
+
+    Raises
+    ------
+    DataError
+        If a column does not consist of finite numbers; a target may consist of words.
+    ColumnError
+        If there is no such column.
+    """
+    names = [str(name) for name in frame.columns]
+    cells = [[_cell_text(cell) for cell in frame.iloc[:, k].tolist()] for k in range(len(names))]
+    rows = [list(row) for row in zip(*cells, strict=True)]
+    nowhere = (NOWHERE,) * len(names)
+    return _Cells(names, rows, lambda _row: nowhere, source).samples(columns)
+
+
+def _cell_text(cell: Any) -> str:
+    missing = cell is None or (isinstance(cell, float) and math.isnan(cell))
+    if missing or type(cell).__name__ in {"NAType", "NaTType"}:
+        return ""
+    return repr(float(cell)) if isinstance(cell, bool | int | float) else str(cell)
+
+
+def table_samples(table: LookupTable, source: str = "") -> Samples:
+    """Return every cell of a lookup table as a sample: its levels, and its value."""
+    mesh = np.meshgrid(*(np.array(axis.levels) for axis in table.axes), indexing="ij")
+    inputs = np.stack([each.ravel() for each in mesh], axis=1)
+    return as_samples(inputs, table.values.ravel(), table.names, table.output, source)
+
+
+def rulebase_samples(
+    rulebase: RuleBase,
+    target: str | None = None,
+    count: int = 4096,
+    seed: int = 0,
+    source: str = "",
+) -> Samples:
+    """Return samples of an output of a rule base, spread over the ranges of its inputs.
+
+    Raises
+    ------
+    ColumnError
+        If there is no such output.
+    DataError
+        If an input has no end.
+    """
+    names = [output.name for output in rulebase.outputs]
+    target = names[0] if target is None and len(names) == 1 else target
+    if target not in names:
+        raise ColumnError(target or "--target", names)
+    ranges = {each.name: (each.low, each.high) for each in rulebase.inputs}
+    for name, ends in ranges.items():
+        if not all(map(math.isfinite, ends)):
+            raise _refused("unbounded-input", f"the range of '{name}' has no end", source)
+
+    def value(**inputs: Array) -> ArrayLike:
+        return infer(rulebase, inputs, outputs=(target,))[target]
+
+    return replace(function_samples(value, ranges, count, target, seed), source=source)
+
+
+def function_samples(
+    function: Callable[..., ArrayLike],
+    ranges: Mapping[str, tuple[float, float]],
+    count: int = 2048,
+    target: str = "y",
+    seed: int = 0,
+) -> Samples:
+    """Return samples of a function, spread over its ranges by a scrambled Sobol sequence.
+
+    Parameters
+    ----------
+    function : callable
+        Takes an array for each input, by name; returns an array.
+    ranges : mapping of str to (float, float)
+        The lowest and highest value of each input.
+    count : int
+        Samples; the next power of two is taken.
+    target : str
+        Name of the target.
+    seed : int
+        Of the scrambling.
+    """
+    from scipy.stats import qmc
+
+    sobol = qmc.Sobol(len(ranges), rng=np.random.default_rng(seed))
+    unit = sobol.random_base2(max(1, math.ceil(math.log2(count))))
+    low, high = np.array(list(ranges.values()), dtype=float).T
+    inputs = low + unit * (high - low)
+    values = function(**dict(zip(ranges, inputs.T, strict=True)))
+    values = np.broadcast_to(np.asarray(values, dtype=float), inputs.shape[:1])
+    return as_samples(inputs, values, tuple(ranges), target, getattr(function, "__name__", ""))
+
+
+# --- From files ---
+
+
+def read_samples(path: str | os.PathLike[str], columns: Columns = LAST) -> Samples:
+    """Return the samples in a file.
+
+    Parameters
+    ----------
+    path : path-like
+        CSV (``.csv``, ``.tsv``, ``.txt``: commas, semicolons, tabs or blanks between the
+        cells, with or without a line of names) or Parquet (``.parquet``).
+    columns : Columns
+        Those that are wanted. A target that consists of words has classes.
+
+    Raises
+    ------
+    DataError
+        If the file is at fault; it carries every finding, with line and column.
+    ColumnError
+        If there is no such column.
+    OSError
+        If the file cannot be read.
+    """
+    name = os.fspath(path)
+    if name.lower().endswith(".parquet"):
+        return frame_samples(_frame(name), columns, name)
+    with open(path, "rb") as file:
+        text = decoded(file.read(), name)
+    return parse_csv(text, name, columns)
+
+
+def column_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Return the names of the columns of a file; errors as :func:`read_samples`."""
+    name = os.fspath(path)
+    if name.lower().endswith(".parquet"):
+        return tuple(str(each) for each in _frame(name).columns)
+    with open(path, "rb") as file:
+        return tuple(_cells(decoded(file.read(), name), name)[0].names)
+
+
+def _frame(name: str) -> Any:
+    """Return the data frame in a Parquet file."""
+    try:
+        import pandas
+    except ImportError:
+        hint = 'pip install "fuzzyarm[data]"'
+        raise _refused("missing-extra", "a Parquet file needs pandas", name, hint) from None
+    try:
+        return pandas.read_parquet(name)
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        raise _refused("not-parquet", f"not a Parquet file: {error}", name) from None
+    except Exception as error:  # whatever the reader of the day raises
+        raise _refused("not-parquet", f"not a Parquet file: {error}", name) from None
+
+
+def parse_csv(text: str, path: str = "<text>", columns: Columns = LAST) -> Samples:
+    """Return the samples in the text of a CSV file; errors as :func:`read_samples`."""
+    cells, notes = _cells(text, path)
+    return cells.samples(columns, notes)
+
+
+def _cells(text: str, path: str) -> tuple[_Cells, tuple[str, ...]]:
+    """Return the cells of a CSV file, and what had to be taken for granted."""
+    lines = split_lines(text.removeprefix("\ufeff"))
+    filled = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    if not filled:
+        raise _refused("no-samples", "the file has no samples", path)
+    mark = _delimiter(filled[0][1])
+    comma = mark != "," and any(re.search(r"\d,\d", line) for _, line in filled[:50])
+    first = _split(filled[0][1], mark)
+    notes: tuple[str, ...] = ()
+    if all(_number(cell, comma=comma) is not None for cell in first):
+        names = [*(f"x{k + 1}" for k in range(len(first) - 1)), "y"]
+        notes = (f"no line of names: the columns are called {_listed(names)}",)
+    else:
+        names = [cell or f"x{k + 1}" for k, cell in enumerate(first)]
+        del filled[0]
+    rows = [_split(line, mark) for _, line in filled]
+    return _Cells(names, rows, lambda row: _spans(*filled[row], mark), path, comma=comma), notes
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names if len(names) < 6 else [*names[:2], "…", names[-1]])
+
+
+def _delimiter(line: str) -> str:
+    """Return what stands between the cells of a line; blanks where nothing else does."""
+    counts = {mark: line.count(mark) for mark in (";", "\t", ",")}
+    best = max(counts, key=counts.__getitem__)
+    if counts[";"]:  # a semicolon beside commas: decimal commas
+        return ";"
+    return best if counts[best] else " "
+
+
+def _split(line: str, mark: str) -> list[str]:
+    """Return the cells of a line."""
+    if mark == " ":
+        return line.split()
+    if '"' in line:
+        try:
+            found = next(csv.reader(io.StringIO(line), delimiter=mark, skipinitialspace=True))
+            return [cell.strip() for cell in found]
+        except csv.Error:  # a cell longer than csv takes
+            pass
+    return [cell.strip() for cell in line.split(mark)]
+
+
+def _spans(number: int, line: str, mark: str) -> tuple[Span, ...]:
+    """Return where the cells of a line stand."""
+    found, start = [], 0
+    for cell in _split(line, mark):
+        at = line.find(cell, start)
+        at = start if at < 0 else at  # quotes within quotes are not as in the text
+        found.append(Span(number, at + 1, number, at + max(len(cell), 1) + 1))
+        following = line.find(mark, at + len(cell))
+        start = len(line) if following < 0 else following + 1
+    return tuple(found)
+
+
+def _number(cell: str, *, comma: bool = False) -> float | None:
+    """Return the number in a cell, which may be infinite or NaN; None where there is none."""
+    try:
+        return float(cell.replace(",", ".") if comma else cell)
+    except ValueError:
+        return None
+
+
+@dataclass(frozen=True)
+class _Cells:
+    """A rectangle of texts with their positions, on its way to samples."""
+
+    names: list[str]
+    rows: list[list[str]]
+    spans: Callable[[int], tuple[Span, ...]]  # of the cells of a row, by its index
+    path: str
+    comma: bool = False
+
+    def samples(self, columns: Columns, notes: tuple[str, ...] = ()) -> Samples:
+        """Return the samples; raise DataError with all that is wrong."""
+        self._check_names()
+        self._check_lengths()
+        target = self.names[-1] if columns.target is None else columns.target
+        wanted = columns.inputs
+        inputs = [name for name in self.names if name != target] if wanted is None else wanted
+        needed = [*inputs, *([target] if columns.target_needed else [])]
+        for name in needed:
+            if name not in self.names:
+                raise ColumnError(name, self.names)
+        wrong: list[Diagnostic] = []
+        values, classes = self._target(target, wrong)
+        found = [self._column(self.names.index(name), wrong) for name in inputs]
+        if wrong:
+            raise DataError(sorted(wrong, key=lambda d: d.span)[:MOST_FINDINGS])
+        array = np.stack(found, axis=1) if found else np.empty((len(values), 0))
+        return _checked(Samples(tuple(inputs), array, target, values, classes, self.path, notes))
+
+    def _target(self, name: str, wrong: list[Diagnostic]) -> tuple[Array, tuple[str, ...]]:
+        """Return the values of the target, and its classes where it has words."""
+        if name not in self.names:
+            return np.full(len(self.rows), math.nan), ()
+        at = self.names.index(name)
+        texts = [row[at] for row in self.rows]
+        if any(not text or _number(text, comma=self.comma) is not None for text in texts):
+            return self._column(at, wrong), ()
+        classes = tuple(sorted(set(texts)))
+        index = {word: float(k) for k, word in enumerate(classes)}
+        return np.array([index[text] for text in texts]), classes
+
+    def _check_names(self) -> None:
+        twice = [name for k, name in enumerate(self.names) if name in self.names[:k]]
+        if twice:
+            message = f"two columns are called '{twice[0]}'"
+            raise _refused("duplicate-column", message, self.path)
+        if len(self.names) < 2:
+            message = "one column only: an input and a target are needed"
+            raise _refused("no-inputs", message, self.path)
+
+    def _check_lengths(self) -> None:
+        count = len(self.names)
+        wrong = [
+            self._finding(
+                "wrong-cell-count",
+                f"{len(row)} cells, the first line has {count}",
+                self.spans(k)[0].to(self.spans(k)[-1]),
+            )
+            for k, row in enumerate(self.rows)
+            if len(row) != count
+        ]
+        if wrong:
+            raise DataError(wrong[:MOST_FINDINGS])
+
+    def _column(self, at: int, wrong: list[Diagnostic]) -> Array:
+        found = np.empty(len(self.rows))
+        name = self.names[at]
+        for k, row in enumerate(self.rows):
+            number = _number(row[at], comma=self.comma)
+            if number is None or not math.isfinite(number):
+                if not row[at]:
+                    message = f"no value of '{name}' in sample {k + 1}"
+                    kind = "missing-value"
+                else:
+                    message = f"'{row[at]}' is not a finite number ('{name}', sample {k + 1})"
+                    kind = "not-a-number"
+                if len(wrong) < MAX_INPUTS * MOST_FINDINGS:
+                    wrong.append(self._finding(kind, message, self.spans(k)[at]))
+                number = math.nan
+            found[k] = number
+        return found
+
+    def _finding(self, name: str, message: str, span: Span) -> Diagnostic:
+        return Diagnostic(name, message, span, path=self.path)
+
+
+def _checked(samples: Samples) -> Samples:
+    """Return samples that something can be learned from."""
+    if not len(samples):
+        raise _refused("no-samples", "there are no samples", samples.source)
+    if not samples.names:
+        raise _refused("no-inputs", "there are no inputs", samples.source)
+    if len(samples.names) > MAX_INPUTS:
+        message = f"{len(samples.names)} inputs are too many: a rule base has at most {MAX_INPUTS}"
+        raise _refused("too-many-inputs", message, samples.source, "leave out what matters least")
+    if samples.target in samples.names:
+        raise _refused("duplicate-column", f"'{samples.target}' is an input too", samples.source)
+    largest = max(np.abs(samples.inputs).max(), np.abs(np.nan_to_num(samples.values)).max())
+    if largest > 1e50:
+        message = f"values up to {largest:.1e} are too large: scale them"
+        raise _refused("too-large", message, samples.source)
+    return samples
+
+
+def _refused(name: str, message: str, path: str = "", hint: str = "") -> DataError:
+    return DataError((Diagnostic(name, message, hint=hint, path=path),))
+
+
+# --- Parts of the samples ---
+
+
+def folds(
+    count: int, parts: int, *, series: bool = False, seed: int = 0
+) -> Iterator[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Yield (training, test) indices of a cross-validation.
+
+    Parameters
+    ----------
+    count : int
+        Samples.
+    parts : int
+        How many; at most as many as there are samples.
+    series : bool
+        Whether the samples are in the order of time: the parts are then blocks, since a
+        sample between two that are known is easier than one in the future.
+    seed : int
+        Of the order in which other samples are dealt out.
+    """
+    order = np.arange(count)
+    if not series:
+        order = np.random.default_rng(seed).permutation(count)
+    for part in np.array_split(order, min(parts, count)):
+        yield np.setdiff1d(order, part), np.sort(part)

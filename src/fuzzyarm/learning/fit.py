@@ -1,0 +1,525 @@
+"""From samples to a rule base that a person can read: the whole way, and what is known of it.
+
+Two methods. *Sugeno*: a partition (:mod:`~fuzzyarm.learning.starts`) that cross-validation
+chooses (:mod:`~fuzzyarm.learning.structure`), consequents and terms by least squares
+(:mod:`~fuzzyarm.learning.sugeno`), written with few digits (:mod:`~fuzzyarm.learning.written`).
+*Wang–Mendel*: rules over words (:mod:`~fuzzyarm.learning.wang_mendel`). The text is the
+result: errors are those of the rule base as it is read back from it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.language import parse
+from fuzzyarm.learning.data import Samples, folds
+from fuzzyarm.learning.starts import grid_premises, merged, pruned
+from fuzzyarm.learning.structure import (
+    SHRINKAGES,
+    Candidate,
+    Judge,
+    clearly_worse,
+    clustered,
+    grid_words,
+    grown_grids,
+    smallest_good,
+)
+from fuzzyarm.learning.sugeno import (
+    Array,
+    Premises,
+    Scaling,
+    consequents,
+    one_thread,
+    optimised,
+    predicted,
+)
+from fuzzyarm.learning.wang_mendel import WordsError, wang_mendel
+from fuzzyarm.learning.written import (
+    Layout,
+    commented,
+    output_names,
+    rule_comments,
+    short_source,
+    sugeno_rulebase,
+)
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.names import printable
+from fuzzyarm.version import __version__
+
+STARTS = ("grid", "fcm", "subtractive")
+METHODS = ("sugeno", "wang-mendel")
+
+MOST_SEARCHED = 3000
+"""Samples for the choice of the structure and the numbers of terms; consequents take all."""
+
+WORSE_AS_TEXT = 0.01
+"""Part of the error by which rounding may make a model worse; else it gets more digits."""
+
+MOST_DIGITS = 12
+MOST_RULES = 1000
+"""Of a Sugeno model: more of them nobody reads."""
+
+
+class FitError(FuzzyarmError, ValueError):
+    """Samples or options from which no model can be made."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a model is found.
+
+    Attributes
+    ----------
+    method : str
+        ``sugeno`` or ``wang-mendel``.
+    start : str
+        Of a Sugeno model: ``grid``, ``fcm`` or ``subtractive``.
+    rules : int
+        Of a Sugeno model, at most.
+    terms : tuple of int or None
+        Terms of each input of a grid; None: chosen by cross-validation.
+    words : tuple of int
+        The fewest and the most words of Wang and Mendel; cross-validation chooses.
+    shrinkage : float or None
+        Of consequents towards the linear model; None: chosen by cross-validation.
+    move : bool or None
+        Whether the terms are moved by variable projection; None: where cross-validation
+        says that it pays.
+    merge : float
+        How much alike gaussians of clusters must be to become one, see
+        :func:`~fuzzyarm.learning.starts.merged`.
+    series : bool
+        Whether the samples are in the order of time.
+    parts : int
+        Of the cross-validation.
+    digits : int
+        Of the numbers of terms; more are taken where rounding would show.
+    outside : str
+        ``extend``, ``clamp`` or ``error``: what a Sugeno model does beyond its ranges.
+    evaluations : int
+        Of the model while its terms are moved, at most.
+    seed : int
+        Of all that is drawn.
+    name, description : str
+        Of the rule base.
+    """
+
+    method: str = "sugeno"
+    start: str = "grid"
+    rules: int = 16
+    terms: tuple[int, ...] | None = None
+    words: tuple[int, int] = (7, 7)
+    shrinkage: float | None = None
+    move: bool | None = None
+    merge: float = 0.7
+    series: bool = False
+    parts: int = 5
+    digits: int = 4
+    outside: str = "extend"
+    evaluations: int = 80
+    seed: int = 0
+    name: str = "model"
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A learned rule base and what is known of it.
+
+    Attributes
+    ----------
+    rulebase : RuleBase
+        As read back from `text`.
+    text : str
+        Canonical, with comments.
+    error : float
+        Root mean square error of the rule base on the samples; the share of wrong answers
+        for classes.
+    error_of_numbers : float
+        The same before rounding.
+    linear_error : float
+        The same of linear regression.
+    cross_validation : float
+        Root mean square error on samples not seen, of the structure that was chosen; for
+        classes that of the outputs, 0 or 1.
+    linear_cross_validation : float
+        The same of linear regression.
+    candidates : tuple of (str, int, float)
+        What was tried: in words, its rules, its error of cross-validation.
+    structure : str
+        The one that was chosen, in words.
+    shrinkage : float
+        Of the consequents; NaN for Wang and Mendel's rules.
+    support : tuple of float
+        Of each rule, in samples.
+    digits : int
+        Of the numbers of terms.
+    interrupted : bool
+        Whether it is the best of a search that was broken off.
+    """
+
+    rulebase: RuleBase
+    text: str
+    error: float
+    error_of_numbers: float
+    linear_error: float
+    cross_validation: float
+    linear_cross_validation: float
+    candidates: tuple[tuple[str, int, float], ...]
+    structure: str
+    shrinkage: float
+    support: tuple[float, ...]
+    digits: int
+    interrupted: bool = False
+
+
+def fit(
+    samples: Samples,
+    options: Options | None = None,
+    on_step: Callable[[str], None] = lambda _words: None,
+) -> Fit:
+    """Return a rule base learned from samples.
+
+    Parameters
+    ----------
+    samples : Samples
+        From :mod:`fuzzyarm.learning.data`.
+    options : Options, optional
+        How it is found.
+    on_step : callable
+        Told in words what is being tried.
+
+    Returns
+    -------
+    Fit
+        A KeyboardInterrupt ends the search; the best so far is returned then.
+
+    Raises
+    ------
+    FitError
+        If there are too few samples, or an option makes no sense.
+    """
+    chosen = options or Options()
+    _check(samples, chosen)
+    with one_thread():
+        if chosen.method == "wang-mendel":
+            return _fit_words(samples, chosen, on_step)
+        return _fit_sugeno(samples, chosen, on_step)
+
+
+def _check(samples: Samples, options: Options) -> None:
+    if len(samples) < 2:
+        raise FitError("one sample is not enough to learn from")
+    if options.method not in METHODS:
+        raise FitError(f"unknown method '{options.method}'", hint=f"known: {', '.join(METHODS)}")
+    if options.start not in STARTS:
+        raise FitError(f"unknown start '{options.start}'", hint=f"known: {', '.join(STARTS)}")
+    for name, value, least, most in (
+        ("rules", options.rules, 1, MOST_RULES),
+        ("parts of the cross-validation", options.parts, 2, 100),
+        ("digits", options.digits, 1, MOST_DIGITS),
+        ("evaluations", options.evaluations, 1, 100_000),
+    ):
+        if not least <= value <= most:
+            raise FitError(f"number of {name} must be {least} to {most}, not {value}")
+    if options.shrinkage is not None and not 0.0 <= options.shrinkage < math.inf:
+        raise FitError(f"shrinkage must be 0 or more, not {options.shrinkage:g}")
+    if len(samples.classes) == 1:
+        raise FitError(f"'{samples.target}' has one class only: '{samples.classes[0]}'")
+    if options.terms is not None:
+        _check_terms(samples, options, options.terms)
+
+
+def _check_terms(samples: Samples, options: Options, terms: tuple[int, ...]) -> None:
+    if len(terms) != len(samples.names):
+        count = len(samples.names)
+        raise FitError(f"{len(terms)} numbers of terms for {count} inputs", hint="one for each")
+    if any(not 1 <= each <= 50 for each in terms):
+        raise FitError("an input has 1 to 50 terms")
+    if math.prod(terms) > MOST_RULES:
+        raise FitError(
+            f"a grid of {math.prod(terms):,} rules is too large", hint=f"{MOST_RULES:,} at most"
+        )
+    if options.start != "grid":
+        raise FitError("terms of each input are for a grid, not for clusters")
+
+
+# --- Takagi–Sugeno ---
+
+
+def _searched(samples: Samples) -> Samples:
+    """Return few enough samples for the search, evenly picked."""
+    if len(samples) <= MOST_SEARCHED:
+        return samples
+    rows = np.linspace(0, len(samples) - 1, MOST_SEARCHED).round().astype(int)
+    return samples.part(rows)
+
+
+def _fit_sugeno(samples: Samples, options: Options, on_step: Callable[[str], None]) -> Fit:
+    few = _searched(samples)
+    parts = list(folds(len(few), options.parts, series=options.series, seed=options.seed))
+    shrinkages = SHRINKAGES if options.shrinkage is None else (options.shrinkage,)
+    judge = Judge(few.inputs, few.outputs, parts, shrinkages, on_step)
+    tried, finished = _tried(judge, samples, options)
+    chosen = smallest_good(tried) if options.terms is None else tried[-1]
+    if finished and options.move is not False and chosen.premises.terms:
+        chosen, moved, finished = _moved(judge, chosen, options)
+        tried += moved
+    premises = chosen.premises
+    if chosen.optimised and finished:
+        premises, finished = _optimised(chosen, few, options, on_step)
+    best = replace(chosen, premises=premises)
+    return _written(samples, options, best, tried, judge.linear_error(), interrupted=not finished)
+
+
+def _tried(judge: Judge, samples: Samples, options: Options) -> tuple[list[Candidate], bool]:
+    """Return the structures that were tried, and whether the search came to its end."""
+    found: list[Candidate] = []
+    counts = options.terms or (1,) * len(samples.names)
+    if options.terms is not None:
+        grid = grid_premises(judge.inputs, counts)
+        return [judge.judged(grid_words(counts, samples.names), grid)], True
+    if options.start == "grid":
+        search = grown_grids(judge, options.rules, samples.names)
+    else:
+        search = clustered(judge, options.start, options.rules, options.seed)
+    try:
+        found.extend(search)  # what a generator gave before an interrupt stays
+    except KeyboardInterrupt:
+        if not found:
+            raise
+        return found, False
+    return found, True
+
+
+def _moved(
+    judge: Judge, chosen: Candidate, options: Options
+) -> tuple[Candidate, list[Candidate], bool]:
+    """Return the structure with its terms moved, if that is better or wanted."""
+    trials = [chosen]
+    if options.shrinkage is None:  # terms that have moved may leave conclusions more freedom
+        trials.append(replace(chosen, shrinkage=chosen.shrinkage / 30.0))
+    found: list[Candidate] = []
+    try:
+        found += [judge.moved(each) for each in trials]
+    except KeyboardInterrupt:
+        return chosen, [], False
+    moved = smallest_good(found)
+    better = clearly_worse(chosen.squares, moved.squares)
+    return (moved if better or options.move else chosen), [moved], True
+
+
+def _optimised(
+    chosen: Candidate, few: Samples, options: Options, on_step: Callable[[str], None]
+) -> tuple[Premises, bool]:
+    width = float(few.outputs.std(axis=0).mean())
+
+    def tell(cost: float) -> None:
+        on_step(f"moving terms: training error {cost * width:.4g}")
+
+    def move(premises: Premises, evaluations: int) -> tuple[Premises, bool]:
+        return optimised(
+            premises, few.inputs, few.outputs, chosen.shrinkage, evaluations, on_step=tell
+        )
+
+    premises, finished = move(chosen.premises, options.evaluations)
+    if options.start == "grid" or not finished:
+        return premises, finished
+    fewer = pruned(merged(premises, options.merge), few.inputs)
+    return move(fewer, options.evaluations // 2)
+
+
+def _written(
+    samples: Samples,
+    options: Options,
+    best: Candidate,
+    tried: list[Candidate],
+    linear: float,
+    *,
+    interrupted: bool,
+) -> Fit:
+    """Round, write, read back and score; take more digits where rounding shows."""
+    premises, shrinkage = best.premises, best.shrinkage
+    weights, scaling = consequents(premises, samples.inputs, samples.outputs, shrinkage)
+    regressors = scaling.regressors(samples.inputs)
+    numbers = scaling.middle + scaling.range * predicted(
+        premises, weights, regressors, samples.inputs
+    )
+    off = samples.outputs - numbers
+    error = np.sqrt(np.mean(off**2, axis=0))
+    wanted = rms(off)
+    digits = options.digits
+    while True:
+        layout = Layout(options.name, options.description, options.outside, digits)
+        rulebase = sugeno_rulebase(premises, samples, shrinkage, error, layout)
+        residual = samples.outputs - outputs_of(rulebase, samples)
+        floor = 1e-4 * float(scaling.range.max())
+        if rms(residual) <= (1.0 + WORSE_AS_TEXT) * max(wanted, floor) or digits >= MOST_DIGITS:
+            break
+        digits += 1
+    strengths = premises.strengths(samples.inputs)
+    made = Fit(
+        rulebase,
+        "",
+        score(samples, samples.outputs - residual),
+        score(samples, numbers),
+        score(samples, linear_outputs(samples)),
+        best.error,
+        linear,
+        tuple((each.words, each.size, each.error) for each in tried),
+        best.words,
+        shrinkage,
+        tuple(strengths.sum(axis=0).tolist()),
+        digits,
+        interrupted,
+    )
+    comments = rule_comments(rulebase, samples, strengths, residual)
+    return _with_text(made, commented(rulebase, _head(samples, options, made), comments))
+
+
+def _with_text(made: Fit, text: str) -> Fit:
+    parsed = parse(text)
+    assert parsed.rulebase is not None, parsed.diagnostics
+    return replace(made, text=text, rulebase=parsed.rulebase)
+
+
+def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
+    """Return the lines above a learned rule base: where it comes from, how good it is."""
+    kind = "wrong answers" if samples.classes else "RMS error"
+    source = printable(short_source(samples.source))
+    how = f"{options.parts}-fold cross-validation{' in blocks' if options.series else ''}"
+    rules = len(made.rulebase.rules)
+    lines = [
+        f"Learned by fuzzyarm {__version__} from {source}: {len(samples):,} samples,"
+        f" target {printable(samples.target)}.",
+        f"{rules} rule{'' if rules == 1 else 's'}: {printable(made.structure)}.",
+        f"Training {kind} {made.error:.4g}; linear regression {made.linear_error:.4g}.",
+        f"RMS error in {how} {made.cross_validation:.4g};"
+        f" linear regression {made.linear_cross_validation:.4g}.",
+    ]
+    if not math.isnan(made.shrinkage):
+        lines.append(f"Shrinkage {made.shrinkage:.2g}, seed {options.seed}.")
+    if made.interrupted:
+        lines.append("The search was interrupted: the best so far.")
+    return lines
+
+
+# --- Wang and Mendel ---
+
+
+def _fit_words(samples: Samples, options: Options, on_step: Callable[[str], None]) -> Fit:
+    low, high = options.words
+    if not low <= high:
+        raise WordsError(f"words from {low} to {high} are none")
+    layout = Layout(options.name, options.description)
+    parts = list(folds(len(samples), options.parts, series=options.series, seed=options.seed))
+    judge = Judge(samples.inputs, samples.outputs, parts)
+    tried: list[tuple[str, int, float]] = []
+    errors: dict[int, float] = {}
+    finished = True
+    try:
+        for words in range(low, high + 1):
+            errors[words] = _error_of_words(samples, words, parts, layout)
+            tried.append((f"{words} words", words, errors[words]))
+            on_step(f"{words} words: {errors[words]:.4g}")
+    except KeyboardInterrupt:
+        if not errors:
+            raise
+        finished = False
+    chosen = min(errors, key=errors.__getitem__)
+    rulebase, support = wang_mendel(samples, chosen, layout)
+    error = score(samples, outputs_of(rulebase, samples))
+    made = Fit(
+        rulebase,
+        "",
+        error,
+        error,
+        score(samples, linear_outputs(samples)),
+        errors[chosen],
+        judge.linear_error(),
+        tuple(tried),
+        f"{chosen} words of each variable, after Wang and Mendel",
+        math.nan,
+        tuple(map(float, support)),
+        0,
+        interrupted=not finished,
+    )
+    head = _head(samples, options, made)
+    counts = np.asarray(support)
+    head.append(
+        f"Samples for each rule: {counts.min()} to {counts.max()}, median {np.median(counts):g};"
+        f" {int(np.sum(counts == 1))} rules rest on one."
+    )
+    by_rule = ["1 sample" if count == 1 else f"{count} samples" for count in counts.tolist()]
+    return _with_text(made, commented(rulebase, head, {}, by_rule))
+
+
+def _error_of_words(
+    samples: Samples,
+    words: int,
+    parts: list[tuple[NDArray[np.intp], NDArray[np.intp]]],
+    layout: Layout,
+) -> float:
+    errors = []
+    for train, test in parts:
+        rulebase, _ = wang_mendel(samples.part(train), words, layout)
+        asked = samples.part(test)
+        errors.append(asked.outputs - outputs_of(rulebase, asked))
+    return rms(np.concatenate(errors))
+
+
+# --- What a rule base says of samples ---
+
+
+def outputs_of(rulebase: RuleBase, samples: Samples) -> Array:
+    """Return the outputs of a rule base at samples, shape (samples, outputs)."""
+    # NumPy: to lay out thousands of rules for the kernel takes longer than one evaluation.
+    found = infer_arrays(rulebase, dict(zip(samples.names, samples.inputs.T, strict=True)))
+    return np.stack([found[name] for name in output_names(samples)], axis=1)
+
+
+def linear_outputs(samples: Samples, asked: Samples | None = None) -> Array:
+    """Return the outputs of linear regression on samples, at these or at others."""
+    scaling = Scaling.of(samples.inputs, samples.outputs)
+    known = scaling.regressors(samples.inputs)
+    weights = np.linalg.lstsq(known, samples.outputs, rcond=1e-10)[0]
+    at = known if asked is None else scaling.regressors(asked.inputs)
+    found: Array = at @ weights
+    return found
+
+
+class Fidelity(NamedTuple):
+    """How far a surrogate is off, in the units of the output and as a share of its range."""
+
+    worst: float
+    rms: float
+    worst_share: float
+    rms_share: float
+
+
+def fidelity(rulebase: RuleBase, samples: Samples) -> Fidelity:
+    """Return how far a rule base is off at the samples that it stands for."""
+    off = samples.outputs - outputs_of(rulebase, samples)
+    width = float(np.ptp(samples.outputs)) or 1.0
+    worst, mean = float(np.abs(off).max()), rms(off)
+    return Fidelity(worst, mean, worst / width, mean / width)
+
+
+def rms(errors: Array) -> float:
+    """Return the root mean square."""
+    return float(np.sqrt(np.mean(errors**2)))
+
+
+def score(samples: Samples, outputs: Array) -> float:
+    """Return the root mean square error of outputs; for classes the share of wrong ones."""
+    if not samples.classes:
+        return rms(samples.outputs - outputs)
+    return float(np.mean(outputs.argmax(axis=1) != samples.values))

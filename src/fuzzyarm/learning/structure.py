@@ -1,0 +1,272 @@
+"""Which terms, how many rules, how much shrinkage: decided by cross-validation.
+
+A model that follows its samples more closely need not be better on others. Every candidate
+is therefore fitted to some of the samples and judged on the rest; for a series the parts are
+blocks of time. Candidates with consequents alone are cheap, since one decomposition serves
+all amounts of shrinkage. Of structures, and of amounts of shrinkage, the simplest is taken
+that is not clearly worse than the best: the mean difference of their squared errors, sample
+by sample, is within its standard error (L. Breiman and others, 1984), or within a hundredth
+of the error. A term has to earn its lines.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.learning.starts import (
+    cluster_premises,
+    fuzzy_c_means,
+    grid_premises,
+    subtractive_clusters,
+)
+from fuzzyarm.learning.sugeno import (
+    LEAST_SHRINKAGE,
+    Array,
+    Premises,
+    Scaling,
+    consequents,
+    designed,
+    optimised,
+    predicted,
+)
+
+SHRINKAGES = tuple(10.0**k for k in range(1, -11, -1))
+"""Those tried, from nearly linear to nearly free."""
+
+EARNED = 0.01
+"""Part of the error by which a larger structure must be better."""
+
+MOST_TERMS = 4
+"""Of an input, in a grid."""
+
+RADII = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3)
+"""Of subtractive clustering."""
+
+Parts = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A structure and how well it did.
+
+    Attributes
+    ----------
+    words : str
+        What it is, for a person.
+    premises : Premises
+        Its terms and rules, with the numbers that they start from.
+    shrinkage : float
+        The best of its consequents.
+    squares : ndarray, shape (samples,)
+        Squared errors of cross-validation, by which candidates are compared.
+    optimised : bool
+        Whether its terms are moved by variable projection.
+    """
+
+    words: str
+    premises: Premises = field(compare=False)
+    shrinkage: float
+    squares: Array = field(compare=False)
+    optimised: bool = False
+
+    @property
+    def error(self) -> float:
+        """Root mean square error of cross-validation, in the units of the target."""
+        return float(np.sqrt(self.squares.mean()))
+
+    @property
+    def size(self) -> int:
+        """Rules, which is what a reader pays."""
+        return len(self.premises.rules)
+
+
+class Judge(NamedTuple):
+    """Samples with the parts by which candidates are judged.
+
+    `shrinkages` are those that may be chosen; `on_step` is told what has been tried.
+    """
+
+    inputs: Array
+    outputs: Array
+    parts: Parts
+    shrinkages: Sequence[float] = SHRINKAGES
+    on_step: Callable[[str], None] = lambda _words: None
+
+    def linear_error(self) -> float:
+        """Return the error of linear regression."""
+        errors = [_linear_residual(self.inputs, self.outputs, *part)[1] for part in self.parts]
+        return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
+
+    def judged(self, words: str, premises: Premises) -> Candidate:
+        """Return a structure with its best shrinkage, its terms where they are."""
+        squares = np.empty((len(self.shrinkages), len(self.inputs)))
+        for train, test in self.parts:
+            errors = self._errors_by_shrinkage(premises, train, test)
+            squares[:, test] = np.mean(errors**2, axis=2)
+        least = squares[squares.mean(axis=1).argmin()]
+        # The most linear that is not clearly worse: they are in that order.
+        best = next(k for k, each in enumerate(squares) if not clearly_worse(each, least))
+        found = Candidate(words, premises, self.shrinkages[best], squares[best])
+        self.on_step(f"{words}: {found.error:.4g}")
+        return found
+
+    def _errors_by_shrinkage(
+        self, premises: Premises, train: NDArray[np.intp], test: NDArray[np.intp]
+    ) -> Array:
+        """Return the errors on the test part, shape (shrinkages, samples, outputs)."""
+        inputs, outputs = self.inputs, self.outputs
+        residual, left = _linear_residual(inputs, outputs, train, test)
+        if len(premises.rules) < 2:
+            return np.broadcast_to(left, (len(self.shrinkages), *left.shape))
+        scaling = Scaling.of(inputs[train], outputs[train])
+        regressors = scaling.regressors(inputs)
+        strengths = premises.strengths(inputs)
+        known = designed(strengths[train], regressors[train])
+        asked = designed(strengths[test], regressors[test])
+        # What the linear part can say is taken out of the deviations, in both parts alike.
+        said = np.linalg.lstsq(regressors[train], known, rcond=1e-10)[0]
+        known -= regressors[train] @ said
+        asked -= regressors[test] @ said
+        # The spectrum is known to 1e-16 of its largest value: far below the least shrinkage.
+        values, axes = np.linalg.eigh(known.T @ known)
+        turned = axes.T @ (known.T @ (residual / scaling.range))
+        asked = asked @ axes
+        found = []
+        for shrinkage in self.shrinkages:
+            least = max(shrinkage, LEAST_SHRINKAGE) * len(train)
+            step = turned / (np.maximum(values, 0.0) + least)[:, None]
+            found.append(left - asked @ step * scaling.range)
+        return np.array(found)
+
+    def moved(self, candidate: Candidate, evaluations: int = 25) -> Candidate:
+        """Return a structure judged with its terms moved by variable projection."""
+        squares = np.empty(len(self.inputs))
+        for train, test in self.parts:
+            inputs, outputs = self.inputs[train], self.outputs[train]
+            shrinkage = candidate.shrinkage
+            premises, finished = optimised(
+                candidate.premises, inputs, outputs, shrinkage, evaluations
+            )
+            if not finished:
+                raise KeyboardInterrupt
+            weights, scaling = consequents(premises, inputs, outputs, shrinkage)
+            asked = self.inputs[test]
+            found = predicted(premises, weights, scaling.regressors(asked), asked)
+            errors = self.outputs[test] - (scaling.middle + found * scaling.range)
+            squares[test] = np.mean(errors**2, axis=1)
+            self.on_step(f"{candidate.words}, terms moved")
+        moved = replace(
+            candidate, words=f"{candidate.words}, terms moved", squares=squares, optimised=True
+        )
+        self.on_step(f"{moved.words}: {moved.error:.4g}")
+        return moved
+
+
+def _linear_residual(
+    inputs: Array, outputs: Array, train: NDArray[np.intp], test: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """Return what linear regression leaves of the training and of the test part."""
+    scaling = Scaling.of(inputs[train], outputs[train])
+    known, asked = scaling.regressors(inputs[train]), scaling.regressors(inputs[test])
+    weights = np.linalg.lstsq(known, outputs[train], rcond=1e-10)[0]
+    return outputs[train] - known @ weights, outputs[test] - asked @ weights
+
+
+# --- Candidates ---
+
+
+def clearly_worse(squares: Array, least: Array) -> bool:
+    """Return whether squared errors are above others, sample by sample, by more than chance."""
+    apart = squares - least
+    mean = float(apart.mean())
+    if mean <= 2.0 * EARNED * float(least.mean()):  # of squares: twice the part of the error
+        return False
+    return mean > float(apart.std()) / math.sqrt(len(apart))
+
+
+def smallest_good(candidates: Iterable[Candidate]) -> Candidate:
+    """Return the smallest candidate, then the most linear, not clearly worse than the best."""
+    known = list(candidates)
+    best = min(known, key=lambda each: each.error)
+    good = [each for each in known if not clearly_worse(each.squares, best.squares)]
+    return min(good, key=lambda each: (each.size, -each.shrinkage, each.error))
+
+
+def grown_grids(judge: Judge, most: int, names: Sequence[str]) -> Iterator[Candidate]:
+    """Yield grids, each with one term more than the one before: the one that helps most.
+
+    Parameters
+    ----------
+    judge : Judge
+        By which they are compared.
+    most : int
+        Rules.
+    names : sequence of str
+        Of the inputs, for words.
+    """
+    counts = [1] * judge.inputs.shape[1]
+    yield judge.judged("linear", grid_premises(judge.inputs, counts))
+    varying = [k for k in range(len(counts)) if np.ptp(judge.inputs[:, k]) > 0.0]
+    while True:
+        following = []
+        for k in varying:
+            # An input begins with two terms; one term and two terms are one step apart.
+            larger = [*counts[:k], counts[k] + 1, *counts[k + 1 :]]
+            if math.prod(larger) <= most and larger[k] <= MOST_TERMS:
+                grid = grid_premises(judge.inputs, larger)
+                following.append((judge.judged(grid_words(larger, names), grid), larger))
+        if not following:
+            return
+        best, counts = min(following, key=lambda each: each[0].error)
+        yield best
+
+
+def grid_words(counts: Sequence[int], names: Sequence[str]) -> str:
+    """Return a grid in words: ``2 terms of a, 3 of b``."""
+    parts = [(count, name) for count, name in zip(counts, names, strict=True) if count > 1]
+    if not parts:
+        return "linear"
+    first, *others = parts
+    return ", ".join([f"{first[0]} terms of {first[1]}", *(f"{c} of {n}" for c, n in others)])
+
+
+def clustered(judge: Judge, start: str, most: int, seed: int) -> Iterator[Candidate]:
+    """Yield clusters as rules, from few to many.
+
+    Parameters
+    ----------
+    judge : Judge
+        By which they are compared.
+    start : str
+        ``fcm`` or ``subtractive``.
+    most : int
+        Rules.
+    seed : int
+        Of fuzzy c-means.
+    """
+    linear = grid_premises(judge.inputs, [1] * judge.inputs.shape[1])
+    yield judge.judged("linear", linear)
+    tried = set()
+    for centres, deviations in _clusterings(judge, start, most, seed):
+        if len(centres) in tried or len(centres) < 2:
+            continue
+        tried.add(len(centres))
+        premises = cluster_premises(judge.inputs, centres, deviations)
+        yield judge.judged(f"{len(centres)} clusters", premises)
+
+
+def _clusterings(judge: Judge, start: str, most: int, seed: int) -> Iterator[tuple[Array, Array]]:
+    different = len(np.unique(judge.inputs, axis=0))
+    if start == "subtractive":
+        for radius in RADII:
+            yield subtractive_clusters(judge.inputs, radius, min(most, different))
+        return
+    for count in (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64):
+        if count <= min(most, different):
+            yield fuzzy_c_means(judge.inputs, count, seed)

@@ -1,0 +1,447 @@
+"""A Takagi–Sugeno model over arrays: its memberships, its consequents, and how they are found.
+
+The output is the average of the consequents, weighed by how far the rules fire::
+
+    y(x) = Σ_r w_r(x) (a_r · x + b_r) / Σ_r w_r(x),    w_r(x) = Π_j μ_rj(x_j)
+
+For given terms the consequents are a linear least-squares problem. Each is the linear model
+of all samples plus a deviation of its own, and the deviations are shrunk: without shrinkage a
+rule of few samples follows their noise, with very much of it the model is linear regression.
+
+The numbers of the terms are found by variable projection (G. H. Golub, V. Pereyra, 1973):
+least squares over them alone, with the best consequents put in at each step, and the Jacobian
+of L. Kaufman (1975), which is that of the model for fixed consequents, projected away from
+what consequents can do. Memberships and their derivatives are readings of the expressions of
+the shapes.
+
+Matrices here are tall and narrow. On them several threads of a BLAS wait for each other
+longer than they work (measured: 0.4 s become 4 to 110 s), so that everything runs with one,
+see :func:`one_thread`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.expression.evaluation import Schedule, evaluate_arrays, gradient, schedule
+from fuzzyarm.expression.kinds import SHAPES, Shape
+from fuzzyarm.expression.nodes import Node
+
+Array = NDArray[np.float64]
+
+LEAST_SHRINKAGE = 1e-12
+"""What keeps the consequents unique: a constant may go from the linear part to all rules."""
+
+TINY = 1e-300
+"""Degrees below count as this one: their logarithm stays finite."""
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """Return a context in which the BLAS libraries of the process use one thread."""
+    from threadpoolctl import threadpool_limits
+
+    limits: AbstractContextManager[object] = threadpool_limits(limits=1, user_api="blas")
+    return limits
+
+
+# --- Terms and rules, their numbers in one vector ---
+
+
+class TermOf(NamedTuple):
+    """A term: of which input, of which kind, and where its parameters stand.
+
+    `numbers` has (index in the vector of numbers, sign) for each parameter of the kind:
+    neighbours share the number at which they cross, with opposite slopes.
+    """
+
+    input: int
+    kind: str
+    numbers: tuple[tuple[int, float], ...]
+
+
+class _Readings(NamedTuple):
+    """A kind of shape: its symbols, its expression, and the derivative by each parameter."""
+
+    symbols: tuple[str, ...]
+    value: tuple[Node, Schedule]
+    slopes: tuple[tuple[Node, Schedule], ...]
+
+
+@lru_cache(maxsize=32)
+def _readings(shape: Shape) -> _Readings:
+    partials = gradient(shape.expression, shape.symbols[1:])
+    return _Readings(
+        shape.symbols,
+        (shape.expression, schedule(shape.expression)),
+        tuple((partial, schedule(partial)) for partial in partials),
+    )
+
+
+class _Group(NamedTuple):
+    """The terms of one kind: their columns, inputs, and parameters (parameters × terms)."""
+
+    columns: NDArray[np.intp]
+    inputs: NDArray[np.intp]
+    indices: NDArray[np.intp]
+    signs: Array
+    readings: _Readings
+
+
+@dataclass(frozen=True, eq=False)
+class Premises:
+    """Terms and the rules over them.
+
+    Attributes
+    ----------
+    terms : tuple of TermOf
+        Those of an input in order.
+    rules : tuple of tuple of int
+        The terms of each antecedent, at most one of each input.
+    numbers : ndarray
+        Of all terms, in the units of the inputs.
+    lower, upper : ndarray
+        Their bounds.
+    scale : ndarray
+        By how much each may be expected to change.
+    """
+
+    terms: tuple[TermOf, ...]
+    rules: tuple[tuple[int, ...], ...]
+    numbers: Array
+    lower: Array
+    upper: Array
+    scale: Array
+
+    @cached_property
+    def members(self) -> Array:
+        """1 where a rule has a term, shape (rules, terms)."""
+        found = np.zeros((len(self.rules), len(self.terms)))
+        for row, rule in zip(found, self.rules, strict=True):
+            row[list(rule)] = 1.0
+        return found
+
+    @cached_property
+    def _groups(self) -> tuple[_Group, ...]:
+        kinds = dict.fromkeys(term.kind for term in self.terms)
+        return tuple(self._group(kind) for kind in kinds)
+
+    def _group(self, kind: str) -> _Group:
+        columns = [k for k, term in enumerate(self.terms) if term.kind == kind]
+        terms = [self.terms[k] for k in columns]
+        return _Group(
+            np.array(columns),
+            np.array([term.input for term in terms]),
+            np.array([[index for index, _ in term.numbers] for term in terms]).T,
+            np.array([[sign for _, sign in term.numbers] for term in terms]).T,
+            _readings(SHAPES[kind]),
+        )
+
+    def parameters(self, term: TermOf) -> tuple[float, ...]:
+        """Return the parameters of a term."""
+        return tuple(sign * float(self.numbers[index]) for index, sign in term.numbers)
+
+    def _read(self, group: _Group, inputs: Array, reading: tuple[Node, Schedule]) -> Array:
+        columns = group.signs * self.numbers[group.indices]
+        symbols = group.readings.symbols
+        values = dict(zip(symbols, (inputs[:, group.inputs], *columns), strict=True))
+        found = evaluate_arrays(reading[0], values, order=reading[1])
+        return np.broadcast_to(found, (len(inputs), len(group.inputs)))
+
+    def degrees(self, inputs: Array) -> Array:
+        """Return the memberships, shape (samples, terms)."""
+        found = np.empty((len(inputs), len(self.terms)))
+        for group in self._groups:
+            found[:, group.columns] = self._read(group, inputs, group.readings.value)
+        return found
+
+    def strengths(self, inputs: Array) -> Array:
+        """Return how far each rule fires, as a share of all: shape (samples, rules), sum 1."""
+        if not self.terms:
+            return np.ones((len(inputs), 1))
+        return self._shares(self.degrees(inputs))
+
+    def _shares(self, degrees: Array) -> Array:
+        # Products of degrees as sums of logarithms: ten small ones do not vanish.
+        logarithm = np.log(np.maximum(degrees, TINY)) @ self.members.T
+        found = np.exp(logarithm - logarithm.max(axis=1, keepdims=True))
+        shares: Array = found / found.sum(axis=1, keepdims=True)
+        return shares
+
+    def jacobian(self, inputs: Array, consequents: Array) -> Array:
+        """Return the derivative of the output by the numbers of the terms.
+
+        Parameters
+        ----------
+        inputs : ndarray, shape (samples, inputs)
+            Where.
+        consequents : ndarray, shape (samples, rules)
+            The value of each consequent there.
+
+        Returns
+        -------
+        ndarray, shape (samples, numbers)
+            With μ of a term, ∂y/∂p = Σ w_r (c_r − y) (∂μ/∂p) / μ over the rules with it.
+        """
+        degrees = self.degrees(inputs)
+        shares = self._shares(degrees)
+        mean = np.sum(shares * consequents, axis=1, keepdims=True)
+        by_term = (shares * (consequents - mean)) @ self.members
+        by_term /= np.maximum(degrees, TINY)
+        found = np.zeros((len(inputs), len(self.numbers)))
+        for group in self._groups:
+            slopes = group.readings.slopes
+            for index, sign, reading in zip(group.indices, group.signs, slopes, strict=True):
+                slope = self._read(group, inputs, reading) * sign * by_term[:, group.columns]
+                for k, column in zip(index.tolist(), slope.T, strict=True):
+                    found[:, k] += column  # neighbours share a number
+        return found
+
+    def with_numbers(self, numbers: Array) -> Premises:
+        """Return the same terms and rules with other numbers."""
+        return replace(self, numbers=np.asarray(numbers, dtype=float))
+
+
+# --- Consequents ---
+
+
+@dataclass(frozen=True, eq=False)
+class Scaling:
+    """Inputs and outputs with mean 0 and deviation 1, where least squares is well posed."""
+
+    centre: Array
+    spread: Array
+    middle: Array
+    range: Array
+
+    @classmethod
+    def of(cls, inputs: Array, outputs: Array) -> Scaling:
+        """Return the scaling of samples; what does not vary has a spread of 1."""
+        spreads = inputs.std(axis=0), outputs.std(axis=0)
+        tiny = [1e-12 * np.abs(each).max(axis=0) for each in (inputs, outputs)]
+        spread, extent = (np.where(s > t, s, 1.0) for s, t in zip(spreads, tiny, strict=True))
+        return cls(inputs.mean(axis=0), spread, outputs.mean(axis=0), extent)
+
+    def regressors(self, inputs: Array) -> Array:
+        """Return the scaled inputs and a column of ones, shape (samples, inputs + 1)."""
+        return np.column_stack([(inputs - self.centre) / self.spread, np.ones(len(inputs))])
+
+    def scaled(self, outputs: Array) -> Array:
+        """Return scaled outputs."""
+        scaled: Array = (outputs - self.middle) / self.range
+        return scaled
+
+    def in_units(self, weights: Array) -> Array:
+        """Return consequents in the units of the samples, shape (rules, outputs, inputs + 1).
+
+        Parameters
+        ----------
+        weights : ndarray, shape (rules, inputs + 1, outputs)
+            Of the scaled regressors.
+        """
+        turned = np.swapaxes(weights, 1, 2) * self.range[:, None]
+        slopes = turned[..., :-1] / self.spread
+        constants = turned[..., -1] + self.middle - slopes @ self.centre
+        return np.concatenate([slopes, constants[..., None]], axis=-1)
+
+
+def designed(shares: Array, regressors: Array) -> Array:
+    """Return each regressor weighed by each rule, shape (samples, rules × regressors)."""
+    found: Array = (shares[:, :, None] * regressors[:, None, :]).reshape(len(shares), -1)
+    return found
+
+
+def basis(regressors: Array) -> Array:
+    """Return orthonormal columns that span the regressors: those that depend are left out."""
+    left, values, _ = np.linalg.svd(regressors, full_matrices=False)
+    return left[:, values > 1e-10 * values[0]]
+
+
+def consequents(
+    premises: Premises, inputs: Array, outputs: Array, shrinkage: float
+) -> tuple[Array, Scaling]:
+    """Return the best consequents of given terms.
+
+    Parameters
+    ----------
+    premises : Premises
+        Terms and rules.
+    inputs : ndarray, shape (samples, inputs)
+        Of the samples.
+    outputs : ndarray, shape (samples, outputs)
+        Of the samples.
+    shrinkage : float
+        λ: the mean square error, in variances of the output, plus λ times the squared
+        deviations of the consequents from the common linear part is least.
+
+    Returns
+    -------
+    weights : ndarray, shape (rules, inputs + 1, outputs)
+        Of the scaled regressors.
+    scaling : Scaling
+        Of inputs and outputs.
+    """
+    scaling = Scaling.of(inputs, outputs)
+    regressors, wanted = scaling.regressors(inputs), scaling.scaled(outputs)
+    shape = len(premises.rules), regressors.shape[1], outputs.shape[1]
+    span = basis(regressors)
+    bridge = np.linalg.lstsq(regressors, span, rcond=1e-10)[0]  # regressors @ bridge = span
+    seen = span.T @ wanted
+    if len(premises.rules) < 2:
+        return np.broadcast_to(bridge @ seen, shape).copy(), scaling
+    strengths = premises.strengths(inputs)
+    size = shape[0] * shape[1]
+    crossed = np.zeros((span.shape[1], size))
+    for rows in _turns(len(inputs)):
+        crossed += span[rows].T @ designed(strengths[rows], regressors[rows])
+    # Rows are taken in by turns, and only the triangle of those before is kept.
+    triangle = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(size)
+    right = np.zeros((size, shape[2]))
+    rest = wanted - span @ seen
+    for rows in _turns(len(inputs)):
+        design = designed(strengths[rows], regressors[rows]) - span[rows] @ crossed
+        factor, triangle = np.linalg.qr(np.vstack([triangle, design]))
+        right = factor.T @ np.vstack([right, rest[rows]])
+    deviations = np.linalg.solve(triangle, right)
+    linear = bridge @ (seen - crossed @ deviations)
+    return deviations.reshape(shape) + linear, scaling
+
+
+_ROWS = 8192
+
+
+def _turns(count: int) -> Iterator[slice]:
+    return (slice(start, start + _ROWS) for start in range(0, count, _ROWS))
+
+
+def predicted(premises: Premises, weights: Array, regressors: Array, inputs: Array) -> Array:
+    """Return the scaled outputs of a model, shape (samples, outputs)."""
+    found: Array = np.einsum(
+        "nr,nq,rqk->nk", premises.strengths(inputs), regressors, weights, optimize=True
+    )
+    return found
+
+
+# --- The numbers of the terms ---
+
+
+class Projection:
+    """Least squares over the numbers of the terms, with the best consequents at each of them.
+
+    Parameters
+    ----------
+    premises : Premises
+        Terms and rules to start from.
+    inputs, outputs : ndarray
+        Samples; their outputs as :class:`Scaling` scales them.
+    shrinkage : float
+        As for :func:`consequents`.
+    """
+
+    def __init__(self, premises: Premises, inputs: Array, outputs: Array, shrinkage: float) -> None:
+        scaling = Scaling.of(inputs, outputs)
+        self.premises, self.inputs = premises, inputs
+        self.regressors = scaling.regressors(inputs)
+        self.span = basis(self.regressors)
+        wanted = scaling.scaled(outputs)
+        self.rest = wanted - self.span @ (self.span.T @ wanted)
+        self.size = len(premises.rules) * self.regressors.shape[1]
+        self.penalty = np.sqrt(max(shrinkage, LEAST_SHRINKAGE) * len(inputs)) * np.eye(self.size)
+        self.best = (np.inf, premises.numbers)
+        self._known: tuple[bytes, Array, Array, Array] | None = None
+
+    def _solve(self, numbers: Array) -> tuple[Array, Array, Array]:
+        """Return the orthogonal factor, the deviations and the residual; the last is kept."""
+        key = numbers.tobytes()
+        if self._known is None or self._known[0] != key:
+            strengths = self.premises.with_numbers(numbers).strengths(self.inputs)
+            design = designed(strengths, self.regressors)
+            design -= self.span @ (self.span.T @ design)
+            factor, triangle = np.linalg.qr(np.vstack([design, self.penalty]))
+            right = np.vstack([self.rest, np.zeros((self.size, self.rest.shape[1]))])
+            seen = factor.T @ right
+            residual = right - factor @ seen
+            self._known = key, factor, np.linalg.solve(triangle, seen), residual
+            cost = float(np.sum(residual**2))
+            if cost < self.best[0]:
+                self.best = cost, numbers.copy()
+        return self._known[1:]
+
+    def residual(self, numbers: Array) -> Array:
+        """Return what the best model leaves of the outputs, and the penalty of its deviations."""
+        return self._solve(numbers)[2].T.ravel()
+
+    def jacobian(self, numbers: Array) -> Array:
+        """Return Kaufman's Jacobian of :meth:`residual`."""
+        factor, deviations, _ = self._solve(numbers)
+        premises = self.premises.with_numbers(numbers)
+        count = len(self.inputs)
+        weights = deviations.reshape(len(premises.rules), -1, deviations.shape[1])
+        parts = []
+        for k in range(deviations.shape[1]):
+            slope = premises.jacobian(self.inputs, self.regressors @ weights[:, :, k].T)
+            slope -= self.span @ (self.span.T @ slope)
+            full = np.vstack([slope, np.zeros((self.size, slope.shape[1]))])
+            parts.append(factor @ (factor[:count].T @ slope) - full)
+        return np.concatenate(parts)
+
+
+def optimised(
+    premises: Premises,
+    inputs: Array,
+    outputs: Array,
+    shrinkage: float,
+    evaluations: int = 60,
+    on_step: Callable[[float], None] = lambda _cost: None,
+) -> tuple[Premises, bool]:
+    """Return the premises with the numbers that leave least of the outputs.
+
+    Parameters
+    ----------
+    premises, inputs, outputs, shrinkage
+        As for :func:`consequents`.
+    evaluations : int
+        Of the model, at most.
+    on_step : callable
+        Called with the root mean square of the residual, in deviations of the output, after
+        each evaluation.
+
+    Returns
+    -------
+    premises : Premises
+        The best that were seen.
+    finished : bool
+        False where a KeyboardInterrupt ended the search early.
+    """
+    if not len(premises.numbers):
+        return premises, True
+    from scipy.optimize import least_squares
+
+    projection = Projection(premises, inputs, outputs, shrinkage)
+
+    def residual(numbers: Array) -> Array:
+        found = projection.residual(numbers)
+        on_step(float(np.sqrt(np.sum(found**2) / outputs.size)))
+        return found
+
+    finished = True
+    try:
+        least_squares(
+            residual,
+            np.clip(premises.numbers, premises.lower, premises.upper),
+            projection.jacobian,
+            bounds=(premises.lower, premises.upper),
+            x_scale=premises.scale,
+            max_nfev=evaluations,
+            xtol=1e-6,
+            ftol=1e-6,
+        )
+    except KeyboardInterrupt:
+        finished = False
+    return premises.with_numbers(projection.best[1]), finished

@@ -1,0 +1,338 @@
+"""How good a rule base is on samples, where, and which of its rules carry it.
+
+A single error says little. The error by region shows where a model fails, the residuals
+whether it fails in one direction, calibration whether a value that it gives can be taken for
+what it says, and the firing strengths which rules these samples have tested at all: a rule
+that never fires may say anything.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference.arrays import firing_strengths
+from fuzzyarm.inference.sets import degrees
+from fuzzyarm.language.writer import rule_node
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.written import output_names
+from fuzzyarm.model.rulebase import Input, RuleBase
+
+Array = NDArray[np.float64]
+
+FIRES = 0.01
+"""Firing strength from which on a rule counts as firing: a gaussian never quite reaches 0."""
+
+BINS = 10
+"""Of the calibration."""
+
+
+class ValidationError(FuzzyarmError, ValueError):
+    """Samples by which a rule base cannot be judged."""
+
+
+class Region(NamedTuple):
+    """Samples of which an input belongs to one of its terms most, and the errors there.
+
+    Attributes
+    ----------
+    input, term : str
+        Of an input without terms a third of its range: ``low third`` and so on.
+    samples : int
+        In it.
+    error, bias : float
+        Root mean square and mean of observed minus predicted; of classes the share of wrong
+        answers, and 0. NaN where there are no samples, or no target.
+    """
+
+    input: str
+    term: str
+    samples: int
+    error: float
+    bias: float
+
+
+class RuleUse(NamedTuple):
+    """How a rule fires over the samples.
+
+    Attributes
+    ----------
+    number : int
+        From 1, in the order of the file.
+    text : str
+        The rule.
+    line : int
+        Where it stands in the file.
+    often : float
+        Share of the samples at which it fires.
+    mean, strongest : float
+        Its firing strength over all samples.
+    leads : int
+        Samples at which no rule is stronger.
+    error : float
+        Root mean square of the error, weighed by its firing strength; NaN where it never fires.
+    """
+
+    number: int
+    text: str
+    line: int
+    often: float
+    mean: float
+    strongest: float
+    leads: int
+    error: float
+
+    @property
+    def never_fires(self) -> bool:
+        """Whether no sample makes it fire."""
+        return self.often == 0.0
+
+
+class Bin(NamedTuple):
+    """Samples with predictions next to each other: mean of the predicted and of the observed."""
+
+    samples: int
+    predicted: float
+    observed: float
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What samples say of a rule base.
+
+    Attributes
+    ----------
+    samples : int
+        In all.
+    silent : int
+        Those at which no rule fires: they count in nothing else.
+    outside : int
+        Those beyond the range of an input.
+    error, bias, worst : float
+        Root mean square, mean and largest magnitude of observed minus predicted; of classes
+        `error` is the share of wrong answers. NaN without a target.
+    worst_sample : int
+        Where the largest is, from 1; 0 without a target.
+    explained : float
+        Share of the variance of the target that is explained (R²); NaN for classes.
+    slope, intercept : float
+        Of the observed over the predicted: 1 and 0 where neither is exaggerated.
+    calibration : tuple of Bin
+        From low to high predictions.
+    regions : tuple of Region
+        By input and term.
+    rules : tuple of RuleUse
+        In the order of the file.
+    confusion : tuple of tuple of int
+        Of classes: a row for each class as it is, a column for each as it is predicted.
+    classes : tuple of str
+        Empty for numbers.
+    predicted, observed : ndarray
+        Of the samples with a value; for figures.
+    """
+
+    samples: int
+    silent: int
+    outside: int
+    error: float
+    bias: float
+    worst: float
+    worst_sample: int
+    explained: float
+    slope: float
+    intercept: float
+    calibration: tuple[Bin, ...]
+    regions: tuple[Region, ...]
+    rules: tuple[RuleUse, ...]
+    confusion: tuple[tuple[int, ...], ...]
+    classes: tuple[str, ...]
+    predicted: Array
+    observed: Array
+
+    @property
+    def never_fired(self) -> tuple[RuleUse, ...]:
+        """The rules that no sample makes fire."""
+        return tuple(rule for rule in self.rules if rule.never_fires)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as JSON data: NaN is None, and the samples themselves are left out."""
+        data = {k: v for k, v in asdict(self).items() if k not in {"predicted", "observed"}}
+        data["calibration"] = [each._asdict() for each in self.calibration]
+        data["regions"] = [each._asdict() for each in self.regions]
+        data["rules"] = [each._asdict() for each in self.rules]
+        data["never_fired"] = [rule.number for rule in self.never_fired]
+        found: dict[str, Any] = _without_nan(data)
+        return found
+
+
+def _without_nan(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _without_nan(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_without_nan(value) for value in data]
+    return None if isinstance(data, float) and math.isnan(data) else data
+
+
+def validate(rulebase: RuleBase, samples: Samples) -> Validation:
+    """Judge a rule base by samples.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Of any kind.
+    samples : Samples
+        With a column for each of its inputs. The target is one of its outputs; of classes,
+        each has an output. Without values (NaN) rules and ranges are judged alone.
+
+    Raises
+    ------
+    ValidationError
+        If an output that the target asks for is not there.
+    """
+    wanted = output_names(samples)
+    known = [output.name for output in rulebase.outputs]
+    has_target = not np.isnan(samples.values).any()
+    missing = [name for name in wanted if name not in known]
+    if missing and has_target:
+        hint = f"there are: {', '.join(known)}"
+        raise ValidationError(f"the rule base has no output '{missing[0]}'", hint=hint)
+    columns = dict(zip(samples.names, samples.inputs.T, strict=True))
+    strengths, outputs = firing_strengths(rulebase, columns)
+    shown = [outputs[name] for name in (known if missing else wanted)]
+    predicted = np.stack([np.broadcast_to(each, len(samples)) for each in shown], axis=1)
+    fired: NDArray[np.bool_] = ~np.asarray(np.isnan(predicted).any(axis=1))
+    errors = _errors(samples, predicted) if has_target else np.full(len(samples), math.nan)
+    observed, given = samples.values[fired], predicted[fired, 0]
+    numbers = has_target and not samples.classes and len(observed) > 0
+    slope, intercept = _line(given, observed) if numbers else (math.nan, math.nan)
+    variance = float(np.var(observed)) if numbers else math.nan
+    judged = errors[fired]
+    error = _root_mean_square(judged)
+    return Validation(
+        samples=len(samples),
+        silent=int(np.sum(~fired)),
+        outside=_outside(rulebase, columns),
+        error=_share_or_rms(samples, judged),
+        bias=_mean(judged) if numbers else math.nan,
+        worst=float(np.abs(judged).max()) if numbers else math.nan,
+        worst_sample=int(np.flatnonzero(fired)[np.abs(judged).argmax()]) + 1 if numbers else 0,
+        explained=1.0 - error**2 / variance if variance > 0.0 else math.nan,
+        slope=slope,
+        intercept=intercept,
+        calibration=tuple(_bins(given, observed)) if numbers else (),
+        regions=tuple(_regions(rulebase, samples, columns, np.where(fired, errors, math.nan))),
+        rules=tuple(_uses(rulebase, strengths, np.where(fired, errors, math.nan))),
+        confusion=_confusion(samples, predicted, fired) if has_target else (),
+        classes=samples.classes,
+        predicted=given,
+        observed=observed,
+    )
+
+
+def _errors(samples: Samples, predicted: Array) -> Array:
+    """Return observed minus predicted; of classes 1 for a wrong answer."""
+    if not samples.classes:
+        return samples.values - predicted[:, 0]
+    with np.errstate(invalid="ignore"):
+        answers = np.where(np.isnan(predicted), -np.inf, predicted).argmax(axis=1)
+    wrong: NDArray[np.bool_] = np.not_equal(answers, samples.values)
+    return wrong.astype(float)
+
+
+def _share_or_rms(samples: Samples, errors: Array) -> float:
+    return _mean(errors) if samples.classes else _root_mean_square(errors)
+
+
+def _mean(values: Array) -> float:
+    known = values[~np.isnan(values)]
+    return float(known.mean()) if len(known) else math.nan
+
+
+def _root_mean_square(values: Array) -> float:
+    return math.sqrt(_mean(values**2)) if len(values) else math.nan
+
+
+def _outside(rulebase: RuleBase, columns: dict[str, Array]) -> int:
+    beyond = [
+        (columns[each.name] < each.low) | (columns[each.name] > each.high)
+        for each in rulebase.inputs
+    ]
+    return int(np.any(beyond, axis=0).sum())
+
+
+def _line(predicted: Array, observed: Array) -> tuple[float, float]:
+    """Return slope and intercept of the observed over the predicted; NaN for one prediction."""
+    spread = float(np.var(predicted))
+    if not spread > 0.0:
+        return math.nan, math.nan
+    slope = float(np.mean((predicted - predicted.mean()) * (observed - observed.mean()))) / spread
+    return slope, float(observed.mean()) - slope * float(predicted.mean())
+
+
+def _bins(predicted: Array, observed: Array) -> Iterator[Bin]:
+    order = np.argsort(predicted, kind="stable")
+    for rows in np.array_split(order, min(BINS, len(order))):
+        yield Bin(len(rows), float(predicted[rows].mean()), float(observed[rows].mean()))
+
+
+def _regions(
+    rulebase: RuleBase, samples: Samples, columns: dict[str, Array], errors: Array
+) -> Iterator[Region]:
+    for variable in rulebase.inputs:
+        names, index = _parts(variable, columns[variable.name])
+        for k, name in enumerate(names):
+            inside = errors[(index == k) & ~np.isnan(errors)]
+            count = int(np.sum(index == k))
+            if not len(inside):
+                yield Region(variable.name, name, count, math.nan, math.nan)
+                continue
+            bias = 0.0 if samples.classes else _mean(inside)
+            yield Region(variable.name, name, count, _share_or_rms(samples, inside), bias)
+
+
+def _parts(variable: Input, values: Array) -> tuple[list[str], NDArray[np.intp]]:
+    """Return the parts of an input by name, and the part of each value."""
+    at = np.clip(values, variable.low, variable.high) if variable.outside == "clamp" else values
+    if len(variable.terms) > 1:
+        memberships = np.stack([degrees(term.shape, at) for term in variable.terms])
+        return [term.name for term in variable.terms], memberships.argmax(axis=0)
+    low, high = max(variable.low, at.min()), min(variable.high, at.max())
+    edges = np.array([low + (high - low) / 3.0, low + (high - low) * 2.0 / 3.0])
+    return ["low third", "middle third", "high third"], np.searchsorted(edges, at)
+
+
+def _uses(rulebase: RuleBase, strengths: Array, errors: Array) -> Iterator[RuleUse]:
+    strongest = strengths.max(axis=0)
+    judged = ~np.isnan(errors)
+    for number, (rule, fires) in enumerate(zip(rulebase.rules, strengths, strict=True), 1):
+        weight = fires[judged].sum()
+        error = math.nan
+        if weight > 0.0 and fires.max() >= FIRES:
+            error = math.sqrt(float(np.sum(fires[judged] * errors[judged] ** 2) / weight))
+        yield RuleUse(
+            number,
+            " ".join(rule_node(rule).parts),
+            rule.span.line,
+            float(np.mean(fires >= FIRES)),
+            float(fires.mean()),
+            float(fires.max()),
+            int(np.sum((fires == strongest) & (fires > 0.0))),
+            error,
+        )
+
+
+def _confusion(
+    samples: Samples, predicted: Array, fired: NDArray[np.bool_]
+) -> tuple[tuple[int, ...], ...]:
+    count = len(samples.classes)
+    table = np.zeros((count, count), dtype=int)
+    if count:
+        answers = predicted[fired].argmax(axis=1)
+        np.add.at(table, (samples.values[fired].astype(int), answers), 1)
+    return tuple(tuple(row) for row in table.tolist())

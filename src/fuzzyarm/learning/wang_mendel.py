@@ -1,0 +1,149 @@
+"""Rules over words from samples (L.-X. Wang, J. M. Mendel, 1992).
+
+Every variable is divided into the same words, evenly. Each sample proposes the rule of the
+words that it belongs to most; among proposals with the same antecedent the one with the
+largest degree stays, the product of all its memberships. One pass, no optimisation: such
+rules read well and are right to about half a word.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.declarations import even_shapes
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.sugeno import Array
+from fuzzyarm.learning.written import (
+    Layout,
+    middle_of,
+    outer_range,
+    term_names,
+    weighted_output,
+)
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Expression,
+    Input,
+    Is,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Term,
+)
+from fuzzyarm.text.diagnostic import MAX_RULES
+
+FEWEST_WORDS, MOST_WORDS = 2, 99
+
+
+class WordsError(FuzzyarmError, ValueError):
+    """Words that cannot be made, or too many rules of them."""
+
+
+class Proposals(NamedTuple):
+    """The rules that samples propose.
+
+    Attributes
+    ----------
+    antecedents : ndarray of int, shape (rules, inputs)
+        Index of the word of each input, in the order of a grid.
+    conclusions : ndarray of int, shape (rules,)
+        Index of the word of the output.
+    support : ndarray of int, shape (rules,)
+        Samples with that antecedent.
+    """
+
+    antecedents: NDArray[np.intp]
+    conclusions: NDArray[np.intp]
+    support: NDArray[np.intp]
+
+
+def proposals(
+    inputs: Array, wanted: Array, ranges: list[tuple[float, float]], words: int
+) -> Proposals:
+    """Return the rules of samples.
+
+    Parameters
+    ----------
+    inputs : ndarray, shape (samples, inputs)
+        Of the samples.
+    wanted : ndarray, shape (samples,)
+        Of the samples.
+    ranges : list of (float, float)
+        Of the inputs, and of the output at the end.
+    words : int
+        Of each variable.
+    """
+    low, high = np.array(ranges).T
+    position = (np.column_stack([inputs, wanted]) - low) / (high - low) * (words - 1)
+    nearest = np.clip(np.rint(position), 0, words - 1).astype(np.intp)
+    degree = np.prod(1.0 - np.abs(position - nearest), axis=1)
+    # Rows are ordered by antecedent, then degree: the last of each antecedent stays.
+    order = np.lexsort((degree, *nearest[:, :-1].T[::-1]))
+    ordered = nearest[order]
+    last = np.append(np.any(np.diff(ordered[:, :-1], axis=0), axis=1), True)
+    ends = np.flatnonzero(last)
+    support = np.diff(np.append(-1, ends))
+    return Proposals(ordered[ends, :-1], ordered[ends, -1], support)
+
+
+def wang_mendel(samples: Samples, words: int, layout: Layout) -> tuple[RuleBase, NDArray[np.intp]]:
+    """Return the rule base of Wang and Mendel, and the support of each rule.
+
+    Parameters
+    ----------
+    samples : Samples
+        With a target of numbers.
+    words : int
+        Of each variable.
+    layout : Layout
+        Names.
+
+    Raises
+    ------
+    WordsError
+        If there are too few or too many words, or too many rules.
+    """
+    if not FEWEST_WORDS <= words <= MOST_WORDS:
+        raise WordsError(f"number of words must be {FEWEST_WORDS} to {MOST_WORDS}, not {words}")
+    if samples.classes:
+        message = (
+            f"Wang and Mendel's rules need a target of numbers, and '{samples.target}' has words"
+        )
+        raise WordsError(message)
+    columns = [*samples.inputs.T, samples.values]
+    ranges = [outer_range(float(each.min()), float(each.max()), 4) for each in columns]
+    found = proposals(samples.inputs, samples.values, ranges, words)
+    if len(found.support) > MAX_RULES:
+        message = f"{len(found.support):,} rules are too many"
+        raise WordsError(message, hint=f"at most {MAX_RULES:,}: use fewer words")
+    names = term_names(words)
+
+    def terms(low: float, high: float) -> tuple[Term, ...]:
+        shapes = even_shapes("triangles", words, low, high)
+        return tuple(Term(name, shape) for name, shape in zip(names, shapes, strict=True))
+
+    inputs = tuple(
+        Input(name, low, high, terms(low, high), outside="clamp")
+        for name, (low, high) in zip(samples.names, ranges[:-1], strict=True)
+    )
+    low, high = ranges[-1]
+    silent = middle_of(samples.values)
+    output = weighted_output(samples.target, low, high, terms(low, high), silent, "clamp")
+    rules = tuple(
+        Rule(_antecedent(samples.names, names, row), (Consequent(output.name, names[word]),))
+        for row, word in zip(found.antecedents.tolist(), found.conclusions.tolist(), strict=True)
+    )
+    block = RuleBlock(rules, conjunction="product")
+    rulebase = RuleBase(layout.name, inputs, (output,), (block,), layout.description)
+    return rulebase, found.support
+
+
+def _antecedent(inputs: tuple[str, ...], names: tuple[str, ...], row: list[int]) -> Expression:
+    parts = tuple(Is(variable, names[k]) for variable, k in zip(inputs, row, strict=True))
+    parts = (*parts[-2:], *parts[:-2])  # row and column of a grid last: they stand first
+    return parts[0] if len(parts) == 1 else And(parts)

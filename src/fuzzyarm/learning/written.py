@@ -1,0 +1,379 @@
+"""A learned model as a rule base and as text: words for terms, numbers as short as they may be.
+
+What is written is what counts: the numbers of the terms are rounded first and the consequents
+are found again for them; a coefficient then keeps as many decimals as the error of the model
+needs, and no more.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fuzzyarm.language.check import check
+from fuzzyarm.language.document import Statement, parse_document, print_document
+from fuzzyarm.language.reading import format_text, parse
+from fuzzyarm.language.statements import GridNode, RuleNode, TermNode
+from fuzzyarm.language.tokens import Trivia
+from fuzzyarm.language.writer import write
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.sugeno import Array, Premises, consequents
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Defuzzifier,
+    Expression,
+    Input,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+)
+
+WORDS: dict[int, tuple[str, ...]] = {
+    1: ("ANY",),
+    2: ("LOW", "HIGH"),
+    3: ("LOW", "MEDIUM", "HIGH"),
+    4: ("VERY-LOW", "LOW", "HIGH", "VERY-HIGH"),
+    5: ("VERY-LOW", "LOW", "MEDIUM", "HIGH", "VERY-HIGH"),
+    6: ("VERY-LOW", "LOW", "BELOW-MEDIUM", "ABOVE-MEDIUM", "HIGH", "VERY-HIGH"),
+    7: ("VERY-LOW", "LOW", "BELOW-MEDIUM", "MEDIUM", "ABOVE-MEDIUM", "HIGH", "VERY-HIGH"),
+}
+"""Names of terms by how many there are; for more see :func:`term_names`."""
+
+SHARE_OF_ERROR = 0.1
+"""By how much a rounded consequent may be off, in training errors."""
+
+
+def term_names(count: int) -> tuple[str, ...]:
+    """Return names for `count` terms from low to high: LOW MEDIUM HIGH, LOW4 … HIGH4."""
+    if count in WORDS:
+        return WORDS[count]
+    half = count // 2
+    low = tuple(f"LOW{k}" for k in range(half, 0, -1))
+    high = tuple(f"HIGH{k}" for k in range(1, half + 1))
+    return (*low, *(("MEDIUM",) if count % 2 else ()), *high)
+
+
+# --- Numbers ---
+
+
+def resolution(scale: float, digits: int) -> int:
+    """Return the decimals that leave `digits` digits of a number of the size of `scale`."""
+    if not scale > 0.0:
+        return digits
+    return digits - 1 - math.floor(math.log10(scale))
+
+
+def round_to(value: float, decimals: int) -> float:
+    """Return the nearest number with so many decimals, which may be negative; never -0."""
+    return round(value, min(decimals, 300)) + 0.0
+
+
+def outer_range(low: float, high: float, digits: int = 2) -> tuple[float, float]:
+    """Return a range with short numbers that holds another one.
+
+    Parameters
+    ----------
+    low, high : float
+        The lowest and the highest value.
+    digits : int
+        Digits of the width to which the ends are rounded outwards.
+    """
+    if not high > low:
+        half = max(1.0, 0.1 * abs(low))
+        low, high = low - half, high + half
+    decimals = resolution(high - low, digits)
+    step = 10.0**-decimals
+    ends = math.floor(low / step + 1e-9) * step, math.ceil(high / step - 1e-9) * step
+    return round_to(ends[0], decimals), round_to(ends[1], decimals)
+
+
+def rounded_premises(premises: Premises, digits: int) -> Premises:
+    """Return premises whose numbers have few digits, counted from the size of their change."""
+    pairs = zip(premises.numbers.tolist(), premises.scale.tolist(), strict=True)
+    numbers = [round_to(number, resolution(scale, digits)) for number, scale in pairs]
+    return premises.with_numbers(np.array(numbers))
+
+
+def rounded_consequents(weights: Array, samples: Samples, tolerance: Array) -> Array:
+    """Return consequents with as many decimals as a tolerance asks for.
+
+    Parameters
+    ----------
+    weights : ndarray, shape (rules, outputs, inputs + 1)
+        Slopes and the constant, in the units of the samples.
+    samples : Samples
+        Whose spread says what a slope does.
+    tolerance : ndarray, shape (outputs,)
+        By how much a value may change.
+
+    Returns
+    -------
+    ndarray
+        Slopes are rounded first; each constant then makes up for them at the middle of the
+        samples, and is rounded itself.
+    """
+    centre = samples.inputs.mean(axis=0)
+    reach = np.maximum(np.abs(samples.inputs - centre).max(axis=0), 1e-300)
+    found = weights.copy()
+    parts = math.sqrt(weights.shape[2])
+    for k, each in enumerate(tolerance.tolist()):
+        for j, far in enumerate(reach.tolist()):
+            decimals = resolution(each / parts / far, 1)
+            found[:, k, j] = [round_to(value, decimals) for value in weights[:, k, j].tolist()]
+        constants = weights[:, k, -1] + (weights[:, k, :-1] - found[:, k, :-1]) @ centre
+        decimals = resolution(each / parts, 1)
+        found[:, k, -1] = [round_to(value, decimals) for value in constants.tolist()]
+    return found
+
+
+# --- The rule base ---
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a model is written, apart from what was learned.
+
+    Attributes
+    ----------
+    name, description : str
+        Of the rule base.
+    outside : str
+        What inputs and outputs do beyond their ranges.
+    digits : int
+        Of the numbers of terms.
+    """
+
+    name: str = "model"
+    description: str = ""
+    outside: str = "extend"
+    digits: int = 4
+
+
+def sugeno_rulebase(
+    premises: Premises, samples: Samples, shrinkage: float, error: Array, layout: Layout
+) -> RuleBase:
+    """Return a Takagi–Sugeno model as a rule base with rounded numbers.
+
+    Parameters
+    ----------
+    premises : Premises
+        Terms and rules.
+    samples : Samples
+        For which the consequents are found.
+    shrinkage : float
+        Of the consequents.
+    error : ndarray, shape (outputs,)
+        The error of each output, which says how far consequents may be rounded.
+    layout : Layout
+        Names and digits.
+    """
+    rounded = rounded_premises(premises, layout.digits)
+    weights, scaling = consequents(rounded, samples.inputs, samples.outputs, shrinkage)
+    floor = 1e-4 * scaling.range
+    tolerance = SHARE_OF_ERROR * np.maximum(error, floor) * 10.0 ** (4 - layout.digits)
+    values = rounded_consequents(scaling.in_units(weights), samples, tolerance)
+    inputs = tuple(
+        _input(k, name, rounded, samples, layout) for k, name in enumerate(samples.names)
+    )
+    if not rounded.terms:  # one rule that always holds
+        inputs = (replace(inputs[0], terms=(_always(),)), *inputs[1:])
+    labels = [f"R{k + 1}" for k in range(len(rounded.rules))]
+    outputs = tuple(
+        _output(name, k, values[:, k], labels, samples, layout)
+        for k, name in enumerate(output_names(samples))
+    )
+    named = {
+        index: Is(samples.names[term.input], name)
+        for (index, term), name in zip(enumerate(rounded.terms), _names(rounded), strict=True)
+    }
+    rules = tuple(
+        Rule(
+            _antecedent([named[index] for index in rule], inputs),
+            tuple(Consequent(output.name, label) for output in outputs),
+        )
+        for rule, label in zip(rounded.rules, labels, strict=True)
+    )
+    block = RuleBlock(rules, conjunction="product")
+    return RuleBase(layout.name, inputs, outputs, (block,), layout.description)
+
+
+def output_names(samples: Samples) -> tuple[str, ...]:
+    """Return the names of the outputs of a model: the target, or its classes.
+
+    A class that is called like an input is named after the target too.
+    """
+    if not samples.classes:
+        return (samples.target,)
+    taken = set(samples.names)
+    return tuple(f"{samples.target} {name}" if name in taken else name for name in samples.classes)
+
+
+def _names(premises: Premises) -> list[str]:
+    counts = {term.input: 0 for term in premises.terms}
+    for term in premises.terms:
+        counts[term.input] += 1
+    following = {k: iter(term_names(count)) for k, count in counts.items()}
+    return [next(following[term.input]) for term in premises.terms]
+
+
+def _always() -> Term:
+    return Term("ANY", Shape("rectangle", (-math.inf, math.inf)))
+
+
+def _input(k: int, name: str, premises: Premises, samples: Samples, layout: Layout) -> Input:
+    column = samples.inputs[:, k]
+    low, high = outer_range(float(column.min()), float(column.max()))
+    terms = tuple(
+        Term(word, Shape(term.kind, premises.parameters(term)))
+        for term, word in zip(premises.terms, _names(premises), strict=True)
+        if term.input == k
+    )
+    return Input(name, low, high, terms, outside=layout.outside)
+
+
+def _output(
+    name: str, k: int, values: Array, labels: Sequence[str], samples: Samples, layout: Layout
+) -> Output:
+    wanted = samples.outputs[:, k]
+    low, high = outer_range(float(wanted.min()), float(wanted.max()))
+    terms = tuple(
+        Term(label, Shape("linear", tuple(row)))
+        for label, row in zip(labels, values.tolist(), strict=True)
+    )
+    return weighted_output(name, low, high, terms, middle_of(wanted), layout.outside)
+
+
+def weighted_output(
+    name: str, low: float, high: float, terms: tuple[Term, ...], silent: float, outside: str
+) -> Output:
+    """Return an output that averages its terms, with the value of where no rule fires."""
+    return Output(
+        name,
+        low,
+        high,
+        terms,
+        outside=outside,
+        aggregation="sum",
+        defuzzifier=Defuzzifier("weighted-average"),
+        no_rule=silent,
+    )
+
+
+def middle_of(wanted: Array) -> float:
+    """Return the mean of values, with three digits of their width."""
+    width = float(np.ptp(wanted)) or 1.0
+    return round_to(float(wanted.mean()), resolution(width, 3))
+
+
+def _antecedent(parts: list[Is], inputs: Sequence[Input]) -> Expression:
+    if not parts:
+        return Is(inputs[0].name, inputs[0].terms[0].name)
+    # Row and column are the last two inputs, the others stand in front of the grid.
+    ordered = (*parts[-2:], *parts[:-2])
+    return ordered[0] if len(ordered) == 1 else And(ordered)
+
+
+# --- The text ---
+
+
+def commented(
+    rulebase: RuleBase,
+    head: Sequence[str],
+    by_term: Mapping[tuple[str, str], str],
+    by_rule: Sequence[str] = (),
+) -> str:
+    """Return canonical text with comments.
+
+    Rules of samples need not cover every combination of terms, for instance, and then this is
+    meant: an ``allow`` says so to the checks.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What is written.
+    head : sequence of str
+        Lines before it, without ``#``.
+    by_term : mapping of (str, str) to str
+        What stands behind the line of a term, by the names of its variable and its own.
+    by_rule : sequence of str
+        What stands behind a rule, in order; cells of a grid have no room for it.
+    """
+    document = parse_document(write(rulebase))
+    first, *others = document.statements
+    lines = (*(f"# {line}".rstrip() for line in head), *first.trivia.before)
+    made = [Statement(first.node, Trivia(lines, first.trivia.behind))]
+    number = 0  # of the next rule
+    for statement in others:
+        node = statement.node
+        text = ""
+        if isinstance(node, TermNode):
+            text = by_term.get((node.variable.text, node.name.text), "")
+        elif isinstance(node, RuleNode):
+            text = by_rule[number] if number < len(by_rule) else ""
+            number += 1
+        elif isinstance(node, GridNode):
+            number += sum(cell.term is not None for row in node.rows for cell in row.cells)
+        behind = f"# {text}" if text else statement.trivia.behind
+        made.append(Statement(node, Trivia(statement.trivia.before, behind)))
+    return _allowing(print_document(document._replace(statements=tuple(made))))
+
+
+MEANT = frozenset({"coverage-gap", "jump", "missing-rule"})
+"""Doubts about a text of one's own that are none where samples have said it so."""
+
+
+def _allowing(text: str) -> str:
+    """Return a text that allows what is meant, where a check would doubt it."""
+    parsed = parse(text)
+    assert parsed.rulebase is not None, parsed.diagnostics
+    names: dict[int, set[str]] = {}
+    for found in check(parsed.rulebase, parsed.document):
+        if found.name in MEANT:
+            names.setdefault(found.line, set()).add(found.name)
+    lines = text.split("\n")
+    for number, some in names.items():
+        line = lines[number - 1].partition("  #")[0]
+        lines[number - 1] = f"{line}  # allow {', '.join(sorted(some))}"
+    return format_text("\n".join(lines))
+
+
+def rule_comments(
+    rulebase: RuleBase, samples: Samples, strengths: Array, errors: Array
+) -> dict[tuple[str, str], str]:
+    """Return what is said of each rule with a conclusion of its own: its support, its error.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Whose rules conclude R1, R2 …
+    samples : Samples
+        That it was learned from.
+    strengths : ndarray, shape (samples, rules)
+        How far each rule fires there, as a share of all.
+    errors : ndarray, shape (samples, outputs)
+        What the rule base is off.
+    """
+    support = strengths.sum(axis=0)
+    squares = strengths.T @ errors**2
+    output = rulebase.outputs[0]
+    return {
+        (output.name, term.name): (
+            f"{100.0 * share / len(samples):.2g} % of the samples, error "
+            f"{math.sqrt(float(row.mean()) / max(share, 1e-12)):.2g}"
+        )
+        for term, share, row in zip(output.terms, support.tolist(), squares, strict=True)
+    }
+
+
+def short_source(source: str) -> str:
+    """Return where samples come from, without the folder."""
+    return os.path.basename(source) or "arrays"

@@ -1,0 +1,180 @@
+"""Co-simulation units: valid by FMPy, and to the bits of the controller when FMPy runs them."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import re
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from controller_programs import EVERYTHING, model_drives, ports, scattered, shipped_text, text_of
+
+from fuzzyarm.cli import main
+from fuzzyarm.export import ControllerProgram, ExportError, export_controller
+from fuzzyarm.export.controllers import port_name
+from fuzzyarm.export.fmu import find_compiler
+from fuzzyarm.shipped_files import shipped
+
+fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
+
+
+@pytest.fixture(autouse=True)
+def _compiler():
+    try:
+        find_compiler()
+    except ExportError as error:
+        pytest.skip(str(error))
+
+
+def made(text, folder, version):
+    program = ControllerProgram(text, "float64")
+    path = folder / f"made{version}.fmu"
+    export_controller(program, path, fmi=version).write()
+    return program.steps, str(path)
+
+
+def input_names(steps):
+    return [f"{port.sort}.{port_name(steps, port)}" for port in ports(steps)]
+
+
+def simulated(steps, path, rows, **options):
+    """Return the outputs at the end of each step."""
+    period = steps.model.period
+    names = input_names(steps)
+    signals = np.array(
+        [(k * period, *row) for k, row in enumerate(rows.tolist())],
+        dtype=[("time", float), *((name, float) for name in names)],
+    )
+    outputs = [port_name(steps, port) for port in steps.of_sort("drive")]
+    options = {"step_size": period, "output_interval": period, **options}
+    result = fmpy.simulate_fmu(
+        path, stop_time=len(rows) * period, input=signals, output=outputs, **options
+    )
+    return np.array([[row[name] for name in outputs] for row in result])[1 : len(rows) + 1]
+
+
+@pytest.mark.parametrize(
+    ("name", "version"), [("cfaf", 2), ("soc-table", 3), ("everything", 2), ("everything", 3)]
+)
+def test_a_unit_is_valid_and_drives_the_same_bits(tmp_path, name, version):
+    from fmpy.validation import validate_fmu
+
+    text = text_of(EVERYTHING.replace("'cooling air'", "air")) if name == "everything" else None
+    text = text or shipped_text(name)
+    steps, path = made(text, tmp_path, version)
+    assert validate_fmu(path) == []
+    rows = scattered(steps, 2_000)
+    np.testing.assert_array_equal(simulated(steps, path, rows), model_drives(text, steps, rows))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_gains_are_set_before_a_run_and_have_units(tmp_path, version):
+    text = shipped_text("fuzzy-lut")
+    steps, path = made(text, tmp_path, version)
+    variables = {v.name: v for v in fmpy.read_model_description(path).modelVariables}
+    assert variables["G_e"].unit == "1/rad"
+    assert (variables["G_e"].causality, variables["G_e"].variability) == ("parameter", "tunable")
+    assert float(variables["supply"].start) == 20.0
+    assert variables["measured.joint1.position"].causality == "input"
+    assert variables["joint1.voltage"].causality == "output"
+    assert variables["signal.joint1.e"].causality == "local"
+    rows = scattered(steps, 50)
+    found = simulated(steps, path, rows, start_values={"supply": 10.0})
+    run = text.run(gains={"supply": 10.0})
+    for row, drives in zip(rows.tolist(), found, strict=True):
+        sides = {"measured": {}, "reference": {}}
+        for value, port in zip(row, ports(steps), strict=True):
+            sides[port.sort][port_name(steps, port)] = value
+        assert list(run.step(*sides.values()).values()) == drives.tolist()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_step_of_the_host_is_as_many_periods(tmp_path, version):
+    text = shipped_text("hfie")
+    steps, path = made(text, tmp_path, version)
+    rows = np.repeat(scattered(steps, 40), 5, axis=0)  # held for five periods, as the host does
+    fine = model_drives(text, steps, rows)[4::5]
+    coarse = simulated(
+        steps, path, rows, step_size=5 * text.model.period, output_interval=5 * text.model.period
+    )
+    np.testing.assert_array_equal(coarse[: len(fine)], fine)
+
+
+def library_of(path, folder):
+    with zipfile.ZipFile(path) as archive:
+        (name,) = (n for n in archive.namelist() if n.startswith("binaries/"))
+        archive.extractall(folder)
+    return ctypes.CDLL(str(folder / name))
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_every_function_of_the_standard_is_there(tmp_path, version):
+    header = Path(fmpy.__file__).parent / "c-code" / f"fmi{version}FunctionTypes.h"
+    names = set(re.findall(rf"\b(fmi{version}\w+)TYPE\b", header.read_text()))
+    assert len(names) > 40
+    _, path = made(shipped_text("fuzzy-lut"), tmp_path, version)
+    library = library_of(path, tmp_path / "unit")
+    assert [name for name in sorted(names) if not hasattr(library, name)] == []
+
+
+def test_a_state_is_kept_and_restored(tmp_path):
+    text = shipped_text("soc-zero")
+    steps, path = made(text, tmp_path, 2)
+    library = library_of(path, tmp_path / "unit")
+    library.fmi2Instantiate.restype = ctypes.c_void_p
+    guid = fmpy.read_model_description(path).guid
+    assert library.fmi2Instantiate(b"x", 1, b"another", None, None, 0, 0) is None
+    assert library.fmi2Instantiate(b"x", 0, guid.encode(), None, None, 0, 0) is None
+    unit = ctypes.c_void_p(library.fmi2Instantiate(b"x", 1, guid.encode(), None, None, 0, 0))
+    count = len(ports(steps))
+    references = (ctypes.c_uint * count)(*range(count))
+    drive = (ctypes.c_uint * 1)(count + len(steps.of_sort("gain")))
+    out = (ctypes.c_double * 1)()
+    period = text.model.period
+    rows = scattered(steps, 30).tolist()
+
+    def step(k):
+        values = (ctypes.c_double * count)(*rows[k])
+        assert library.fmi2SetReal(unit, references, ctypes.c_size_t(count), values) == 0
+        now, size = ctypes.c_double(k * period), ctypes.c_double(period)
+        assert library.fmi2DoStep(unit, now, size, 1) == 0
+        assert library.fmi2GetReal(unit, drive, ctypes.c_size_t(1), out) == 0
+        return out[0]
+
+    for k in range(10):
+        step(k)
+    state = ctypes.c_void_p()
+    assert library.fmi2GetFMUstate(unit, ctypes.byref(state)) == 0
+    first = [step(k) for k in range(10, 30)]
+    assert library.fmi2SetFMUstate(unit, state) == 0
+    assert [step(k) for k in range(10, 30)] == first
+    assert library.fmi2FreeFMUstate(unit, ctypes.byref(state)) == 0
+    assert state.value is None
+    assert library.fmi2SetReal(unit, drive, ctypes.c_size_t(1), out) == 3  # an output
+    library.fmi2FreeInstance(unit)
+
+
+def test_a_unit_comes_out_the_same_again(tmp_path):
+    program = ControllerProgram(shipped_text("fuzzy-lut"), "float64")
+    one, two = (export_controller(program, tmp_path / "made.fmu").files[0][1] for _ in range(2))
+    assert one == two
+
+
+@pytest.mark.parametrize("compiler", ["no-such-compiler", "false"])
+def test_without_a_compiler_that_works_nothing_is_written(tmp_path, monkeypatch, capsys, compiler):
+    monkeypatch.setenv("CC", compiler)
+    out = tmp_path / "made.fmu"
+    assert main(["compile", str(shipped("fuzzy-lut.frb")), "-o", str(out)]) == 1
+    assert "C compiler" in capsys.readouterr().err
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_machine_without_a_compiler_is_told_so(tmp_path, monkeypatch):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ExportError, match="needs a C compiler") as caught:
+        find_compiler()
+    assert "CC" in caught.value.hint

@@ -1,0 +1,68 @@
+"""The estimators are what scikit-learn's own checks take for estimators."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("sklearn")
+
+from sklearn.datasets import load_iris
+from sklearn.model_selection import GridSearchCV, cross_val_score
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.utils.estimator_checks import parametrize_with_checks
+
+from fuzzyarm.inference import infer
+from fuzzyarm.language import parse
+from fuzzyarm.sklearn import FuzzyClassifier, FuzzyRegressor
+
+QUICK = {"folds": 3, "rules": 2}
+
+
+@pytest.mark.slow
+@parametrize_with_checks([FuzzyRegressor(**QUICK), FuzzyClassifier(**QUICK, move=False)])
+def test_scikit_learn_takes_it_for_an_estimator(estimator, check):
+    check(estimator)
+
+
+def test_the_model_is_a_rule_base_and_its_text():
+    x = np.linspace(-1.0, 1.0, 60)[:, None]
+    y = np.abs(x[:, 0])
+    model = FuzzyRegressor(**QUICK).fit(x, y)
+    assert parse(model.text_).rulebase == model.rulebase_
+    at = infer(model.rulebase_, x0=x[:, 0])["y"]
+    assert np.allclose(model.predict(x), at, rtol=0.0, atol=1e-12)
+    assert model.score(x, y) > 0.99
+
+
+def test_wang_and_mendel_by_an_estimator():
+    x = np.linspace(0.0, 1.0, 40)[:, None]
+    model = FuzzyRegressor(method="wang-mendel", words=(3, 5), folds=3).fit(x, x[:, 0])
+    assert "Wang and Mendel" in model.text_
+    assert model.score(x, x[:, 0]) > 0.99
+
+
+def test_names_of_a_frame_are_names_of_inputs():
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"temperature": np.arange(30.0), "y": np.arange(30.0) % 7})
+    model = FuzzyRegressor(**QUICK).fit(frame, np.arange(30.0))
+    assert [each.name for each in model.rulebase_.inputs] == ["temperature", "y (input)"]
+
+
+def test_pipeline_and_grid_search_and_classes():
+    samples = load_iris()
+    words = np.array(samples.target_names)[samples.target]
+    search = GridSearchCV(
+        make_pipeline(StandardScaler(), FuzzyClassifier(folds=2, move=False)),
+        {"fuzzyclassifier__rules": [1, 3]},
+        cv=2,
+    ).fit(samples.data, words)
+    assert search.best_params_ == {"fuzzyclassifier__rules": 3}
+    model = FuzzyClassifier(folds=2, rules=3, move=False)
+    assert cross_val_score(model, samples.data, words, cv=3).mean() > 0.93
+    model.fit(samples.data, words)
+    assert [each.name for each in model.rulebase_.outputs] == list(model.classes_)
+    shares = model.predict_proba(samples.data)
+    assert np.allclose(shares.sum(axis=1), 1.0)
+    assert (model.classes_[shares.argmax(axis=1)] == model.predict(samples.data)).all()

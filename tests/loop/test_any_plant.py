@@ -1,0 +1,388 @@
+"""Any plant in the loop: bits, references, sensors, actuators, disturbances."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fuzzyarm import shipped
+from fuzzyarm.controller import controller
+from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.text import with_files
+from fuzzyarm.language import parse
+from fuzzyarm.loop import Options, Sensor, Signal, read_signal, simulate
+from fuzzyarm.plant import PLANTS, Plant, PlantError, Port, find_plant, reach
+from fuzzyarm.plant.own import as_plant
+from fuzzyarm.plant.plant import interface_of, with_actuators, with_parameters
+
+
+def text(*lines, axis="shaft", period="1 ms", every=1, head=()):
+    parts = ["controller c", f"period {period}", f"set-point every {every}", *head]
+    whole = "\n".join([*parts, f"axis {axis}", *(f"  {line}" for line in lines)]) + "\n"
+    parsed = parse(whole)
+    assert parsed.controller is not None, parsed.diagnostics
+    made, faults = with_files(parsed.controller, shipped("pd7.frb").parent)
+    assert faults == []
+    return made
+
+
+SERVO = text("e = error of position", "u = e * 8", "drive voltage = u")
+
+DRIVERS = {
+    "motor": SERVO,
+    "cartpole": text("a = measured theta", "u = a * 40", "drive f = u", axis="cart"),
+    "tanks": text("e = error of level1", "u = e * 60", "drive pump = u", axis="t", period="1 s"),
+    "ball-and-beam": text(
+        "e = error of position", "w = measured angle", "u = e - w * 3", "drive angle_rate = u",
+        axis="beam", period="10 ms",
+    ),
+    "room": text(
+        "e = error of temperature", "u = e * 10 + 200", "drive power = u",
+        axis="room", period="10 s",
+    ),
+}  # fmt: skip
+
+SENSORS = {"motor": {"position": Sensor(0.01, 0.002, 0.003), "velocity": Sensor(difference=0.005)}}
+
+
+class Plain(Plant):
+    """The equations of a shipped plant called as plain Python."""
+
+    def __init__(self, inner):
+        self.inner = inner
+        for name in ("inputs", "outputs", "states", "parameters", "axis", "longest_step"):
+            setattr(self, name, getattr(inner, name))
+        self.name = inner.name
+
+    def start(self, rng):
+        return self.inner.start(rng)
+
+    def derivative(self, t, x, u, p):
+        return list(self.inner.derivative(t, x, u, p))
+
+
+@pytest.mark.parametrize("name", DRIVERS)
+def test_machine_code_the_interpreter_and_plain_python_have_the_same_bits(name):
+    options = Options(sensors=SENSORS.get(name, {}), disturbance=1e-6, interpolate=True)
+    plant = find_plant(name)
+    step = {next(iter(plant.outputs)): Signal("step", (0.1,))}
+    duration = 200 * DRIVERS[name].model.period
+    runs = [
+        simulate(DRIVERS[name], each, references=step, duration=duration, options=chosen)
+        for each, chosen in (
+            (plant, options),
+            (plant, Options(**{**vars(options), "compiled": False})),
+            (Plain(plant), options),
+            (Plain(plant), Options(**{**vars(options), "compiled": False})),
+        )
+    ]
+    assert [run.compiled for run in runs] == [True, False, False, False]
+    for run in runs[1:]:
+        assert (run.errors == runs[0].errors).all()
+        for port, values in runs[0].outputs.items():
+            assert (run.outputs[port] == values).all()
+    assert runs[0].samples == 200
+    assert np.ptp(next(iter(runs[0].drives.values()))) > 0
+
+
+def test_a_servo_against_its_equations_in_numpy():
+    run = simulate(SERVO, find_plant("motor"), duration=0.5)
+    inertia, friction, constant, resistance, inductance = 0.01, 0.02, 0.35, 2.0, 0.004
+    system = np.array(
+        [
+            [0, 1, 0],
+            [0, -friction / inertia, constant / inertia],
+            [0, -constant / inductance, -resistance / inductance],
+        ]
+    )
+    entry = np.array([0, 0, 1 / inductance])
+    x, found = np.zeros(3), []
+    for _ in range(500):
+        u = min(max(8 * (1.0 - x[0]), -24), 24)
+        found.append(x[0])
+
+        def slope(x, u=u):
+            return system @ x + entry * u
+
+        h = 0.001
+        a = slope(x)
+        c = slope(x + h / 2 * a)
+        d = slope(x + h / 2 * c)
+        e = slope(x + h * d)
+        x = x + h / 6 * (a + 2 * c + 2 * d + e)
+    assert run.outputs["position"] == pytest.approx(found, abs=1e-12)
+    assert run.errors[:, 0] == pytest.approx(np.degrees(1 - np.array(found)), abs=1e-9)
+
+
+# --- Sensors, actuators, disturbances ---
+
+
+def sensed(sensor, count=40, **options):
+    """Return what a controller sees of a shaft that turns at a steady rate, and what is."""
+
+    class Turning(Plant):
+        name = "turning"
+        axis = "shaft"
+        inputs = {"u": Port()}
+        outputs = {"position": Port("1", 0, 4), "velocity": Port("1/s", rate_of="position")}
+        states = {"position": "1", "velocity": "1/s"}
+
+        def start(self, rng):
+            return [0.0, 1.0]
+
+        def derivative(self, t, x, u, p):
+            return [x[1], 0.0]
+
+    seen = text("u = measured position", "drive u = u", period="10 ms")
+    run = simulate(
+        seen, Turning(), duration=count * 0.01, options=Options(sensors=sensor, **options)
+    )
+    return run.drives["u"], run.outputs["position"], run
+
+
+def test_a_resolution_rounds_to_the_next_step():
+    seen, true, _ = sensed({"position": Sensor(resolution=0.25)})
+    assert seen == pytest.approx(np.floor(true / 0.25 + 0.5) * 0.25, abs=1e-12)
+    assert len(set(seen)) == 3
+
+
+def test_a_delay_shows_what_was():
+    seen, true, _ = sensed({"position": Sensor(delay=0.05)})
+    assert (seen[:5] == true[0]).all()
+    assert (seen[5:] == true[:-5]).all()
+
+
+def test_noise_is_drawn_by_the_seed():
+    first, true, run = sensed({"position": Sensor(noise=0.5)}, seed=3, count=4000)
+    again, _, _ = sensed({"position": Sensor(noise=0.5)}, seed=3, count=4000)
+    other, _, _ = sensed({"position": Sensor(noise=0.5)}, seed=4, count=4000)
+    assert (first == again).all()
+    assert (first != other).any()
+    assert np.std(first - true) == pytest.approx(0.5, rel=0.05)
+    assert np.mean(first - true) == pytest.approx(0.0, abs=0.03)
+    assert run.seed == 3
+
+
+def test_a_rate_may_be_formed_by_difference():
+    seen = text("v = measured velocity", "drive voltage = v", period="1 ms")
+    plant = find_plant("motor")
+    load = {"voltage": Signal("step", (5.0,))}
+    exact = simulate(seen, plant, duration=0.1, options=Options(loads=load))
+    formed = simulate(
+        seen, plant, duration=0.1,
+        options=Options(loads=load, sensors={"velocity": Sensor(difference=0.0)}),
+    )  # fmt: skip
+    positions = formed.outputs["position"]
+    expected = np.concatenate([[0.0], np.diff(positions) / 0.001])
+    assert formed.drives["voltage"] == pytest.approx(expected, abs=1e-9)
+    assert not np.allclose(exact.drives["voltage"], formed.drives["voltage"])
+
+
+def test_an_actuator_holds_range_and_slew():
+    plant = with_actuators(find_plant("motor"), {"voltage": Port(low=-3, high=5, slew=1000)})
+    run = simulate(SERVO, plant, duration=0.5)
+    drives = run.drives["voltage"]
+    assert drives[0] == 1.0  # from rest, 1000 V/s for 1 ms
+    assert np.abs(np.diff(drives)).max() <= 1.0 + 1e-12
+    assert drives.max() == 5.0
+    assert run.limits["voltage"] == (-3, 5)
+    assert 0 < run.metrics["shaft"].saturated < 1
+
+
+def test_a_load_acts_behind_the_actuator():
+    still = text("u = 0 * 1", "drive voltage = u")
+    loads = {"voltage": Signal("step", (-100.0, 0.05))}
+    run = simulate(still, find_plant("motor"), duration=2.0, options=Options(loads=loads))
+    assert not run.drives["voltage"].any()
+    # At rest: V = R i + k w and k i = b w.
+    expected = -100.0 / (0.35 + 2.0 * 0.02 / 0.35)
+    assert run.outputs["velocity"][-1] == pytest.approx(expected, rel=1e-3)
+    assert not run.outputs["velocity"][:50].any()
+
+
+def test_interpolated_set_points_move_in_a_straight_line():
+    wanted = {"position": Signal("ramp", (2.0,))}
+    every = text("e = error of position", "u = e", "drive voltage = u", every=5)
+    held = simulate(every, find_plant("motor"), references=wanted, duration=0.1)
+    moved = simulate(
+        every,
+        find_plant("motor"),
+        references=wanted,
+        duration=0.1,
+        options=Options(interpolate=True),
+    )
+    # The sample is taken in the last of five periods: 4/5 of the way to the next set point.
+    way = 2.0 * 0.005 * 0.8
+    assert moved.wanted["position"][:-1] == pytest.approx(held.wanted["position"][:-1] + way)
+
+
+def test_arm_laws_see_the_pose_of_what_sensors_say():
+    made, path = controller("cdid"), reach(segment=0.5, hold=0.1)
+    exact = simulate(made, path)
+    rough = Options(sensors={"position": Sensor(resolution=0.05)})
+    coarse, again = (simulate(made, path, options=rough) for _ in range(2))
+    assert (coarse.errors == again.errors).all()
+    assert np.abs(coarse.torques - exact.torques).max() > 1.0
+    still = simulate(made, path, options=Options(sensors={"position": Sensor()}))
+    assert (still.errors == exact.errors).all()
+
+
+def test_a_diverged_run_says_when():
+    run = simulate(
+        text("e = error of theta", "u = e", "drive f = u", axis="cart"), PLANTS["cartpole"]()
+    )
+    assert run.diverged is not None
+    assert 0.2 < run.diverged < 5
+    assert abs(run.outputs["theta"][-1]) <= math.pi / 2
+
+
+# --- References ---
+
+
+@settings(max_examples=60)
+@given(
+    st.sampled_from(["sine:0.7,1.3,0.2", "quintic:2,0.8,-1", "ramp:0.5,0.3,1", "step:2,0.5,1"]),
+    st.floats(0.01, 1.0),
+)
+def test_rates_are_derivatives(words, time):
+    signal = read_signal(words)
+    h = 1e-5
+    t = np.array([time - h, time, time + h])
+    if any(abs(time - edge) < 2 * h for edge in (0.3, 0.5, 0.8)):
+        return
+    value, rate, acceleration = signal.at(t)
+    assert (value[2] - value[0]) / (2 * h) == pytest.approx(rate[1], abs=1e-6)
+    assert (rate[2] - rate[0]) / (2 * h) == pytest.approx(acceleration[1], abs=1e-4)
+
+
+def test_a_move_rests_at_both_ends():
+    value, rate, acceleration = Signal("quintic", (3.0, 2.0, 1.0)).at(
+        np.array([0.0, 1.0, 2.0, 9.0])
+    )
+    assert value == pytest.approx([1.0, 2.0, 3.0, 3.0])
+    assert rate[[0, 2, 3]] == pytest.approx(0.0)
+    assert acceleration == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_reference_from_a_file(tmp_path):
+    path = tmp_path / "way.csv"
+    path.write_text("time,position\n0,0\n1,2\n3,2\n")
+    value, rate, _ = read_signal(str(path)).at(np.array([-1.0, 0.5, 1.0, 2.0, 5.0]))
+    assert value.tolist() == [0.0, 1.0, 2.0, 2.0, 2.0]
+    assert rate.tolist() == [0.0, 2.0, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("0,0\nx,1\n", ":2: 'x,1' is not two numbers"),
+        ("0,0\n0,1\n", ":2: the times do not rise"),
+        ("0,0\n1,nan\n", ":2: '1,nan' is not finite"),
+        ("time,v\n", "has fewer than two times"),
+    ],
+)
+def test_a_damaged_file_is_told_by_its_line(tmp_path, content, message):
+    path = tmp_path / "way.csv"
+    path.write_text(content)
+    with pytest.raises(PlantError) as found:
+        read_signal(str(path)).at(np.array([0.0]))
+    assert message in str(found.value)
+
+
+@pytest.mark.parametrize(
+    "words", ["stp:1", "step:", "step:1,2,3,4", "sine:1", "quintic:1,0", "step:inf", "step:a", ""]
+)
+def test_what_is_no_reference_is_refused(words):
+    with pytest.raises(PlantError):
+        read_signal(words)
+
+
+# --- What does not fit ---
+
+
+def test_a_plant_that_is_not_derived_from_anything_runs():
+    class Kiln:
+        name = "kiln"
+        inputs = {"power": Port("%", 0, 100)}
+        outputs = {"T": Port("°C")}
+        states = {"T": "°C"}
+        parameters = {"loss": 0.01}
+
+        def derivative(self, t, x, u, p):
+            return [0.2 * u[0] - p[0] * (x[0] - 20.0)]
+
+    heater = text("e = error of temperature", "u = e * 2", "drive power = u", period="1 s")
+    kiln = as_plant(Kiln())
+    asked = {"references": {"T": Signal("step", (300.0,))}, "connect": {"temperature": "T"}}
+    run = simulate(heater, kiln, **asked)
+    # 0.2 · 2 · (300 - T) = 0.01 (T - 20)
+    assert run.outputs["T"][-1] == pytest.approx((0.4 * 300 + 0.2) / 0.41, abs=1e-6)
+    warmer = with_parameters(kiln, {"loss": 0.02})
+    assert simulate(heater, warmer, **asked).outputs["T"][-1] < run.outputs["T"][-1]
+
+
+def test_ports_that_are_missing_are_told():
+    with pytest.raises(SourceError, match="no drive 'voltage'") as found:
+        simulate(SERVO, find_plant("ball-and-beam"))
+    assert "--connect voltage=angle_rate" in found.value.hint
+    with pytest.raises(SourceError, match="runs on the arm only"):
+        simulate(controller("pd"), find_plant("motor"))
+    with pytest.raises(SourceError, match="is a law of the arm"):
+        simulate(
+            text("u = partner base", "drive voltage = u", head=("partner base = acdid",)),
+            find_plant("motor"),
+        )
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"inputs": {}}, "has no inputs"),
+        ({"states": {}}, "has no states"),
+        ({"derivative": None}, "has no equations"),
+        ({"outputs": {"a": Port(), "b": Port()}}, "has 2 outputs and 1 states"),
+        ({"outputs": {"a": Port(rate_of="b")}}, "'b' is not an output"),
+    ],
+)
+def test_an_incomplete_plant_is_refused(changes, message):
+    whole = {"inputs": {"u": Port()}, "outputs": {"a": Port()}, "states": {"a": "1"},
+             "derivative": lambda self, t, x, u, p: [0.0], "name": "half"}  # fmt: skip
+    plant = type("Half", (Plant,), {**whole, **changes})()
+    with pytest.raises(PlantError, match=message):
+        interface_of(plant)
+
+
+def test_a_failure_in_a_plant_is_one_sentence():
+    class Broken(Plant):
+        name = "broken"
+        inputs = {"voltage": Port()}
+        outputs = {"position": Port()}
+        states = {"position": "1"}
+
+        def derivative(self, t, x, u, p):
+            return [1.0 / (0.005 - 0.005 * round(t / 0.005))] if t > 0.004 else [0.0]
+
+    with pytest.raises(PlantError, match=r"plant broken failed: .*ZeroDivisionError"):
+        simulate(SERVO, Broken(), duration=0.1)
+
+
+@pytest.mark.parametrize("sensor", [{"noise": -1}, {"resolution": math.nan}, {"delay": math.inf}])
+def test_a_sensor_out_of_range_is_refused(sensor):
+    with pytest.raises(PlantError, match="out of range"):
+        Sensor(**sensor)
+
+
+def test_rates_that_are_none_and_wrong_sides_are_refused():
+    plant = find_plant("motor")
+    for options, message in (
+        (Options(sensors={"position": Sensor(difference=0.0)}), "not the rate of another"),
+        (Options(sensors={"voltage": Sensor()}), "is an input"),
+        (Options(loads={"position": Signal("step", (1.0,))}), "is an output"),
+        (Options(sensors={"speed": Sensor()}), "no port 'speed'"),
+    ):
+        with pytest.raises(PlantError, match=message):
+            simulate(SERVO, plant, options=options)
+    with pytest.raises(PlantError, match="out of range"):
+        simulate(SERVO, plant, duration=1e9)
