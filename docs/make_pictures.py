@@ -35,7 +35,14 @@ def draw_surface() -> None:
     main(["plot", str(shipped("pd7.frb")), "-o", str(PICTURES / "pd7.png")])
 
 
+def draw_phase() -> None:
+    """Draw the phase portrait of the shipped servo."""
+    out = str(PICTURES / "servo-phase.png")
+    main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     draw_table()
     draw_surface()
+    draw_phase()
