@@ -23,14 +23,16 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "eval": ("eval", "the outputs at one point, and why"),
     "show": ("show", "rules, terms and tables in the terminal"),
     "plot": ("show", "terms and control surfaces as a figure"),
+    "prove": ("prove", "what holds at every point, with a bound or a counterexample"),
     "compile": ("compile", "sample a rule base to a lookup table"),
     "diff": ("show", "what differs between two tables or rule bases"),
     "convert": ("convert", "rule bases of other programs, in and out"),
     "corpus": ("corpus", "how a folder of other programs' files comes in"),
-    "simulate": ("simulate", "run a controller on the robot arm"),
-    "learn": ("learn", "train a table on the robot arm and see it grow"),
+    "simulate": ("simulate", "run controllers on the robot arm or any plant"),
+    "learn": ("learn", "train a table on the arm or any plant, see it grow"),
     "fit": ("fit", "learn a rule base from samples, as text"),
     "validate": ("validate", "judge a rule base by samples, region by region, rule by rule"),
+    "compare": ("study", "compare controllers: errors, chatter and cost"),
     "reproduce": ("study", "run the study's published experiments again"),
     "identify": ("study", "fit unprinted gains to published figures"),
     "new": ("start", "a commented rule base to start from"),
@@ -61,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     -------
     int
         0 = fine, 1 = the input is at fault, 2 = wrong usage, 3 = a run diverged,
-        130 = interrupted.
+        4 = a proof stayed undecided, 130 = interrupted.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     # A command makes many small objects and ends soon: looking for cycles among them takes
@@ -203,7 +205,7 @@ def _help_page() -> str:
             "usage: fuzzyarm COMMAND [...]",
             "",
             "Write a fuzzy controller as a text file, see it, check it, compile it to a",
-            "lookup table, and run it on a robot arm.",
+            "lookup table or C, prove it, and run it on any plant.",
             "",
             *lines,
             "",

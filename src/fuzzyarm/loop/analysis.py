@@ -23,7 +23,7 @@ from fuzzyarm.model.controller import Drive, Learn
 from fuzzyarm.model.controller import Signal as SignalLine
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
-from fuzzyarm.plant.adapters.control_systems import rate_of
+from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Plant
 
 Vector = NDArray[np.float64]
