@@ -41,8 +41,15 @@ def draw_map() -> None:
     main(["sweep", "pid", *ranges, "--plot", str(PICTURES / "sweep-map.png")])
 
 
+def draw_phase() -> None:
+    """Draw the phase portrait of the shipped servo."""
+    out = str(PICTURES / "servo-phase.png")
+    main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     draw_table()
     draw_surface()
     draw_map()
+    draw_phase()

@@ -1,4 +1,4 @@
-"""The root of every error that fuzzyarm raises on purpose."""
+"""The root of every error that fuzzyarm raises on purpose, and that of a missing extra."""
 
 from __future__ import annotations
 
@@ -24,3 +24,25 @@ class FuzzyarmError(Exception):
 
     def __str__(self) -> str:
         return f"{self.message} ({self.hint})" if self.hint else self.message
+
+
+class MissingExtraError(FuzzyarmError, ImportError):
+    """Something needs an extra that is not installed.
+
+    Attributes
+    ----------
+    extra : str
+        Its name in ``fuzzyarm[...]``.
+    """
+
+    def __init__(self, extra: str, what: str) -> None:
+        super().__init__(f'{what} needs an extra: pip install "fuzzyarm[{extra}]"')
+        self.extra = extra
+
+
+def demand_extra(module: str, extra: str, what: str) -> None:
+    """Raise `MissingExtraError` unless `module`, which the `extra` brings, can be imported."""
+    from importlib.util import find_spec
+
+    if find_spec(module) is None:
+        raise MissingExtraError(extra, what)

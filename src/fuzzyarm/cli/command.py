@@ -282,28 +282,6 @@ def load_table(path: str) -> LookupTable:
     return model
 
 
-class MissingExtraError(FuzzyarmError, ImportError):
-    """A command needs an extra that is not installed.
-
-    Attributes
-    ----------
-    extra : str
-        Its name in ``fuzzyarm[...]``.
-    """
-
-    def __init__(self, extra: str, what: str) -> None:
-        super().__init__(f'{what} needs an extra: pip install "fuzzyarm[{extra}]"')
-        self.extra = extra
-
-
-def demand_extra(module: str, extra: str, what: str) -> None:
-    """Raise `MissingExtraError` unless `module`, which the `extra` brings, can be imported."""
-    from importlib.util import find_spec
-
-    if find_spec(module) is None:
-        raise MissingExtraError(extra, what)
-
-
 # --- What is printed ---
 
 

@@ -15,12 +15,11 @@ from fuzzyarm.cli.command import (
     argument,
     at,
     command,
-    demand_extra,
     flag,
     print_error,
     read_assignments,
 )
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import render_all
 from fuzzyarm.text.files import stamp_of

@@ -36,7 +36,6 @@ from fuzzyarm.cli.command import (
     argument,
     command,
     counted,
-    demand_extra,
     flag,
     group,
     print_error,
@@ -60,6 +59,7 @@ from fuzzyarm.cli.plants import (
     plant_of,
     require_plain,
 )
+from fuzzyarm.errors import demand_extra
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor

@@ -125,6 +125,20 @@ class Program:
                 cells[cell] = held[index if len(held) > 1 else 0]
         return cells
 
+    def memory(self) -> list[int]:
+        """Return the cells that one period leaves for the next, in order."""
+        code = self.code
+        found: set[int] = set()
+        for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
+            what, state = code[at], code[at + 3]
+            found |= {state + each.offset for each in to.REMEMBERED.get(what, ())}
+        for begin, end in self.rings:
+            found |= set(range(begin, end))
+        for place in self.learned.values():
+            found |= set(range(place.values, place.values + place.count))
+            found |= set(range(place.visits, place.visits + place.count))
+        return sorted(found)
+
 
 def write_down(
     model: ControllerModel,

@@ -443,6 +443,7 @@ class ControllerRun:
             {port if one else f"{axis}.{port}": cell for (axis, port), cell in cells.items()}
             for cells in (self._wiring.references, self._wiring.measured, self._wiring.drives)
         ]
+        self._memory = self.program.memory()
         self.start()
 
     def start(self) -> None:
@@ -467,6 +468,25 @@ class ControllerRun:
     def drives(self) -> tuple[str, ...]:
         """What it drives."""
         return tuple(self._names[2])
+
+    @property
+    def state(self) -> tuple[float, ...]:
+        """What it remembers: how many periods it ran, then what its sources keep."""
+        return (float(self._periods), *(float(self._cells[cell]) for cell in self._memory))
+
+    @state.setter
+    def state(self, values: Sequence[float]) -> None:
+        """Set it to what it was before; a first number of 0 starts it anew, whatever follows."""
+        periods, *kept = values
+        if len(kept) != len(self._memory):
+            count = 1 + len(self._memory)
+            raise PortError(f"a state of {len(values)} numbers does not fit {count}", port="state")
+        if periods == 0:
+            self.start()
+            return
+        self._periods = int(periods)
+        for cell, value in zip(self._memory, kept, strict=True):
+            self._cells[cell] = value
 
     def step(
         self, measured: Mapping[str, float], reference: Mapping[str, float]

@@ -13,13 +13,12 @@ from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
 from fuzzyarm.kernels import build, routine
 from fuzzyarm.loop.course import Course, flat
-from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop
+from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop, within
 from fuzzyarm.plant.plant import (
     ADVANCE,
-    Plant,
     is_compiled,
-    measure_states,
-    runge_kutta_4,
+    plain_motion,
+    plain_outputs,
 )
 from fuzzyarm.plant.setting import (
     Arithmetic,
@@ -252,40 +251,7 @@ def plain_plant(course: Course) -> dict[str, Callable[..., Any]]:
     def ask_plant(task: int, _links: Any, x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
         (moved if task == ADVANCE else measured)(x, y, u, p, clock)
 
-    return {"ask_plant": ask_plant}
+    def goes_on(board: Any, checks: Any, bounds: Any) -> bool:
+        return not plant.ended and within(board, checks, bounds)
 
-
-def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what advances a plant in plain Python."""
-    if plant.step is None:
-        slope = plant.derivative
-        assert slope is not None
-
-        def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
-            return slope(t, x[:states].tolist(), u.tolist(), p.tolist())
-
-        return build(runge_kutta_4, {"derivative": derivative}, compiled=False)
-    step = plant.step
-
-    def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
-        h = clock[1] / clock[2]
-        for part in range(int(clock[2])):
-            found = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
-            for i in range(states):
-                x[i] = float(found[i])
-
-    return advance
-
-
-def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
-    """Return what measures a plant in plain Python."""
-    if plant.measure is None:
-        return measure_states
-    ask = plant.measure
-
-    def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
-        found = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
-        for i in range(len(y)):
-            y[i] = float(found[i])
-
-    return measured
+    return {"ask_plant": ask_plant, "within": goes_on}

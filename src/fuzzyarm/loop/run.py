@@ -92,6 +92,8 @@ class Run:
         From sample to sample, s.
     seed : int
         Of noise and disturbance.
+    ended : float or None
+        When the plant ended the run by itself, s.
     """
 
     controller: str
@@ -116,6 +118,7 @@ class Run:
     loaded: tuple[bool, ...] = ()
     period: float = SET_POINT_PERIOD
     seed: int = 1
+    ended: float | None = None
 
     @property
     def samples(self) -> int:
@@ -404,6 +407,8 @@ class ClosedLoop:
         taps = np.ascontiguousarray(filled.reshape(-1, record.columns).T)
         count = len(followed.tracked)
         front = 2 * count
+        # A plant that ends a run by itself has not diverged.
+        stopped, over = record.diverged(), course.plant.ended
         return Run(
             program.controller.name,
             followed.name,
@@ -411,7 +416,7 @@ class ClosedLoop:
             followed.time[taken],
             taps[count:front].T * scales(course),
             shown_errors(course, taps.T),
-            record.diverged(),
+            None if over else stopped,
             seconds,
             self.compiled,
             program.remembered(record.memory),
@@ -427,6 +432,7 @@ class ClosedLoop:
             tuple((followed.block[taken] != 0).tolist()),
             followed.period * followed.every,
             course.options.seed if seed is None else seed,
+            stopped if over else None,
         )
 
 

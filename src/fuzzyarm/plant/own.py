@@ -11,6 +11,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
+from fuzzyarm.plant.adapters import (
+    ControlPlant,
+    EnvironmentPlant,
+    UnitPlant,
+    is_control_system,
+)
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import Plant, PlantError, interface_of
@@ -19,6 +25,9 @@ from fuzzyarm.text.names import near_hint
 PLANTS: dict[str, type[Plant]] = {Arm.name: Arm, **LIBRARY}
 """Every shipped plant by its name."""
 
+ENVIRONMENT = "gym:"
+"""Before the id of a Gymnasium environment."""
+
 
 def find_plant(name: str) -> Plant:
     """Make a plant from a name or a file.
@@ -26,23 +35,35 @@ def find_plant(name: str) -> Plant:
     Parameters
     ----------
     name : str
-        A shipped plant, ``FILE.py`` or ``FILE.py:CLASS``; a file is executed.
+        A shipped plant; ``FILE.py`` or ``FILE.py:NAME``, a class of the user's or a
+        python-control system, where the file is executed; ``gym:NAME``, a Gymnasium environment;
+        ``FILE.fmu``.
 
     Raises
     ------
     PlantError
         If there is no such plant, or it is not complete.
+    MissingExtraError
+        If the package of another's plant is not installed.
     """
     if name in PLANTS:
         return PLANTS[name]()
+    if name.startswith(ENVIRONMENT):
+        return EnvironmentPlant(name.removeprefix(ENVIRONMENT))
+    if name.lower().endswith(".fmu"):
+        return UnitPlant(name)
     if ".py" in name:
         return own_plant(name)
-    hint = near_hint(name, PLANTS)[0] or f"{', '.join(PLANTS)}, or FILE.py:CLASS"
+    ways = f"{', '.join(PLANTS)}, FILE.py:NAME, FILE.fmu or gym:NAME"
+    hint = near_hint(name, PLANTS)[0] or ways
     raise PlantError(f"no plant '{name}'", name=name, hint=hint)
 
 
 def own_plant(place: str) -> Plant:
-    """Load ``FILE.py`` or ``FILE.py:CLASS``: a class with ports, states and equations.
+    """Load ``FILE.py`` or ``FILE.py:NAME``.
+
+    A class with ports, states and equations, a plant that is made of one, or a python-control
+    system.
 
     Raises
     ------
@@ -51,31 +72,35 @@ def own_plant(place: str) -> Plant:
     """
     path, _, wanted = place.partition(":")
     module = executed(path, PlantError)
-    found = {
-        key: value
-        for key, value in vars(module).items()
-        if isinstance(value, type)
-        and value.__module__ == module.__name__
-        and hasattr(value, "outputs")
-        and (hasattr(value, "derivative") or hasattr(value, "step"))
-    }
+    found = {key: value for key, value in vars(module).items() if _is_plant_of(module, value)}
     if wanted and wanted not in found:
         hint = near_hint(wanted, found)[0] or f"its plants: {', '.join(found) or 'none'}"
         raise PlantError(f"{path} has no plant '{wanted}'", name=wanted, hint=hint)
     if not wanted and len(found) != 1:
         hint = f"name one, as in {path}:{next(iter(found))}" if found else ""
         raise PlantError(f"{path} has {len(found) or 'no'} plants", name=path, hint=hint)
-    kind = found[wanted] if wanted else next(iter(found.values()))
+    key = wanted or next(iter(found))
+    thing = found[key]
+    if is_control_system(thing):
+        thing = ControlPlant(thing)
     try:
-        plant = as_plant(kind())
+        plant = as_plant(thing() if isinstance(thing, type) else thing)
     except PlantError:
         raise
     except Exception as error:
-        raise PlantError(failure(path, error), name=kind.__name__) from error
+        raise PlantError(failure(path, error), name=key) from error
     if not plant.name:
-        plant.name = kind.__name__.lower()
+        plant.name = key.lower()
     interface_of(plant)  # tells what is missing
     return plant
+
+
+def _is_plant_of(module: ModuleType, value: Any) -> bool:
+    """Whether a value of a file is a plant: a class of the file, or something that is made."""
+    if not isinstance(value, type):
+        return isinstance(value, Plant) or is_control_system(value)
+    moves = hasattr(value, "derivative") or hasattr(value, "step")
+    return value.__module__ == module.__name__ and hasattr(value, "outputs") and moves
 
 
 def as_plant(thing: Any) -> Plant:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import address_of, is_kernel, kernel
+from fuzzyarm.kernels import address_of, build, is_kernel, kernel
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.text.names import near_hint
 
@@ -109,6 +109,9 @@ class Plant:
         Longest step of the integrator, s; a longer control period is divided.
     duration : float or None
         Of a run where nothing else is asked for, s.
+    ended : bool
+        Set by a plant in plain Python when it is over by itself, as an episode is; the run ends
+        there.
 
     Examples
     --------
@@ -134,6 +137,7 @@ class Plant:
     parameters: Mapping[str, Parameter | float] = MappingProxyType({})
     longest_step: float = math.inf
     duration: float | None = None
+    ended: bool = False
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
         """Return the states at the start; zeros by default."""
@@ -443,6 +447,45 @@ def dynamics_of(plant: Plant, arithmetic: Arithmetic, *, finely: bool = False) -
         return Dynamics(address(run_plant, derivative=plant.derivative))
     bound = {"measure_states": measure_outputs, "measure": plant.measure}
     return Dynamics(address(run_plant, derivative=plant.derivative, **bound))
+
+
+# --- Plants in plain Python ---
+
+
+def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what advances a plant in plain Python."""
+    if plant.step is None:
+        slope = plant.derivative
+        assert slope is not None
+
+        def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
+            return slope(t, x[:states].tolist(), u.tolist(), p.tolist())
+
+        return build(runge_kutta_4, {"derivative": derivative}, compiled=False)
+    step = plant.step
+
+    def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:
+        h = clock[1] / clock[2]
+        for part in range(int(clock[2])):
+            found = step(clock[0] + part * h, x[:states].tolist(), u.tolist(), p.tolist(), h)
+            for i in range(states):
+                x[i] = float(found[i])
+
+    return advance
+
+
+def plain_outputs(plant: Plant, states: int) -> Callable[..., None]:
+    """Return what measures a plant in plain Python."""
+    if plant.measure is None:
+        return measure_states
+    ask = plant.measure
+
+    def measured(x: Any, y: Any, u: Any, p: Any, clock: Any) -> None:
+        found = ask(clock[0], x[:states].tolist(), u.tolist(), p.tolist())
+        for i in range(len(y)):
+            y[i] = float(found[i])
+
+    return measured
 
 
 def numbers_of(

@@ -1,0 +1,368 @@
+"""A python-control system as a plant; a plant, or a controller as text, as such a system."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, cast
+
+import numpy as np
+
+from fuzzyarm.errors import demand_extra
+from fuzzyarm.plant.plant import (
+    CLOCK_SIZE,
+    WORK,
+    Address,
+    Parameter,
+    Plant,
+    PlantError,
+    Port,
+    interface_of,
+    numbers_of,
+    plain_motion,
+    plain_outputs,
+)
+from fuzzyarm.plant.setting import Arithmetic
+
+RATES = {"velocity": "position", "v": "x", "omega": "theta", "speed": "position"}
+"""Outputs that are the rate of another, by the names that people give them."""
+
+
+# --- From python-control ---
+
+
+def is_control_system(thing: Any) -> bool:
+    """Whether a thing is an input/output system of python-control, which need not be installed."""
+    return all(hasattr(thing, name) for name in ("ninputs", "noutputs", "input_labels", "dt"))
+
+
+class ControlPlant(Plant):
+    """A python-control system as a plant.
+
+    A continuous system is moved by Runge-Kutta steps of fourth order with its inputs held, a
+    discrete one by its own equation, at its own period. What passes straight from an input to an
+    output is the input of the period before: a controller never sees what it causes at once.
+
+    Parameters
+    ----------
+    system : StateSpace, TransferFunction or NonlinearIOSystem
+        With at least one input, one output and one state. The labels of its signals are the
+        names of the ports, without brackets; ``u[0]`` alone is ``u``.
+    limits : mapping of str to pair of float, optional
+        By input: the limits of the actuator; none by default.
+    start : sequence of float, optional
+        The states at the start; zeros by default.
+    longest_step : float, optional
+        Of the integrator, s; by default half of the shortest time constant of a linear system,
+        and no limit for a nonlinear one, where a control period is one step.
+
+    Raises
+    ------
+    PlantError
+        If it is not such a system, or an improper transfer function.
+    MissingExtraError
+        If python-control is not installed.
+
+    Examples
+    --------
+    >>> import control
+    >>> motor = control.tf([2.15], [0.123, 1, 0], inputs="voltage", outputs="position")
+    >>> plant = ControlPlant(motor, limits={"voltage": (-24, 24)})
+    >>> plant.inputs["voltage"].high, list(plant.outputs)
+    (24.0, ['position'])
+    """
+
+    def __init__(
+        self,
+        system: Any,
+        *,
+        limits: Mapping[str, tuple[float, float]] | None = None,
+        start: Sequence[float] | None = None,
+        longest_step: float | None = None,
+    ) -> None:
+        system = _with_states(system)
+        self.system = system
+        self.name = re.sub(r"[^\w+-]+", "", system.name) or "system"
+        # Interpreted, a linear system is two nests of loops; numpy takes ten times as long here.
+        linear = hasattr(system, "A")
+        self._rows = [_rows(getattr(system, each)) for each in "ABCD"] if linear else []
+        self._start = None if start is None else [float(each) for each in start]
+        bounds = {name: (float(low), float(high)) for name, (low, high) in (limits or {}).items()}
+        names = _names(system.input_labels)
+        for name in bounds:
+            if name not in names:
+                raise PlantError(f"{self.name} has no input '{name}'", name=name)
+        self.inputs = {name: Port("1", *bounds.get(name, ())) for name in names}
+        outputs = _names(system.output_labels)
+        self.outputs = {name: Port(rate_of=rate_of(name, outputs)) for name in outputs}
+        self.states = dict.fromkeys(_names(system.state_labels), "1")
+        self.parameters = _parameters(system)
+        self._fixed = {
+            name: value for name, value in system.params.items() if name not in self.parameters
+        }
+        self.period = None if system.dt in (0, None, True) else float(system.dt)
+        self.measure = self._linear_outputs if linear else self._outputs
+        if system.dt in (0, None):
+            self.derivative = self._linear_slope if linear else self._slope
+            self.longest_step = _longest_step(system) if longest_step is None else longest_step
+        else:
+            self.step = self._step
+            self.longest_step = self.period or math.inf
+
+    def start(self, rng: np.random.Generator) -> Sequence[float]:
+        """Return the states at the start."""
+        return [0.0] * len(self.states) if self._start is None else self._start
+
+    def _params(self, p: Sequence[float]) -> dict[str, Any]:
+        return {**self._fixed, **dict(zip(self.parameters, p, strict=True))}
+
+    def _slope(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
+        found = self.system.dynamics(t, x, u, params=self._params(p))
+        return cast(list[float], np.asarray(found, float).ravel().tolist())
+
+    def _outputs(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
+        found = self.system.output(t, x, u, params=self._params(p))
+        return cast(list[float], np.asarray(found, float).ravel().tolist())
+
+    def _linear_slope(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
+        return _product(self._rows[0], x, self._rows[1], u)
+
+    def _linear_outputs(self, t: float, x: Any, u: Any, p: Any) -> list[float]:
+        return _product(self._rows[2], x, self._rows[3], u)
+
+    def _step(self, t: float, x: Any, u: Any, p: Any, dt: float) -> list[float]:
+        if self.period is not None and not math.isclose(dt, self.period, rel_tol=1e-6):
+            raise PlantError(
+                f"{self.name} is sampled every {self.period:g} s, not every {dt:g} s",
+                name=self.name,
+                hint=f"period {1000 * self.period:g} ms, or a multiple of it",
+            )
+        return self._linear_slope(t, x, u, p) if self._rows else self._slope(t, x, u, p)
+
+
+def _with_states(system: Any) -> Any:
+    """Return a system with states, of a transfer function where it is one."""
+    demand_extra("control", "plants", "a python-control system")
+    import control
+
+    if isinstance(system, control.TransferFunction):
+        try:
+            system = control.ss(
+                system,
+                inputs=system.input_labels,
+                outputs=system.output_labels,
+                name=system.name,
+            )
+        except Exception as error:  # of several inputs without slycot, or improper
+            message = f"the transfer function has no state space: {error}"
+            raise PlantError(message, name=str(system.name)) from error
+    if not is_control_system(system) or not hasattr(system, "dynamics"):
+        message = f"{type(system).__name__} is not a system with states"
+        raise PlantError(message, hint="StateSpace, TransferFunction or NonlinearIOSystem")
+    for what, count in (
+        ("inputs", system.ninputs),
+        ("outputs", system.noutputs),
+        ("states", system.nstates),
+    ):
+        if not count:
+            raise PlantError(f"system {system.name} has no {what}", name=what)
+    return system
+
+
+def _names(labels: Sequence[str]) -> list[str]:
+    """Return the names of ports: ``u[0]`` and ``u[1]`` are ``u0`` and ``u1``, alone it is ``u``."""
+    if len(labels) == 1:
+        return [re.sub(r"\[0\]$", "", labels[0])]
+    return [re.sub(r"\[(\d+)\]", r"\1", label) for label in labels]
+
+
+def rate_of(name: str, outputs: Sequence[str]) -> str:
+    """Return the output whose rate one is, as their names say, or an empty text."""
+    axis, dot, port = name.rpartition(".")
+    source = RATES.get(port, "")
+    return source if source and axis + dot + source in outputs else ""
+
+
+def _rows(matrix: Any) -> list[list[float]]:
+    return cast(list[list[float]], np.asarray(matrix, float).tolist())
+
+
+def _product(
+    first: list[list[float]], x: Sequence[float], second: list[list[float]], u: Sequence[float]
+) -> list[float]:
+    """Return ``first x + second u``, each row from left to right."""
+    found = []
+    for a, b in zip(first, second, strict=True):
+        total = 0.0
+        for i in range(len(x)):
+            total += a[i] * x[i]
+        for i in range(len(u)):
+            total += b[i] * u[i]
+        found.append(total)
+    return found
+
+
+def _parameters(system: Any) -> dict[str, Parameter | float]:
+    """Return the numbers among the parameters of a system."""
+    return {
+        name: Parameter(float(value))
+        for name, value in system.params.items()
+        if isinstance(value, (int, float)) and not isinstance(value, bool)
+    }
+
+
+def _longest_step(system: Any) -> float:
+    """Return half of the shortest time constant of a linear system."""
+    if not hasattr(system, "A"):
+        return math.inf
+    fastest = float(np.max(np.abs(np.linalg.eigvals(np.asarray(system.A, float)))))
+    return 0.5 / fastest if fastest > 0 else math.inf
+
+
+# --- To python-control ---
+
+
+def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
+    """Return a plant or a controller as text as a discrete-time python-control system.
+
+    Signals are called as ports are, ``axis_port`` where there are several axes; what a controller
+    takes as a reference is ``reference_`` and its name. So ``control.interconnect([plant,
+    controller])`` joins them by name.
+
+    Parameters
+    ----------
+    thing : Plant or ControllerText
+        A plant is sampled: Runge-Kutta steps of fourth order with held inputs, which its limits
+        hold within their range. A controller keeps what it remembers in the states of the
+        system: 0 in the first of them (as by default) starts it anew.
+    period : float, optional
+        Of a plant, s. A controller has its own.
+    **options
+        Of a controller: ``gains`` and ``single``, see
+        :class:`~fuzzyarm.controller.text.ControllerRun`.
+
+    Returns
+    -------
+    control.NonlinearIOSystem
+        Discrete, with `period` as its ``dt``.
+
+    Raises
+    ------
+    PlantError
+        If a plant has no `period`, or is the arm, whose integrator is its own.
+    MissingExtraError
+        If python-control is not installed.
+    """
+    demand_extra("control", "plants", "a python-control system")
+    if isinstance(thing, Plant):
+        if options:
+            raise PlantError(f"a plant has no option '{next(iter(options))}'")
+        return _system_of_plant(thing, period)
+    if not hasattr(thing, "run"):
+        message = f"{type(thing).__name__} is neither a plant nor a controller as text"
+        raise PlantError(message)
+    own = float(thing.model.period)
+    if period is not None and period != own:
+        message = f"{thing.model.name} runs every {own:g} s, not every {period:g} s"
+        raise PlantError(message, name="period")
+    return _system_of_controller(thing.run(**options), own)
+
+
+def signal_name(port: str) -> str:
+    """Return the name of a port as python-control allows it: without dots."""
+    return port.replace(".", "_")
+
+
+def _system_of_plant(plant: Plant, period: float | None) -> Any:
+    import control
+
+    interface = interface_of(plant)
+    if plant.derivative is None and plant.step is None:
+        raise PlantError(f"{plant.name} has an integrator of its own", name=plant.name)
+    if period is None or not 0 < period < math.inf:
+        message = f"the period of {plant.name} is out of range: {period}"
+        raise PlantError(message, name="period", hint="a number of seconds")
+    states, size = len(plant.states), len(interface.outputs)
+    move, measure = plain_motion(plant, states), plain_outputs(plant, states)
+    numbers = numbers_of(plant, (), Arithmetic())
+    parts = max(1, math.ceil(period / plant.longest_step - 1e-9))
+    ports = list(interface.inputs.values())
+    slewed = [index for index, port in enumerate(ports) if port.slew < math.inf]
+
+    def felt(x: Any, u: Any) -> Any:
+        """Hold the inputs within their limits, and near their last values."""
+        found = np.array([min(max(v, p.low), p.high) for v, p in zip(u, ports, strict=True)])
+        for at, index in enumerate(slewed):
+            most = ports[index].slew * period
+            before = x[states + at]
+            found[index] = min(max(found[index], before - most), before + most)
+        return found
+
+    def clock(t: float) -> Any:
+        made = np.zeros(CLOCK_SIZE)
+        made[:3] = t, period, parts
+        return made
+
+    def after(t: float, x: Any, u: Any, _params: Any) -> Any:
+        driven = felt(x, u)
+        board = np.concatenate([x[:states], np.zeros(WORK * states)])
+        move(board, None, driven, numbers, clock(t))
+        return np.concatenate([board[:states], driven[slewed]])
+
+    def outputs(t: float, x: Any, u: Any, _params: Any) -> Any:
+        found = np.zeros(size)
+        measure(np.asarray(x[:states], float), found, felt(x, u), numbers, clock(t))
+        return found
+
+    names = {kind: _labels(interface, kind) for kind in ("inputs", "outputs")}
+    labels = [signal_name(name) for name in plant.states]
+    labels += [f"{names['inputs'][index]}_before" for index in slewed]
+    return control.nlsys(
+        after, outputs, dt=period, name=signal_name(plant.name), states=labels, **names
+    )
+
+
+def _labels(interface: Any, kind: str) -> list[str]:
+    ports: Mapping[Address, Port] = getattr(interface, kind)
+    return [signal_name(interface.label(port)) for port in ports]
+
+
+def _system_of_controller(run: Any, period: float) -> Any:
+    # `run` is a fuzzyarm.controller.text.ControllerRun, which stands above the plants.
+    import control
+
+    seen: dict[str, Any] = {}
+    references, measured = run.references, run.inputs
+
+    def period_of(x: Any, u: Any) -> tuple[list[float], tuple[float, ...]]:
+        """Run one period; python-control asks for its outputs and its states apart."""
+        key = (np.asarray(x, float).tobytes(), np.asarray(u, float).tobytes())
+        if seen.get("key") != key:
+            run.state = tuple(float(value) for value in x)
+            wanted = dict(zip(references, map(float, u), strict=False))
+            is_now = dict(zip(measured, map(float, u[len(references) :]), strict=True))
+            drives = run.step(is_now, wanted)
+            seen.update(key=key, found=([drives[name] for name in run.drives], run.state))
+        return cast(tuple[list[float], tuple[float, ...]], seen["found"])
+
+    def after(_t: float, x: Any, u: Any, _params: Any) -> Any:
+        return np.array(period_of(x, u)[1])
+
+    def outputs(_t: float, x: Any, u: Any, _params: Any) -> Any:
+        return np.array(period_of(x, u)[0])
+
+    run.start()
+    update: Callable[..., Any] = after
+    return control.nlsys(
+        update,
+        outputs,
+        dt=period,
+        name=signal_name(run.text.model.name),
+        states=len(run.state),
+        inputs=[
+            *(f"reference_{signal_name(name)}" for name in references),
+            *map(signal_name, measured),
+        ],
+        outputs=[signal_name(name) for name in run.drives],
+    )

@@ -1,0 +1,255 @@
+"""A functional mock-up unit (FMI 2 or 3) as a plant, run by FMPy."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import shutil
+import weakref
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from fuzzyarm.errors import demand_extra
+from fuzzyarm.plant.control_systems import rate_of
+from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port, parameter
+
+REAL = ("Real", "Float64", "Float32")
+"""Types of variables that are ports; FMI 2 has one, FMI 3 two."""
+
+MOST_EVENTS = 100
+"""Iterations of discrete states at the start."""
+
+
+class UnitPlant(Plant):
+    """An FMU as a plant: co-simulation where it has it, otherwise model exchange.
+
+    In co-simulation the unit moves itself from period to period. In model exchange Runge-Kutta
+    steps of fourth order move its continuous states; units with events are not supported there.
+    Real variables of causality ``input`` and ``output`` are the ports, real parameters the
+    parameters; what passes from an input to an output is the input of the period before.
+
+    Parameters
+    ----------
+    path : str
+        Of the ``.fmu`` file.
+    longest_step : float, optional
+        Of the communication, or of the integrator, s; a control period by default.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    PlantError
+        If it is not a unit for this machine that FMPy can run, or has no real input and output.
+    MissingExtraError
+        If FMPy is not installed.
+    """
+
+    def __init__(self, path: str, *, longest_step: float = math.inf) -> None:
+        demand_extra("fmpy", "plants", "an FMU")
+        self.path = str(path)
+        self.description = description = _described(self.path)
+        self.exchanges = description.coSimulation is None
+        self.name = description.modelName or Path(self.path).stem
+        self.longest_step = longest_step
+        scalars = [each for each in description.modelVariables if each.type in REAL]
+        shaped = next((each for each in scalars if each.dimensions), None)
+        if shaped is not None:
+            message = f"variable '{shaped.name}' of {self.name} is an array, which is not supported"
+            raise PlantError(message, name=shaped.name)
+        drives = [each for each in scalars if each.causality == "input"]
+        found = [each for each in scalars if each.causality == "output"]
+        for what, each in (("inputs", drives), ("outputs", found)):
+            if not each:
+                raise PlantError(f"{self.name} has no {what} that are real numbers", name=what)
+        self._of_inputs = _References(drives)
+        self._of_outputs = _References(found)
+        names = [each.name for each in found]
+        self.inputs = {each.name: _port(each) for each in drives}
+        self.outputs = {each.name: _port(each, rate_of(each.name, names)) for each in found}
+        self._tunable = {each.name: each for each in scalars if _is_parameter(each)}
+        self.parameters = {
+            name: Parameter(float(each.start), each.unit or "1", each.description or "")
+            for name, each in self._tunable.items()
+        }
+        self._instance: Any = None
+        self._folder = ""
+        if self.exchanges:
+            self._exchange(description)
+        else:
+            self.states = {each.name: each.unit or "1" for each in found}
+            self.step = self._do_step
+            stop = getattr(description.defaultExperiment, "stopTime", None)
+            self.duration = float(stop) if stop else None
+
+    def _exchange(self, description: Any) -> None:
+        events = description.numberOfEventIndicators
+        if events:
+            message = f"{self.name} has events ({events} indicators), which model exchange needs"
+            raise PlantError(message, name=self.name, hint="export it for co-simulation")
+        count = int(description.numberOfContinuousStates or 0)
+        self.states = {f"state{index + 1}": "1" for index in range(count)}
+        self._states = (ctypes.c_double * count)()
+        self._slopes = (ctypes.c_double * count)()
+        self.derivative = self._slope
+        self.measure = self._measure
+
+    # Copies (of other parameters) and other processes start an instance of their own.
+
+    def __copy__(self) -> UnitPlant:
+        other = UnitPlant(self.path, longest_step=self.longest_step)
+        other.parameters = self.parameters
+        return other
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return _again, (self.path, self.longest_step, self.parameters)
+
+    # --- Running ---
+
+    def start(self, rng: np.random.Generator) -> Sequence[float]:
+        """Start a new instance; return its outputs, or its continuous states."""
+        unit = self._new_instance()
+        self.ended = False
+        two = self.description.fmiVersion == "2.0"
+        if two:
+            unit.setupExperiment(startTime=0.0)
+        values = [parameter(self, name).value for name in self._tunable]
+        _References(list(self._tunable.values())).write(unit, values)
+        if two:
+            unit.enterInitializationMode()
+        else:
+            unit.enterInitializationMode(startTime=0.0)
+        self._of_inputs.write(unit, [min(max(0.0, p.low), p.high) for p in self.inputs.values()])
+        unit.exitInitializationMode()
+        if not self.exchanges:
+            return self._of_outputs.read(unit)
+        self._settle(unit)
+        unit.getContinuousStates(self._states, len(self._states))
+        return list(self._states)
+
+    def _settle(self, unit: Any) -> None:
+        """Leave the event mode, in which a unit for model exchange begins."""
+        for _ in range(MOST_EVENTS):
+            news = unit.newDiscreteStates if hasattr(unit, "newDiscreteStates") else None
+            again = (news or unit.updateDiscreteStates)()[0]
+            if not again:
+                break
+        unit.enterContinuousTimeMode()
+
+    def _new_instance(self) -> Any:
+        import fmpy
+
+        try:
+            if not self._folder:
+                self._folder = fmpy.extract(self.path)
+                weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+            self._free()
+            kind = "ModelExchange" if self.exchanges else "CoSimulation"
+            self._instance = fmpy.instantiate_fmu(self._folder, self.description, kind)
+        except Exception as error:  # FMPy raises Exception itself, and what the loader raises
+            message = f"{self.path} cannot be started: {_in_one_line(error)}"
+            raise PlantError(message, name=self.name) from error
+        weakref.finalize(self, _freed, self._instance)
+        return self._instance
+
+    def _free(self) -> None:
+        if self._instance is not None:
+            _freed(self._instance)
+            self._instance = None
+
+    def _do_step(self, t: float, x: Any, u: Any, p: Any, dt: float) -> Sequence[float]:
+        self._of_inputs.write(self._instance, u)
+        said = self._instance.doStep(currentCommunicationPoint=t, communicationStepSize=dt)
+        self.ended = bool(said and said[1])  # FMI 3 says whether it is over
+        return self._of_outputs.read(self._instance)
+
+    def _put(self, t: float, x: Any, u: Any) -> Any:
+        unit = self._instance
+        unit.setTime(t)
+        self._states[:] = x
+        unit.setContinuousStates(self._states, len(self._states))
+        self._of_inputs.write(unit, u)
+        return unit
+
+    def _slope(self, t: float, x: Any, u: Any, p: Any) -> Sequence[float]:
+        unit = self._put(t, x, u)
+        two = self.description.fmiVersion == "2.0"
+        read = unit.getDerivatives if two else unit.getContinuousStateDerivatives
+        read(self._slopes, len(self._slopes))
+        return list(self._slopes)
+
+    def _measure(self, t: float, x: Any, u: Any, p: Any) -> Sequence[float]:
+        return self._of_outputs.read(self._put(t, x, u))
+
+
+class _References:
+    """Value references of some variables, by the type under which they are asked."""
+
+    def __init__(self, variables: Sequence[Any]) -> None:
+        self._kinds: dict[str, list[int]] = {}
+        for index, each in enumerate(variables):
+            self._kinds.setdefault(each.type, []).append(index)
+        self._references = [each.valueReference for each in variables]
+
+    def write(self, unit: Any, values: Sequence[float]) -> None:
+        for kind, places in self._kinds.items():
+            given = [float(values[index]) for index in places]
+            getattr(unit, f"set{kind}")([self._references[index] for index in places], given)
+
+    def read(self, unit: Any) -> list[float]:
+        found = [0.0] * len(self._references)
+        for kind, places in self._kinds.items():
+            values = getattr(unit, f"get{kind}")([self._references[index] for index in places])
+            for index, value in zip(places, values, strict=True):
+                found[index] = float(value)
+        return found
+
+
+def _described(path: str) -> Any:
+    import fmpy
+
+    if not Path(path).is_file():
+        raise FileNotFoundError(2, "No such file or directory", path)
+    try:
+        found = fmpy.read_model_description(path)
+    except Exception as error:  # a damaged archive raises whatever its reader does
+        raise PlantError(f"{path} is not an FMU: {_in_one_line(error)}", name=path) from error
+    if found.fmiVersion != "2.0" and not found.fmiVersion.startswith("3."):
+        raise PlantError(f"{path} is of FMI {found.fmiVersion}, not 2.0 or 3", name=path)
+    if found.coSimulation is None and found.modelExchange is None:
+        raise PlantError(f"{path} is neither for co-simulation nor for model exchange", name=path)
+    return found
+
+
+def _port(variable: Any, rate: str = "") -> Port:
+    low = -math.inf if variable.min is None else float(variable.min)
+    high = math.inf if variable.max is None else float(variable.max)
+    return Port(variable.unit or "1", low, high, rate_of=rate)
+
+
+def _is_parameter(variable: Any) -> bool:
+    settable = variable.variability in ("fixed", "tunable")
+    return variable.causality == "parameter" and settable and variable.start is not None
+
+
+def _in_one_line(error: Exception) -> str:
+    """Return the first sentences of what FMPy says, which may be a list."""
+    lines = [line.strip(" -.") for line in str(error).splitlines() if line.strip()]
+    return " ".join(lines[:2]) or type(error).__name__
+
+
+def _freed(unit: Any) -> None:
+    """End an instance; a second time nothing happens."""
+    if getattr(unit, "component", None):
+        unit.terminate()
+        unit.freeInstance()
+        unit.component = None
+
+
+def _again(path: str, longest_step: float, parameters: Any) -> UnitPlant:
+    plant = UnitPlant(path, longest_step=longest_step)
+    plant.parameters = cast(Any, parameters)
+    return plant
