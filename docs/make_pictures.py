@@ -1,20 +1,26 @@
 """Draw the pictures of the README and the documentation again.
 
-    python docs/make_pictures.py
+    python docs/make_pictures.py            # all of them
+    python docs/make_pictures.py plants     # runs on the shipped plants alone
 
-Every picture comes from the commands that a reader would use.
+Every picture comes from what a reader would use: commands, or the functions behind them.
 """
 
 from __future__ import annotations
 
 import io
+import sys
 from pathlib import Path
 
 from rich.console import Console
 
-from fuzzyarm import shipped
+from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
 from fuzzyarm.language import load_rulebase
+from fuzzyarm.loop import Options, Sensor, Signal, simulate
+from fuzzyarm.plant import find_plant, pick_and_place
+from fuzzyarm.show.animation import animate
+from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.table import table_view
 from fuzzyarm.table import compile_table
 
@@ -35,7 +41,40 @@ def draw_surface() -> None:
     main(["plot", str(shipped("pd7.frb")), "-o", str(PICTURES / "pd7.png")])
 
 
+FRAMES = 40
+"""Of an animation; more make the files large."""
+
+RUNS = {
+    "arm": ("stfc.frb", {}, Options()),
+    "motor": (
+        "servo.frb",
+        {"position": Signal("step", (1.0, 0.1))},
+        Options(sensors={"position": Sensor(resolution=0.001)}),
+    ),
+    "cartpole": ("cartpole.frb", {"x": Signal("step", (1.0, 1.0))}, Options()),
+    "tanks": ("tanks.frb", {"level2": Signal("step", (0.15, 20.0, 0.05))}, Options()),
+    "ball-and-beam": ("ball-and-beam.frb", {"position": Signal("sine", (0.2, 0.1))}, Options()),
+    "room": ("heater.frb", {"temperature": Signal("step", (21.0, 3600.0, 18.0))}, Options()),
+}
+"""The run that stands for each shipped plant: controller, references, options."""
+
+
+def draw_plants() -> None:
+    """Draw and animate a run on each shipped plant."""
+    for name, (controller, references, options) in RUNS.items():
+        plant = find_plant(name)
+        chosen = load(shipped(controller))
+        if name == "arm":
+            run = simulate(chosen, pick_and_place(), payload=True, options=options)
+        else:
+            run = simulate(chosen, plant, references=references, options=options)
+        draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=80)
+        animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
-    draw_table()
-    draw_surface()
+    if "plants" not in sys.argv[1:]:
+        draw_table()
+        draw_surface()
+    draw_plants()
