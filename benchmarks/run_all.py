@@ -21,7 +21,9 @@ PARTS = {
     "closed_loop": "closed loops against C",
     "controllers": "exported controllers against the kernel",
     "learning": "rule bases from samples beside regression, boosting and peers",
+    "step_cost": "operations and time of a control step of every controller",
     "keystroke": "the editor's answer to a key",
+    "proofs": "proved bounds, with their targets",
 }
 WITH_WORDS = {"compiled"}
 READS_ARGV = {"inference"}

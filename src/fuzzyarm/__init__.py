@@ -3,14 +3,15 @@
 The packages stand on each other in one direction::
 
     text  →  model  →  language, formats  →  inference  →  table  →  export
-    plant  →  controller  →  loop  →  learning, study
+    plant  →  controller  →  proof, loop  →  learning, study
     show  →  lsp, studio  →  cli
 
 :mod:`fuzzyarm.language` reads, checks and prints rule files; :mod:`fuzzyarm.inference`
 evaluates them; :mod:`fuzzyarm.table` compiles them to lookup tables; :mod:`fuzzyarm.plant` is
 the arm, :mod:`fuzzyarm.controller` has the controllers and :mod:`fuzzyarm.loop` closes the
-loop; :mod:`fuzzyarm.learning` makes rule bases from samples, :mod:`fuzzyarm.sklearn` as
-estimators; :mod:`fuzzyarm.study` has the published experiments; :mod:`fuzzyarm.show` draws.
+loop; :mod:`fuzzyarm.proof` says what holds everywhere; :mod:`fuzzyarm.learning` makes rule bases
+from samples, :mod:`fuzzyarm.sklearn` as estimators; :mod:`fuzzyarm.study` has the published
+experiments; :mod:`fuzzyarm.show` draws.
 Importing this page is instant: what a name needs is loaded when the name is used.
 """
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from fuzzyarm.inference import compiled, explain, infer
     from fuzzyarm.language import parse, write
     from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.proof import prove
     from fuzzyarm.shipped_files import shipped
     from fuzzyarm.table import (
         LookupTable,
@@ -54,6 +56,7 @@ __all__ = [
     "load",
     "op",
     "parse",
+    "prove",
     "read_table",
     "shipped",
     "write",
@@ -67,6 +70,7 @@ _HOMES = {
     "expression.op": ("op",),
     "inference": ("compiled", "explain", "infer"),
     "language": ("RuleBase", "RuleBaseError", "parse", "write"),
+    "proof": ("prove",),
     "shipped_files": ("shipped",),
     "table": ("LookupTable", "compile_table", "compile_with_report", "read_table", "write_table"),
 }

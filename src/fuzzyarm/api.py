@@ -20,6 +20,7 @@ from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
 
 
@@ -169,7 +170,7 @@ def check_parsed(
     text, path : str
         The text and its name.
     failed : list of Diagnostic, optional
-        What :func:`failed_expectations` found, where that is known already.
+        The findings of :func:`judge`, where they are known already.
     on_step : callable
         Called now and then; what it raises ends the check.
     """
@@ -180,7 +181,7 @@ def check_parsed(
         found += with_files(parsed.controller, Path(path).parent, path)[1]
     if parsed.rulebase is None:
         return Review(text, tuple(found))
-    more = failed_expectations(parsed.rulebase, on_step) if failed is None else failed
+    more = judge(parsed.rulebase, on_step).findings if failed is None else failed
     findings = check(parsed.rulebase, parsed.document, path=path, more=more, on_step=on_step)
     merged = sorted((*found, *findings), key=lambda d: (d.span, d.name))
     return Review(text, tuple(merged), parsed.rulebase)
@@ -229,12 +230,52 @@ def _check_foreign(path: str | os.PathLike[str], name: str) -> Review:
     return Review(text, (*imported.diagnostics, *findings), imported.rulebase)
 
 
-def failed_expectations(
-    rulebase: RuleBase, on_step: Callable[[], None] = lambda: None
-) -> list[Diagnostic]:
-    """Return a finding for each outcome that an ``expect`` line promises and that does not hold."""
-    if not rulebase.expectations:
-        return []
-    from fuzzyarm.inference import check_expectations
+class Judgement(NamedTuple):
+    """What became of the promises of a file.
 
-    return check_expectations(rulebase, on_step)
+    Attributes
+    ----------
+    findings : list of Diagnostic
+        One for each outcome of an ``expect`` line that does not hold, and for each ``prove``
+        line that is refuted or takes too long for a check.
+    verdicts : tuple of Verdict
+        On the ``prove`` lines.
+    """
+
+    findings: list[Diagnostic]
+    verdicts: tuple[Verdict, ...] = ()
+
+
+PROOF_SECONDS = 1.0
+"""How long a check may take over one ``prove`` line."""
+
+
+def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Judgement:
+    """Evaluate the ``expect`` lines of a rule base, and prove what it says in ``prove`` lines."""
+    findings: list[Diagnostic] = []
+    if rulebase.expectations:
+        from fuzzyarm.inference import check_expectations
+
+        findings += check_expectations(rulebase, on_step)
+    if not rulebase.properties:
+        return Judgement(findings)
+    from fuzzyarm.proof import prove_all
+
+    verdicts = []
+    proving = prove_all(rulebase, budget=PROOF_SECONDS, tell=lambda *_: on_step())
+    for claim, verdict in zip(rulebase.properties, proving, strict=True):
+        on_step()
+        verdicts.append(verdict)
+        if verdict.verdict == "refuted":
+            message = f"refuted: {verdict.statement}"
+            detail = "; ".join(verdict.evidence) or verdict.reason
+            findings.append(
+                Diagnostic("refuted-property", f"{message} ({detail})", claim.span, Severity.ERROR)
+            )
+        elif not verdict.proved:
+            message = f"left undecided: {verdict.statement} ({verdict.reason})"
+            hint = "fuzzyarm prove has more time" if "time is over" in verdict.reason else ""
+            findings.append(
+                Diagnostic("undecided-property", message, claim.span, Severity.INFO, hint=hint)
+            )
+    return Judgement(findings, tuple(verdicts))

@@ -82,6 +82,7 @@ def of_every_command(name="x" + HOSTILE):
         ["learn", PD7, "--passes", "0"],
         ["fit", PD7, "-o", "fitted.frb", "--rules", "1"],
         ["validate", PD7, "nothing.csv"],
+        ["compare", "pd"],
         ["reproduce", "--list"],
         ["identify", "nothing"],
         ["new", "n\x1b[31m"],

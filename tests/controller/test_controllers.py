@@ -5,6 +5,7 @@ import textwrap
 import numpy as np
 import pytest
 
+from fuzzyarm import shipped
 from fuzzyarm.controller import (
     CATALOGUE,
     Controller,
@@ -14,6 +15,7 @@ from fuzzyarm.controller import (
     controller,
     find_controller,
 )
+from fuzzyarm.controller.catalogue import TextEntry
 from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import Clock, Reference, State, reach
 
@@ -97,10 +99,15 @@ def test_gains_are_data():
     assert gains["K_I"].origin == "identified"
     assert gains["model.m_1"].unit == "kg"
     assert controller("cdid").gains["Lambda"].origin == "printed"
+    assert controller("stfc").gains["G_e"].origin == "printed"
+    assert controller("hfie").gains["K_I"].origin == "identified"
+    assert controller("pd-motor").gains["G_e"].origin == "own"
+    assert find_controller(str(shipped("stfc.frb"))).gains["G_e"].origin == "own"
     for name in CATALOGUE:
         for gain in controller(name).gains.values():
             assert gain.unit
-            assert gain.meaning or CATALOGUE[name].takes  # in a text its name says it
+            # In a text its name says it.
+            assert gain.meaning or isinstance(CATALOGUE[name], TextEntry)
 
 
 def test_overriding_gains():

@@ -181,7 +181,10 @@ def test_reproduce_prints_the_ensemble(capsys, monkeypatch):
         assert len(row[name]) == 8
     _, out, _ = run(capsys, "reproduce", "7.1.1/soc-zero", "--runs", "6")
     assert "6 runs, each disturbed in the last bit" in out
-    assert "beyond the study: fuzzy-fine" in out
+    assert "beyond the study: RMS errors" in out
+    for name in ("fuzzy-fine", "fuzzy-smooth", "pd-motor", "pd-motor-tuned", "pid-smooth"):
+        assert f"  {name} " in out
+    assert "whatever the bounds, all four RMS errors of a row: 1 within 1 %" in out
     _, out, _ = run(capsys, "reproduce", "7.1.1/soc-zero", "--runs", "6", "--markdown")
     assert "lowest of 6" in out
 

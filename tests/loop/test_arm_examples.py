@@ -34,10 +34,12 @@ def test_own_controller_is_short_and_runs_from_the_command_line(capsys):
         "hybrid_run",
         "identify_gains",
         "train_and_deploy",
+        "tune_linear_pd",
     ],
 )
 def test_example_runs(capsys, name, tmp_path, monkeypatch):
-    monkeypatch.setattr("sys.argv", [f"{name}.py", str(tmp_path)] if "hybrid" in name else [name])
+    words = {"hybrid_run": [str(tmp_path)], "tune_linear_pd": ["5"]}
+    monkeypatch.setattr("sys.argv", [f"{name}.py", *words.get(name, [])])
     runpy.run_path(str(EXAMPLES / f"{name}.py"), run_name="__main__")
     assert capsys.readouterr().out.count("\n") >= 2
     assert len(list(tmp_path.iterdir())) == (4 if "hybrid" in name else 0)

@@ -25,6 +25,7 @@ ORDER = (
     "plant",
     "controller",
     "export",
+    "proof",
     "loop",
     "control",
     "learning",

@@ -6,9 +6,10 @@ The bounds are written here on purpose, apart from those the package judges by.
 import numpy as np
 import pytest
 
+from fuzzyarm import infer, load, shipped
 from fuzzyarm.study import chaotic, find_rows, judge, reproduce_row, variants
+from fuzzyarm.study.beyond import MODEL_FREE, run_beyond
 from fuzzyarm.study.published import published_rows
-from fuzzyarm.study.reproduce import MODEL_FREE, run_beyond
 
 TWO_PERCENT = ["fuzzy-direct", "stfc", "cfaf", "cdid+fuzzy", "acdid+fuzzy"]
 FIVE_PERCENT = ["ffid+fuzzy", "mrac+fuzzy", "dac+fuzzy"]
@@ -101,15 +102,69 @@ def test_variants_where_text_and_figures_disagree():
     assert not {"fuzzy-lut", "fuzzy-lut-x10", "soc-zero", "soc-table"} & described
 
 
-def test_the_controller_beyond_the_study_beats_every_row_without_a_model():
-    beyond = run_beyond()
-    free = [
-        row for row in published_rows() if row.table == "7.1.1" and row.controller in MODEL_FREE
-    ]
+@pytest.fixture(scope="module")
+def beyond():
+    return {each.name: each for each in run_beyond()}
+
+
+def published(which=lambda row: True):
+    return [r for r in published_rows() if r.table == "7.1.1" and which(r)]
+
+
+def test_controllers_beyond_the_study_beat_every_row_without_a_model(beyond):
+    free = published(lambda row: row.controller in MODEL_FREE)
     assert len(free) == 11
-    for row in free:
-        assert (np.array(beyond.rms) < np.array(row.corrected)[RMS]).all(), row.row
-    assert beyond.better
-    # The supply is not exceeded: a motor at 20 V and rest gives at most this.
-    for run in beyond.runs:
-        assert np.abs(run.torques[:, 0]).max() < 20.0 * 0.066 / 2.32 * 80.0 * 1.25
+    for each in beyond.values():
+        for row in free:
+            assert (np.array(each.rms) < np.array(row.corrected)[RMS]).all(), (each.name, row.row)
+        assert each.beats_those_without_model
+
+
+def test_a_straight_line_is_no_worse_than_49_narrow_rules(beyond):
+    line, rules = beyond["pd-motor"].rms, beyond["fuzzy-fine"].rms
+    assert line == pytest.approx((0.0179, 0.0127, 0.0273, 0.0202), abs=1e-4)
+    assert rules == pytest.approx((0.0190, 0.0139, 0.0290, 0.0197), abs=1e-4)
+    assert sum(a < b for a, b in zip(line, rules, strict=True)) == 3
+
+
+def test_a_set_point_filter_beats_every_row(beyond):
+    for name in ("fuzzy-smooth", "pid-smooth"):
+        for row in published():
+            assert (np.array(beyond[name].rms) < np.array(row.corrected)[RMS]).all()
+        assert beyond[name].beats_all
+    assert not beyond["fuzzy-fine"].beats_all
+
+
+def test_none_of_them_exceeds_the_supply(beyond):
+    # A motor at 20 V and rest gives at most this; back-EMF adds a little when it brakes.
+    for each in beyond.values():
+        for run in each.runs:
+            assert np.abs(run.torques[:, 0]).max() < 20.0 * 0.066 / 2.32 * 80.0 * 1.25
+
+
+def test_rules_of_the_controller_with_a_set_point_filter_follow_their_line():
+    # Between the peaks of its sets the base is straight: numpy.interp is an oracle.
+    s = np.linspace(-8, 8, 161)
+    found = infer(load(shipped("slide7.frb")), s=s)
+    peaks = [-6, -2, -0.5, 0, 0.5, 2, 6]
+    for name, values in {
+        "u": [-6, -3, -1, 0, 1, 3, 6],
+        "share": [0, 0.5, 1, 1, 1, 0.5, 0],
+    }.items():
+        np.testing.assert_allclose(found[name], np.interp(s, peaks, values), atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["fuzzy-smooth", "pid-smooth"])
+def test_a_set_point_filter_ends_at_the_set_point_when_it_is_sampled(name):
+    run = load(shipped(f"{name}.frb")).run()
+    measured = dict.fromkeys(run.inputs, 0.0)
+    gain, before, ahead = 1080.0 / np.pi, 0.0, []
+    for point in (0.0, 0.01, 0.013):
+        for iteration in range(1, 6):
+            run.step(measured, measured | {"joint2.position": point})
+            line = before + (point - before) * iteration / 5
+            assert run.signal("joint2", "e") == pytest.approx(gain * line, abs=1e-9)
+            ahead.append(run.signal("joint2", "ahead"))
+        before = point
+    assert ahead[4] == ahead[9] == pytest.approx(0.0, abs=1e-15)
+    assert ahead[5] == pytest.approx(0.008)

@@ -6,9 +6,9 @@ FILE may be a table already; it is then rewritten in the other format.
 
 The levels, bins and rounding are those of the file's `lookup` settings; an input without
 any gets 13 even levels. Prints how far the table is from direct inference, at worst and on
-average, for each way of looking it up. With --tolerance T the smallest even grid is searched
-whose linear interpolation differs nowhere by more than T; the file's lookup settings are then
-not used.
+average, for each way of looking it up; "proved" holds between the points too.
+With --tolerance T the smallest even grid is searched whose linear interpolation differs nowhere
+by more than T; the file's lookup settings are then not used.
 
 Source text looks a table up, by --mode; with --q 15 or --q 7 in whole numbers. With --direct
 the rules themselves are inferred. All outputs go into one file unless --output names one.
@@ -49,10 +49,12 @@ from fuzzyarm.cli.command import (
 )
 from fuzzyarm.language.tokens import Cursor, Fault, tokenize
 from fuzzyarm.text.diagnostic import Diagnostic
+from fuzzyarm.text.numbers import outward_text
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.export import Exported, ExportedController
+    from fuzzyarm.export.routine import Routine
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import CompileReport, LookupTable
 
@@ -124,6 +126,8 @@ def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> 
 
 
 def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
+    from fuzzyarm.proof import table_proof
+    from fuzzyarm.table.compiler import choose_output
     from fuzzyarm.table.fidelity import compile_with_report
 
     def number(text: str | None, option: str) -> float | None:
@@ -140,6 +144,7 @@ def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace)
             source=arguments.file,
             date=datetime.now(UTC).date().isoformat() if arguments.date else None,
             progress=progress,
+            proof=table_proof(model, choose_output(model, output).name),
         )
 
 
@@ -173,6 +178,12 @@ def _export(
         precision = "float32" if arguments.out.lower().endswith(".st") else "mixed"
     elif arguments.q is not None:
         raise WordError("--precision makes no sense with --q: whole numbers have no precision")
+    proved = {
+        report.table.output: fidelity.proved
+        for report in reports
+        for fidelity in report.fidelities
+        if fidelity.mode == (arguments.mode or report.table.default_mode)
+    }
     routines = routines_of(
         model,
         output=arguments.output if arguments.direct else None,
@@ -180,6 +191,7 @@ def _export(
         q=arguments.q,
         precision=precision,
         source=arguments.file,
+        proved=proved,
     )
     exported = write_export(routines, arguments.out, arguments.name)
     if arguments.json:
@@ -303,7 +315,9 @@ def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
         "errors": [
             {
                 "mode": fidelity.mode,
-                "worst": fidelity.worst,
+                "worst": fidelity.worst if fidelity.proved is None else fidelity.proved,
+                "proved": fidelity.proved is not None,
+                "sampled": fidelity.worst,
                 "rms": fidelity.rms,
                 "at": dict(fidelity.at),
                 "points": list(fidelity.points),
@@ -323,15 +337,22 @@ def _report_lines(report: CompileReport, out: str) -> list[str]:
     for fidelity in report.fidelities:
         where = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fidelity.at)
         size = " x ".join(map(str, fidelity.points))
+        worst = f"{number_words(fidelity.worst, 4)} (sampled)"
+        if fidelity.proved is not None:
+            worst = f"{outward_text(fidelity.proved, up=True, digits=6)} (proved)"
         lines.append(
-            f"  {fidelity.mode:<7}  worst {number_words(fidelity.worst, 4):<8} "
+            f"  {fidelity.mode:<7}  worst {worst:<18} "
             f"rms {number_words(fidelity.rms, 4):<8} worst at {where} (of {size} points)"
         )
     if report.few_points:
         lines.append("few points were compared, because direct inference takes long at each")
     if report.tolerance is not None:
+        known = (
+            "proved" if all(each.proved is not None for each in report.fidelities) else "sampled"
+        )
         lines.append(
-            f"this is the smallest even grid within {report.tolerance:g}, looked up linearly"
+            f"this is the smallest even grid within {report.tolerance:g} ({known}),"
+            " looked up linearly"
         )
     return lines
 
@@ -350,6 +371,7 @@ def _export_data(exported: Exported) -> dict[str, Any]:
                 "worst": routine.accuracy.worst,
                 "points": routine.accuracy.points,
                 "against": routine.accuracy.against,
+                "proved": _proved(routine),
                 "operations": dict(routine.cost().operations),
                 "stack": routine.cost().stack,
             }
@@ -358,7 +380,15 @@ def _export_data(exported: Exported) -> dict[str, Any]:
     }
 
 
+def _proved(routine: Routine) -> float | None:
+    """Return the proved worst error against the rules."""
+    from fuzzyarm.export.table import TableRoutine
+
+    return routine.worst_proved() if isinstance(routine, TableRoutine) else None
+
+
 def _export_lines(exported: Exported) -> list[str]:
+    from fuzzyarm.export.routine import proved_words
     from fuzzyarm.show.drawing import number_words
 
     lines = [f"{path}: {len(text.encode()):,} bytes of source" for path, text in exported.files]
@@ -368,6 +398,7 @@ def _export_lines(exported: Exported) -> list[str]:
         lines += [
             call,
             f"  worst error against {accuracy.against}: {worst} (of {accuracy.points:,} points)",
+            *([f"  worst error {proved}"] if (proved := proved_words(routine)) else []),
             f"  at most {cost.in_words()}",
         ]
     return lines

@@ -23,6 +23,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "eval": ("eval", "the outputs at one point, and why"),
     "show": ("show", "rules, terms and tables in the terminal"),
     "plot": ("show", "terms and control surfaces as a figure"),
+    "prove": ("prove", "what holds at every point, with a bound or a counterexample"),
     "compile": ("compile", "sample a rule base to a lookup table"),
     "diff": ("show", "what differs between two tables or rule bases"),
     "convert": ("convert", "rule bases of other programs, in and out"),
@@ -31,6 +32,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "learn": ("learn", "train a table on the robot arm and see it grow"),
     "fit": ("fit", "learn a rule base from samples, as text"),
     "validate": ("validate", "judge a rule base by samples, region by region, rule by rule"),
+    "compare": ("study", "compare controllers: errors, chatter and cost"),
     "reproduce": ("study", "run the study's published experiments again"),
     "identify": ("study", "fit unprinted gains to published figures"),
     "new": ("start", "a commented rule base to start from"),
@@ -61,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     -------
     int
         0 = fine, 1 = the input is at fault, 2 = wrong usage, 3 = a run diverged,
-        130 = interrupted.
+        4 = a proof stayed undecided, 130 = interrupted.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     # A command makes many small objects and ends soon: looking for cycles among them takes

@@ -26,6 +26,15 @@ def _many(words: str, text: str) -> Any:
     return argument(words, text, action="append", default=[])
 
 
+INTERPOLATE = flag("--interpolate", "move the reference between set points, instead of holding it")
+
+MOTORS = group(
+    "joints and motors of the arm",
+    argument("--limits T1 T2", "largest torques, N m", type=float),
+    argument("--supply V", "largest voltage at a motor", type=float),
+    argument("--inductance H", "of each armature; 0 by default", type=float),
+)
+
 PLANT = (
     *group(
         "plant",
@@ -47,7 +56,7 @@ PLANT = (
         _many("--difference PORT=TIME", "form a rate by difference, with a filter of this time"),
         _many("--actuator INPUT=LOW..HIGH", "limits of a drive; a slew behind a comma: -5..5,100"),
         _many("--disturb INPUT=SIGNAL", "add this to a drive, as in voltage=step:-2,1"),
-        flag("--interpolate", "move the reference between set points, instead of holding it"),
+        INTERPOLATE,
         argument("--seed N", "of noise and disturbance", type=int, default=1),
     ),
 )
@@ -129,9 +138,18 @@ def options_of(arguments: argparse.Namespace, plant: Plant) -> Options:
         "loads": _pairs(arguments.disturb, "--disturb", read_signal),
         "runge_kutta": getattr(arguments, "runge_kutta", 0),
     }
+    return Options(**given, **motors_of(arguments))
+
+
+def motors_of(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return what is said of the arm's joints and motors, by the names of the options of a run."""
+    given: dict[str, Any] = {}
     if getattr(arguments, "limits", None) is not None:
         given["torque_limits"] = tuple(arguments.limits)
-    return Options(**given)
+    for name in ("supply", "inductance"):
+        if getattr(arguments, name, None) is not None:
+            given[name] = getattr(arguments, name)
+    return given
 
 
 def _sensors(arguments: argparse.Namespace, plant: Plant) -> dict[str, Sensor]:
@@ -205,6 +223,8 @@ def require_plain(arguments: argparse.Namespace) -> None:
         "--segment": arguments.segment is not None,
         "--hold": arguments.hold is not None,
         "--limits": getattr(arguments, "limits", None),
+        "--supply": getattr(arguments, "supply", None),
+        "--inductance": getattr(arguments, "inductance", None) is not None,
         "--conventions": arguments.conventions != "plain",
         "--precision": arguments.precision,
     }

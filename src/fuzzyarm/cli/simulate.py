@@ -44,6 +44,7 @@ from fuzzyarm.cli.command import (
     progress_bar,
 )
 from fuzzyarm.cli.plants import (
+    MOTORS,
     PLANT,
     connections,
     motion_of,
@@ -189,8 +190,9 @@ def _run(arguments: argparse.Namespace) -> int:
     plant = plant_of(arguments)
     made = [_controller(arguments, name, plant) for name in arguments.controller]
     if arguments.show_gains:
-        for controller, _ in made:
+        for (controller, _), name in zip(made, arguments.controller, strict=True):
             _show_gains(controller, arguments.json)
+            _print_notes(name)
         return 0
     results = [
         _simulate(controller, changed, name, arguments)
@@ -202,7 +204,22 @@ def _run(arguments: argparse.Namespace) -> int:
         print_json(shown if len(shown) > 1 else shown[0])
     else:
         print("\n\n".join(map(_as_text, results)))
-    return DIVERGED if any(result.diverged is not None for result in results) else 0
+    lost = [
+        name
+        for result, name in zip(results, arguments.controller, strict=True)
+        if result.diverged is not None
+    ]
+    for name in lost:
+        _print_notes(name)
+    return DIVERGED if lost else 0
+
+
+def _print_notes(name: str) -> None:
+    """Say where a controller of the catalogue must not be used."""
+    from fuzzyarm.controller.catalogue import notes_on
+
+    for note in notes_on(name):
+        print(f"fuzzyarm: note: {note}", file=sys.stderr)
 
 
 def _require_pictures(arguments: argparse.Namespace) -> None:
@@ -212,7 +229,7 @@ def _require_pictures(arguments: argparse.Namespace) -> None:
 
         figure_format(arguments.plot)
     if arguments.animate:
-        from fuzzyarm.show.animation import require_animation
+        from fuzzyarm.show.figures.animation import require_animation
 
         require_animation(arguments.animate)
 
@@ -381,7 +398,7 @@ def _plot(results: list[Run], path: str) -> None:
 
 def _animate(result: Run, plant: Plant, path: str) -> None:
     """Write the animation of a run, with a progress bar where a terminal shows it."""
-    from fuzzyarm.show.animation import animate
+    from fuzzyarm.show.figures.animation import animate
 
     with progress_bar("drawing", min(100, result.samples)) as advance:
         animate(result, plant, path, watch=advance)
@@ -446,6 +463,8 @@ def _list(as_json: bool) -> None:
     width = max(map(len, CATALOGUE))
     for entry in CATALOGUE.values():
         print(f"{entry.name:<{width}}  {entry.summary}")
+        if entry.note:
+            print(f"{'':<{width}}  note: {entry.note}")
 
 
 COMMANDS = (
@@ -475,9 +494,9 @@ COMMANDS = (
                 default="as-printed",
             ),
             SET,
-            argument("--limits T1 T2", "torque, N m", type=float),
             argument("--runge-kutta N", "N fine steps in a control period", type=int, default=0),
         ),
+        *MOTORS,
         *group(
             "output",
             flag("--show-gains", "print the gains and stop"),

@@ -1,4 +1,4 @@
-"""The study's figures: ``fuzzyarm reproduce`` and ``fuzzyarm identify``."""
+"""The study's figures: ``fuzzyarm reproduce``, ``fuzzyarm compare`` and ``fuzzyarm identify``."""
 
 from __future__ import annotations
 
@@ -6,13 +6,19 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
+from fuzzyarm.cli.plants import INTERPOLATE, MOTORS, motors_of
 
 if TYPE_CHECKING:
-    from fuzzyarm.study import Ensemble, PublishedRow, Reproduced
+    from fuzzyarm.plant import Trajectory
+    from fuzzyarm.study import Ensemble, Judgement, PublishedRow, Reproduced
+    from fuzzyarm.study.beyond import Beyond
+    from fuzzyarm.study.comparison import Compared, Cost
     from fuzzyarm.study.identify import Identified
 
 
@@ -31,9 +37,6 @@ another --runs times, each with the last bit of every state disturbed at every s
 With --plot DIR: fewer than five rows are drawn each, more by chapters and all beside
 each other (overview.png).
 """
-
-_SUMMARY_TABLE = "7.1.1"
-"""The table with which the controller beyond the study is compared."""
 
 _FEW = 5
 """Rows from which on figures are by chapters."""
@@ -70,10 +73,12 @@ def _reproduce(arguments: argparse.Namespace) -> int:
 
 
 def _print(results: list[Reproduced]) -> None:
+    from fuzzyarm.study.beyond import SUMMARY_TABLE
+
     for result in results:
         print(_reproduced_as_text(result), end="\n\n")
     _summary(results)
-    if any(result.published.table == _SUMMARY_TABLE for result in results):
+    if any(result.published.table == SUMMARY_TABLE for result in results):
         _beyond()
 
 
@@ -214,6 +219,7 @@ def _summary(results: list[Reproduced]) -> None:
     for result in printed:
         if not result.judgement.within:
             print(f"  {result.published.identifier}: {result.judgement.sentence}")
+    print(_within_levels([result.judgement for result in printed]))
     both = {r.published.identifier for r in results if r.variant == "as-described"}
     if both:
         print("where the variants differ, the row is reproduced by")
@@ -226,16 +232,40 @@ def _summary(results: list[Reproduced]) -> None:
             print(f"  {name:<20} {_reproduced_by(described, result)}")
 
 
-def _beyond() -> None:
-    """Print the controller that the study does not have."""
-    from fuzzyarm.study.reproduce import run_beyond
+def _within_levels(judgements: Sequence[Judgement]) -> str:
+    from fuzzyarm.study.reproduce import count_within
 
-    beyond = run_beyond()
-    verdict = "better in all four" if beyond.better else "NOT better in all four"
-    print(f"beyond the study: {beyond.name}, against the best of the rows without a model")
-    print("  RMS errors  " + "".join(f"{value:>10.4f}" for value in beyond.rms))
-    print("  to beat     " + "".join(f"{value:>10.4f}" for value in beyond.to_beat))
-    print(f"  {verdict}")
+    found = count_within(judgements)
+    counts = ", ".join(f"{count} within {100 * level:g} %" for level, count in found.items())
+    return f"whatever the bounds, all four RMS errors of a row: {counts}"
+
+
+def _beyond() -> None:
+    """Print the controllers that the study does not have."""
+    from fuzzyarm.study.beyond import run_beyond
+
+    beyond = list(run_beyond())
+    print("beyond the study: RMS errors beside the smallest of each column of the summary table")
+    to_beat = {
+        "rows without a model": beyond[0].best_without_model,
+        "all rows": beyond[0].best_of_all,
+    }
+    for name, figures in to_beat.items():
+        print(_four_line(name, figures))
+    for each in beyond:
+        print(_four_line(each.name, each.rms) + f"   {_beaten(each)}")
+
+
+def _four_line(name: str, figures: Sequence[float]) -> str:
+    return f"  {name:<22}" + "".join(f"{value:>10.4f}" for value in figures)
+
+
+def _beaten(beyond: Beyond) -> str:
+    if beyond.beats_all:
+        return "below every row in all four"
+    if beyond.beats_those_without_model:
+        return "below every row without a model in all four"
+    return "NOT below every row without a model"
 
 
 def _reproduced_by(described: Reproduced, printed: Reproduced) -> str:
@@ -271,11 +301,11 @@ def _plot(results: Sequence[Reproduced], folder: Path) -> None:
 
 def _overview(results: Sequence[Reproduced], path: Path) -> None:
     """Draw the rows of the summary, or, if there are none among them, all."""
+    from fuzzyarm.study.beyond import run_beyond
     from fuzzyarm.study.figures import SUMMARY, draw_overview, save_figure
-    from fuzzyarm.study.reproduce import run_beyond
 
     summary = [result for result in results if result.published.table[0] == SUMMARY]
-    beyond = run_beyond() if summary else None
+    beyond = list(run_beyond()) if summary else []
     save_figure(draw_overview(summary or results, beyond), path)
 
 
@@ -328,7 +358,131 @@ def _identified_as_text(result: Identified) -> str:
     return "\n".join(lines)
 
 
+_COMPARE = """Compare controllers under the same conditions: errors, chatter, cost.
+
+CONTROLLER is a name of the catalogue, a sum or a file; by default those of the study's
+summary table and those that it does not have. They run with load along reach-return and
+pick-and-place, and count as the study did. Without options it is the study's experiment:
+set points held for five control periods, motors without inductance, any torque.
+
+"rms" are the RMS errors of links 1 and 2 on the first trajectory, then on the second, in
+degrees. "change" is the mean magnitude by which the torque of a joint changes from one
+control period to the next, the largest of the four, in N m: chatter.
+
+With --cost: floating-point operations of a control step, both joints together (counted as
+the laws do them, sines and cosines among them), and the time that a step adds to the loop.
+
+Examples
+--------
+  fuzzyarm compare
+  fuzzyarm compare --interpolate
+  fuzzyarm compare --angles 80 -20 --segment 1 --limits 55.44 48.51
+  fuzzyarm compare pd-motor fuzzy-fine mine.frb --inductance 0.002 --supply 24 --cost
+"""
+
+
+def _compare(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.loop import Options
+    from fuzzyarm.study.comparison import compare, compared_names, cost_of
+    from fuzzyarm.study.figures import figure_format
+
+    if arguments.plot:
+        figure_format(arguments.plot)  # a mistake in the name is told before the runs
+    names = arguments.controllers or compared_names()
+    options = Options(interpolate=arguments.interpolate, **motors_of(arguments))
+    trajectories = _both_trajectories(arguments)
+    costs: list[Cost] = []
+    with progress_bar(
+        "controllers", len(names) * (1 + bool(arguments.cost or arguments.plot))
+    ) as bar:
+        compared = []
+        for each in compare(names, options, trajectories=trajectories):
+            compared.append(each)
+            bar(1)
+        for name in names if arguments.cost or arguments.plot else ():
+            costs.append(cost_of(name))
+            bar(1)
+    if arguments.plot:
+        from fuzzyarm.study.figures import draw_cost, save_figure
+
+        save_figure(draw_cost(compared, costs), arguments.plot)
+    if arguments.json:
+        print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
+    else:
+        print("\n".join(_compared_lines(compared, costs, markdown=arguments.markdown)))
+    return 0
+
+
+def _both_trajectories(arguments: argparse.Namespace) -> list[Callable[[], Trajectory]]:
+    """Return the trajectories of the summary table, with other angles and times where given."""
+    from fuzzyarm.study.comparison import TRAJECTORIES
+
+    given: dict[str, Any] = {}
+    if arguments.angles is not None:
+        given["angles"] = tuple(arguments.angles)
+    if arguments.segment is not None:
+        given["segment"] = arguments.segment
+    return [partial(trajectory, **given) for trajectory in TRAJECTORIES]
+
+
+def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "controller": compared.name,
+        "rms": list(compared.rms),
+        "variation": list(compared.variation),
+        "diverged": list(compared.diverged),
+    }
+    if cost is not None:
+        found["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
+        found["seconds"] = cost.seconds
+    return found
+
+
+def _compared_lines(
+    compared: Sequence[Compared], costs: Sequence[Cost], *, markdown: bool
+) -> Iterator[str]:
+    """Yield a table, of columns or of markdown."""
+    heads = ["controller", "rms 1", "rms 2", "rms 1", "rms 2", "change"]
+    heads += ["operations", "ns"] if costs else []
+    if markdown:
+        yield f"| {' | '.join(heads)} |"
+        yield "|---" * len(heads) + "|"
+    else:
+        yield _columns(heads)
+    for each, cost in zip_longest(compared, costs):
+        cells = [each.name, *_numbers_of(each)]
+        if cost is not None:
+            cells += [f"{cost.operations.total:.0f}", f"{1e9 * cost.seconds:.0f}"]
+        yield f"| {' | '.join(cells)} |" if markdown else _columns(cells)
+
+
+def _numbers_of(compared: Compared) -> list[str]:
+    rms = []
+    for index, value in enumerate(compared.rms):
+        rms.append("diverges" if compared.diverged[index // 2] is not None else f"{value:.4f}")
+    lost = any(each is not None for each in compared.diverged)
+    return [*rms, "" if lost else f"{max(compared.variation):.2f}"]
+
+
+def _columns(cells: Sequence[str]) -> str:
+    return f"{cells[0]:<18}" + "".join(f"{cell:>12}" for cell in cells[1:])
+
+
 COMMANDS = (
+    command(
+        "compare",
+        _COMPARE,
+        _compare,
+        argument("controllers CONTROLLER", "name, sum or file", nargs="*"),
+        argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
+        argument("--segment SECONDS", "duration of each move", type=float),
+        INTERPOLATE,
+        *MOTORS,
+        flag("--cost", "count operations and measure time"),
+        argument("--plot FIG", "draw error against cost"),
+        flag("--markdown", "print a table for a page"),
+        JSON,
+    ),
     command(
         "reproduce",
         _REPRODUCE,

@@ -127,6 +127,8 @@ class Entry:
         Whether warm and cold start differ.
     takes : tuple of str
         Which of the :class:`Sources` it reads; none.
+    note : str
+        Where it must not be used; empty for most.
     """
 
     name: str
@@ -135,6 +137,7 @@ class Entry:
     conventions: Conventions = STUDY_CONVENTIONAL
     adaptive: bool = False
     takes: tuple[str, ...] = ()
+    note: str = ""
 
 
 def changed(law: Law, values: dict[str, float], origin: Origin = "printed") -> CompiledController:
@@ -227,6 +230,13 @@ def _pid_modified(_choice: Choice) -> Controller:
     return Sum([CompiledController(PD_LAW), integral_action(50.0)], "pid-modified")
 
 
+DIVERGES_ON_FAST_MOVES = (
+    "diverges on fast moves: where set points accelerate by more than about 2 rad/s², as on "
+    "--trajectory pick-and-place --angles 80 -20 --segment 1"
+)
+"""Of decentralised control with the identified gains: its feedback grows with the square of the
+desired acceleration and with the error, until a control period is too long for it."""
+
 FFID = plain(FEED_FORWARD_INVERSE_LAW)
 CDID = plain(CRITICALLY_DAMPED_LAW)
 DAC = plain(DECENTRALISED_LAW)
@@ -253,17 +263,22 @@ CONVENTIONAL = (
     Entry(
         "mrac+ie",
         "mrac plus integral of the error",
-        with_integral("mrac+ie", mrac, 10.1),
+        with_integral("mrac+ie", mrac, 10.0),
         adaptive=True,
     ),
-    Entry("dac", DECENTRALISED_LAW.summary, DAC),
-    Entry("dac+ie", "dac plus integral of the error", with_integral("dac+ie", DAC, 50.0)),
+    Entry("dac", DECENTRALISED_LAW.summary, DAC, note=DIVERGES_ON_FAST_MOVES),
+    Entry(
+        "dac+ie",
+        "dac plus integral of the error",
+        with_integral("dac+ie", DAC, 50.0),
+        note=DIVERGES_ON_FAST_MOVES,
+    ),
     Entry("ie", INTEGRAL_LAW.summary, plain(INTEGRAL_LAW)),
 )
 """Their entries, in the order of the list."""
 
 
-# --- The fuzzy controllers of the catalogue: shipped texts ---
+# --- The shipped texts of the catalogue: the fuzzy controllers, and linear ones beside them ---
 #
 # Where text and figures of the study disagree, `NAME.frb` has what gives the figures and
 # `NAME-as-described.frb` follows the text.
@@ -281,11 +296,20 @@ class TextEntry:
         How the study counted where it used this controller.
     adaptive : bool
         Whether warm and cold start differ.
+    note : str
+        Where it must not be used; empty for most.
+    origin : {"printed", "own"}
+        Whether its gains are the study's.
+    identified : tuple of str
+        Those that were identified from the study's figures.
     """
 
     name: str
     conventions: Conventions
     adaptive: bool = False
+    note: str = ""
+    origin: Origin = "printed"
+    identified: tuple[str, ...] = ()
 
     def file(self, variant: Variant = "as-printed") -> Path:
         """Return the file of a variant."""
@@ -311,7 +335,15 @@ class TextEntry:
 
     def make(self, choice: Choice) -> Controller:
         """Make the controller."""
-        return text_controller(self.file(choice.variant), choice, self.name)
+        made = text_controller(self.file(choice.variant), choice, self.name)
+        told = made.with_origin(
+            **{
+                name: replace(gain, origin="identified" if name in self.identified else self.origin)
+                for name, gain in made.gains.items()
+            }
+        )
+        told.name = made.name
+        return told
 
 
 def text_controller(
@@ -396,22 +428,26 @@ def roles(model: ControllerModel) -> dict[str, str]:
     return found
 
 
-FUZZY = (
+TEXTS = (
     TextEntry("fuzzy-lut", STUDY_TABLES),
     TextEntry("fuzzy-lut-x10", STUDY_TABLES),
     TextEntry("fuzzy-direct", STUDY_DIRECT),
     TextEntry("ct+fuzzy", STUDY_TABLES),
     TextEntry("ffid+fuzzy", STUDY_TABLES),
-    TextEntry("cdid+fuzzy", STUDY_TABLES),
+    TextEntry("cdid+fuzzy", STUDY_TABLES, identified=("K_I",)),
     TextEntry("acdid+fuzzy", STUDY_TABLES, adaptive=True),
     TextEntry("mrac+fuzzy", STUDY_TABLES, adaptive=True),
-    TextEntry("dac+fuzzy", STUDY_TABLES),
+    TextEntry("dac+fuzzy", STUDY_TABLES, note=DIVERGES_ON_FAST_MOVES),
     TextEntry("soc-zero", STUDY_TABLES),
     TextEntry("soc-table", STUDY_TABLES),
     TextEntry("stfc", STUDY_DIRECT),
-    TextEntry("hfie", STUDY_DIRECT),
+    TextEntry("hfie", STUDY_DIRECT, identified=("K_I",)),
     TextEntry("cfaf", STUDY_DIRECT),
-    TextEntry("fuzzy-fine", STUDY_TABLES),
+    TextEntry("fuzzy-fine", STUDY_TABLES, origin="own"),
+    TextEntry("fuzzy-smooth", STUDY_TABLES, origin="own"),
+    TextEntry("pd-motor", STUDY_TABLES, origin="own"),
+    TextEntry("pd-motor-tuned", STUDY_TABLES, origin="own"),
+    TextEntry("pid-smooth", STUDY_TABLES, origin="own"),
 )
 """Their entries, in the order of the list."""
 
@@ -495,6 +531,15 @@ def entries_of(name: str) -> list[Entry | TextEntry]:
     return [CATALOGUE[part] for part in names]
 
 
+def notes_on(name: str) -> list[str]:
+    """Return where the controllers of a name or a sum must not be used; none for a file."""
+    try:
+        entries = entries_of(name)
+    except UnknownControllerError:
+        return []
+    return [f"{entry.name} {entry.note}" for entry in entries if entry.note]
+
+
 def near_names(name: str) -> list[str]:
     """Return up to three names of the catalogue that look like `name`."""
     import difflib
@@ -514,5 +559,5 @@ def study_conventions(name: str) -> Conventions:
 ADDENDS = {"fuzzy": "fuzzy-lut"}
 """Short names in a sum, as the hybrids of the study have them (``cdid+fuzzy``)."""
 
-CATALOGUE: dict[str, Entry | TextEntry] = {entry.name: entry for entry in (*CONVENTIONAL, *FUZZY)}
+CATALOGUE: dict[str, Entry | TextEntry] = {entry.name: entry for entry in (*CONVENTIONAL, *TEXTS)}
 """Every controller by its name."""

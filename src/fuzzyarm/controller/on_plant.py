@@ -258,7 +258,11 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextL
 
     def remember(chosen: Gains, arithmetic: Arithmetic) -> NDArray[np.float64]:
         # A gain of the text counts with the π of the run, one that is given as it is.
-        given = {each.name: chosen[each.name].value for each in gains if chosen[each.name] != each}
+        given = {
+            each.name: chosen[each.name].value
+            for each in gains
+            if chosen[each.name].value != each.value
+        }
         return program(arithmetic).cells_with(given, arithmetic)
 
     def links(arithmetic: Arithmetic) -> list[int]:
@@ -334,6 +338,7 @@ def _gains(model: ControllerModel) -> Iterator[Gain]:
             tuple(value.value(np.pi) for value in each.values),
             each.unit or "1",
             "",
+            "own",
             positive=each.name in positive,
             bounds=(0.0, LARGEST_RATE) if each.name in rates else None,
         )

@@ -580,7 +580,7 @@ def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
 
 def evaluate_view(block: Any) -> None:
     """Evaluate a rule base as plain Python, its block a view as an interpreted loop has it."""
-    block_of.evaluate(np.asarray(block))
+    block_of.evaluate(np.asanyarray(block))
 
 
 def inference_address(*, compiled: bool) -> int:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.numbers import C_TYPES, Kind
-from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.numbers import number_text, outward_text
 from fuzzyarm.version import __version__
 
 # --- What one exported C file is put together from: names, shared constants, small helpers ---
@@ -213,10 +213,23 @@ def routine_words(routine: Routine) -> list[str]:
         f"worst error against {accuracy.against}: {accuracy.worst:.3g}, in units of the output"
         f" ({accuracy.points:,} points, every edge among them)"
     )
+    proved = proved_words(routine)
+    if proved:
+        lines.append(f"worst error {proved}, in units of the output")
     lines.append(f"operations per call, at most: {cost.in_words()}")
     lines.append(f"local variables (stack): about {cost.stack} bytes")
     lines += [f"{key}: {text}" for key, text in routine.provenance()]
     return lines
+
+
+def proved_words(routine: Routine) -> str:
+    """Return the proved worst error against the rules; empty where none is known."""
+    worst_proved = getattr(routine, "worst_proved", None)
+    worst = worst_proved() if worst_proved is not None else None
+    if worst is None:
+        return ""
+    text = outward_text(worst, up=True, digits=6)
+    return f"against the rules of {routine.output.name}: {text} (proved, rounding included)"
 
 
 def _argument(argument: Argument) -> str:

@@ -266,9 +266,13 @@ _MOST_POINTS = 3_000_000
 
 @dataclass(frozen=True, eq=False)
 class TableRoutine:
-    """A table with the arithmetic it is exported in."""
+    """A table with the arithmetic it is exported in.
+
+    `proved` is what the table nowhere differs from its rules by, where that is known.
+    """
 
     core: Core
+    proved: float | None = None
 
     @property
     def output(self) -> Argument:
@@ -339,6 +343,10 @@ class TableRoutine:
     def provenance(self) -> Sequence[tuple[str, str]]:
         """Return where the table comes from."""
         return self.core.table.provenance
+
+    def worst_proved(self) -> float | None:
+        """Return the worst error against the rules, this arithmetic included; None if unknown."""
+        return None if self.proved is None else self.proved + self.core.arithmetic_error()
 
     @cached_property
     def accuracy(self) -> Accuracy:

@@ -64,6 +64,14 @@ class NumberTable:
         """Whether it interpolates."""
         return self.mode == "linear"
 
+    def _steepest(self) -> list[float]:
+        """Return the largest difference between neighbouring values along each axis."""
+        values = self.table.values
+        return [
+            float(np.abs(np.diff(values, axis=k)).max()) if size > 1 else 0.0
+            for k, size in enumerate(values.shape)
+        ]
+
     def _look_up(self, columns: Sequence[NDArray[Any]]) -> NDArray[Any]:
         grid = Grid.of(self.table.shape, self.points, self.values, self.arithmetic)
         found = grid.interpolate(columns) if self.linear else grid.pick(columns)
@@ -87,6 +95,25 @@ class FloatTable(NumberTable):
             given = np.broadcast_arrays(*(np.asarray(x, dtype=outside) for x in inputs))
         columns = [np.where(np.isnan(x), outside(-math.inf), x).astype(inside) for x in given]
         return self._look_up(columns).astype(outside)
+
+    def arithmetic_error(self) -> float:
+        """Return what the result nowhere is further from the table than, by this arithmetic.
+
+        Shares of the way are off by the rounding of levels and of three operations, each blend
+        by that of four, and the result once more; doubled, for terms of second order.
+        """
+        values = self.table.values
+        if not self.linear:  # the cell is right: only the value is rounded
+            return float(np.abs(values.astype(self.precision.outside) - values).max())
+        inside, outside = (float(np.finfo(each).eps) for each in self.precision[1::-1])
+        largest = float(np.abs(values).max())
+        error = (outside + (1.0 + 4.0 * len(self.table.axes)) * inside) * largest
+        for axis, steepest in zip(self.table.axes, self._steepest(), strict=True):
+            if len(axis.levels) > 1:
+                far = max(map(abs, axis.levels))
+                width = min(b - a for a, b in pairwise(axis.levels))
+                error += (4.0 + 2.0 * far / width) * inside * steepest
+        return 2.0 * error
 
     @property
     def scales(self) -> list[Scale | None]:
@@ -308,6 +335,29 @@ class FixedTable(NumberTable):
         """
         columns = np.broadcast_arrays(*(np.asarray(x, dtype=np.int64) for x in inputs))
         return np.array(self._look_up(columns))
+
+    def arithmetic_error(self) -> float:
+        """Return what the result nowhere is further from the table than, by this arithmetic.
+
+        A value is rounded by half a step, and so is each blend. A share of the way is rounded
+        down by 2⁻¹⁵, and levels are rounded by what is known of each; that moves the value by
+        so much of the difference to its neighbour.
+        """
+        values = self.table.values
+        rounded_values = self.output.quantity(self.values).reshape(values.shape)
+        error = float(np.abs(rounded_values - values).max())
+        if not self.linear:
+            return error
+        error += 0.5 * self.output.step * len(self.table.axes)
+        for k, (axis, scale) in enumerate(zip(self.table.axes, self.inputs, strict=True)):
+            if len(axis.levels) < 2:
+                continue
+            exact = [float(scale.exact(level)) for level in axis.levels]
+            moved = max(abs(a - int(b)) for a, b in zip(exact, self.points[k], strict=True))
+            widths = [b - a for a, b in pairwise(exact)] + np.diff(self.points[k]).tolist()
+            share = 2.0**-SHARE_BITS + moved / min(widths)
+            error += share * self._steepest()[k]
+        return error * (1.0 + 1e-9)
 
     @property
     def scales(self) -> list[Scale | None]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from fuzzyarm.export.c import c_header, c_pair
 from fuzzyarm.export.controller_c import controller_c
@@ -56,6 +57,7 @@ def routines_of(
     q: int | None = None,
     precision: str = "mixed",
     source: str | Path | None = None,
+    proved: Mapping[str, float | None] = MappingProxyType({}),
 ) -> tuple[Routine, ...]:
     """Return the routines that a file exports.
 
@@ -73,6 +75,8 @@ def routines_of(
         ``mixed``, ``float32`` or ``float64``; without meaning in fixed point.
     source : str or Path, optional
         The file of a rule base, for the head.
+    proved : mapping of str to float or None
+        What the table of an output, looked up so, nowhere differs from its rules by.
 
     Raises
     ------
@@ -99,8 +103,13 @@ def routines_of(
                 f" {MOST_CELLS:,} are exported"
             )
     if q is not None:
-        return tuple(TableRoutine(fixed_table(table, q, mode)) for table in tables)
-    return tuple(TableRoutine(float_table(table, mode, precision)) for table in tables)
+        return tuple(
+            TableRoutine(fixed_table(table, q, mode), proved.get(table.output)) for table in tables
+        )
+    return tuple(
+        TableRoutine(float_table(table, mode, precision), proved.get(table.output))
+        for table in tables
+    )
 
 
 def export_files(

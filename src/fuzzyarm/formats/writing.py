@@ -270,6 +270,9 @@ def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool)
     if rulebase.expectations:
         count = len(rulebase.expectations)
         findings.info("dropped-expectations", f"{count} expectation(s) are left out")
+    if rulebase.properties:
+        count = len(rulebase.properties)
+        findings.info("dropped-properties", f"{count} `prove` line(s) are left out")
     variables = (*rulebase.inputs, *rulebase.outputs)
     described = any(v.description for v in variables) or bool(rulebase.description)
     if described and not descriptions:

@@ -84,7 +84,12 @@ class _Line(NamedTuple):
 
 
 def closed_form(
-    profiles: Sequence[Sequence[Piece]], low: float, high: float, *, united: bool = True
+    profiles: Sequence[Sequence[Piece]],
+    low: float,
+    high: float,
+    *,
+    united: bool = True,
+    same_level: float = SAME_LEVEL,
 ) -> ClosedForm | None:
     """Prepare the closed form of some sets.
 
@@ -96,6 +101,9 @@ def closed_form(
         The range.
     united : bool
         True for the union (max); False where the clipped sets are added.
+    same_level : float
+        Corner heights closer than this are the same; 0 for pieces of exact numbers
+        (``fractions.Fraction``), of which the coefficients are then exact too.
 
     Returns
     -------
@@ -106,8 +114,10 @@ def closed_form(
         return None
     if any(len(pieces) > MOST_PIECES for pieces in profiles):
         return None
-    centre = 0.5 * (low + high)
-    own = tuple(_layers([_Line(*piece[:4]) for piece in pieces], centre) for pieces in profiles)
+    centre = (low + high) / 2
+    own = tuple(
+        _layers([_Line(*piece[:4]) for piece in pieces], centre, same_level) for pieces in profiles
+    )
     if not united:
         return ClosedForm(centre, own, ())
     stretches: dict[tuple[int, tuple[int, ...]], list[_Line]] = {}
@@ -122,7 +132,7 @@ def closed_form(
                     member, above = above[0], (member,)
                 stretches.setdefault((member, above), []).append(ranked[rank][1])
     overlaps = tuple(
-        Overlap(member, above, _layers(lines, centre))
+        Overlap(member, above, _layers(lines, centre, same_level))
         for (member, above), lines in sorted(stretches.items())
     )
     return ClosedForm(centre, own, overlaps)
@@ -170,45 +180,47 @@ def _ordered(cell: list[tuple[int, _Line]]) -> list[list[tuple[int, _Line]]]:
     return parts
 
 
-def _layers(lines: Sequence[_Line], centre: float) -> Layers:
-    levels = _levels(lines)
+def _layers(lines: Sequence[_Line], centre: float, same_level: float) -> Layers:
+    levels = _levels(lines, same_level)
     layers = []
     for start, end in pairwise(levels):
-        total = [0.0] * 5
+        total = [0 * abs(centre)] * 5  # a zero of the kind of number that the lines are of
         for line in lines:
-            for i, term in enumerate(_share(line, start, end, centre)):
+            for i, term in enumerate(_share(line, start, end, centre, same_level)):
                 total[i] += term
         if any(total):
             layers.append(Layer(start, end - start, *total))
     return tuple(layers)
 
 
-def _levels(lines: Sequence[_Line]) -> list[float]:
-    levels = [0.0]
-    for y in sorted(y for line in lines for y in (line.y0, line.y1)):
-        if y > levels[-1] + SAME_LEVEL:
+def _levels(lines: Sequence[_Line], same_level: float) -> list[float]:
+    heights = sorted(y for line in lines for y in (line.y0, line.y1))
+    levels = [0 * abs(heights[0])] if heights else [0.0]
+    for y in heights:
+        if y > levels[-1] + same_level:
             levels.append(y)
     return levels
 
 
 def _share(
-    line: _Line, start: float, end: float, centre: float
+    line: _Line, start: float, end: float, centre: float, same_level: float
 ) -> tuple[float, float, float, float, float]:
     """Polynomials of one line between two levels: integrals over h of the part above h."""
     width = line.x1 - line.x0
+    zero = 0 * width
     bottom, top = min(line.y0, line.y1), max(line.y0, line.y1)
-    if top <= start + SAME_LEVEL:
-        return (0.0, 0.0, 0.0, 0.0, 0.0)
-    if bottom >= end - SAME_LEVEL:  # the whole line stands above this layer
-        return (width, 0.0, width * (0.5 * (line.x0 + line.x1) - centre), 0.0, 0.0)
+    if top <= start + same_level:
+        return (zero, zero, zero, zero, zero)
+    if bottom >= end - same_level:  # the whole line stands above this layer
+        return (width, zero, width * ((line.x0 + line.x1) / 2 - centre), zero, zero)
     above_end, below_end = (line.x0, line.x1) if line.y0 > line.y1 else (line.x1, line.x0)
-    anchor, half = above_end - centre, 0.5 * (below_end - above_end)
+    anchor, half = above_end - centre, (below_end - above_end) / 2
     drop = top - bottom
     share = (top - start) / drop
     return (
         width * share,
-        -0.5 * width / drop,
+        -width / (2 * drop),
         width * share * (anchor + half * share),
-        -0.5 * width * (anchor + 2.0 * half * share) / drop,
-        width * half / (3.0 * drop * drop),
+        -width * (anchor + 2 * half * share) / (2 * drop),
+        width * half / (3 * drop * drop),
     )

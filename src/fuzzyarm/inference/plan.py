@@ -545,6 +545,7 @@ def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
         ),
         lookup=None,
         expectations=(),
+        properties=(),
     )
 
 

@@ -159,13 +159,14 @@ def profile(
     """
     if not SHAPES[shape.kind].straight:
         return _smooth(shape, hedges, membership, low, high)
-    straight = _clip(polyline(shape), low, high)
+    straight = straight_pieces(polyline(shape), low, high)
     for hedge in reversed(hedges):
         straight = _apply(hedge, straight)
     return tuple(straight)
 
 
-def _clip(corners: list[tuple[float, float]], low: float, high: float) -> list[Piece]:
+def straight_pieces(corners: Sequence[tuple[float, float]], low: float, high: float) -> list[Piece]:
+    """Cut a line through corners at the ends of a range; exact for exact numbers."""
     first, last = corners[0], corners[-1]
     ends = [(min(low, first[0]), first[1]), *corners, (max(high, last[0]), last[1])]
     pieces = []

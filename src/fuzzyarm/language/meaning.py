@@ -36,6 +36,7 @@ from fuzzyarm.language.statements import (
     LookupItem,
     LookupNode,
     OutcomeNode,
+    ProveNode,
     RowNode,
     RuleNode,
     StatementNode,
@@ -57,6 +58,7 @@ from fuzzyarm.model.rulebase import (
     Or,
     Outcome,
     Output,
+    Property,
     Rule,
     RuleBase,
     RuleBlock,
@@ -312,6 +314,89 @@ def _outcome(node: OutcomeNode, scope: Scope) -> Outcome:
     )
 
 
+# --- `prove` lines ---
+
+
+def elaborate_property(node: ProveNode, scope: Scope) -> Property | None:
+    """Return the property of `node`, or None after a report."""
+    before = len(scope.diagnostics)
+    region: dict[str, tuple[float, float]] = {}
+    for stretch in node.region:
+        word = stretch.variable
+        draft = scope.variable(word, "input")
+        if draft is None:
+            continue
+        if word.text in region:
+            scope.report("duplicate-setting", f"'{word.text}' is given twice", word.span)
+        low, high = stretch.low.value, stretch.high.value
+        _demand_stretch(stretch.high.span, low, high, scope)
+        first, last = range_of(draft.node)
+        if not first <= low <= high <= last and low <= high:
+            scope.report(
+                "bad-range",
+                f"{low:g} .. {high:g} leaves the range of '{word.text}', {first:g} .. {last:g}",
+                stretch.low.span.to(stretch.high.span),
+            )
+        region[word.text] = low, high
+    output = _claimed_output(node, scope)
+    outcome = None if node.outcome is None else _outcome(node.outcome, scope)
+    if node.input is not None:
+        scope.variable(node.input, "input")
+    if node.verb == "slope" and node.low is not None and node.high is not None:
+        _demand_stretch(node.high.span, node.low.value, node.high.value, scope)
+    if node.verb == "table" and node.high is not None and not node.high.value > 0.0:
+        scope.report("bad-tolerance", "the worst error of a table is above 0", node.high.span)
+    if node.verb == "odd":
+        _demand_symmetry(node, region, scope)
+    if len(scope.diagnostics) > before or output is None:
+        return None
+    return Property(
+        node.verb,
+        output,
+        tuple((name, *ends) for name, ends in region.items()),
+        outcome,
+        node.input.text if node.input else "",
+        node.low.value if node.low else 0.0,
+        node.high.value if node.high else 0.0,
+        node.mode.text if node.mode else "",
+        node.span,
+    )
+
+
+def _demand_stretch(span: Span, low: float, high: float, scope: Scope) -> None:
+    if high < low:
+        scope.report("bad-range", "the interval must go from a lower to a higher number", span)
+
+
+def _claimed_output(node: ProveNode, scope: Scope) -> str | None:
+    if node.output is not None:
+        draft = scope.variable(node.output, "output")
+        return None if draft is None else draft.name
+    outputs = scope.names("output")
+    if len(outputs) == 1:
+        return outputs[0]
+    if outputs:
+        scope.report(
+            "ambiguous-output",
+            "the file has several outputs: say which one the table is of",
+            node.span,
+            hint=f"write  table of {name_text(outputs[0])} {node.mode} within {node.high}",
+        )
+    return None
+
+
+def _demand_symmetry(node: ProveNode, region: dict[str, tuple[float, float]], scope: Scope) -> None:
+    for name in scope.names("input"):
+        low, high = region.get(name, range_of(scope.drafts[name].node))
+        if low != -high and node.output is not None:
+            scope.report(
+                "not-symmetric",
+                f"only over ranges that are symmetric about 0 an output can be odd;"
+                f" '{name}' goes {low:g} .. {high:g}",
+                node.output.span,
+            )
+
+
 # --- The `lookup` block ---
 
 
@@ -463,6 +548,7 @@ def elaborate(
         description=(heading.description or "") if heading else "",
         lookup=_lookup(nodes, scope),
         expectations=_expectations(nodes, scope),
+        properties=_properties(nodes, scope),
     )
     _judge_whole(rulebase, nodes, scope)
     return rulebase, scope.diagnostics
@@ -561,6 +647,15 @@ def _expectations(nodes: list[StatementNode], scope: Scope) -> tuple[Expectation
         if isinstance(n, ExpectNode) and not scope.overflows
     ]
     return tuple(expectation for expectation in found if expectation is not None)
+
+
+def _properties(nodes: list[StatementNode], scope: Scope) -> tuple[Property, ...]:
+    found = [
+        elaborate_property(n, scope)
+        for n in nodes
+        if isinstance(n, ProveNode) and not scope.overflows
+    ]
+    return tuple(each for each in found if each is not None)
 
 
 _Node = TypeVar("_Node", bound=StatementNode)

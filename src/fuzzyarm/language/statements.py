@@ -19,7 +19,7 @@ add its record to :data:`STATEMENTS`, and say what it means in
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
@@ -52,10 +52,12 @@ __all__ = [
     "LookupItem",
     "LookupNode",
     "OutcomeNode",
+    "ProveNode",
     "RowNode",
     "RuleNode",
     "StatementKind",
     "StatementNode",
+    "StretchNode",
     "TermNode",
     "VariableNode",
 ]
@@ -408,6 +410,9 @@ class LookupNode(NamedTuple):
         return (of_variable(item.variable) for item in self.items if item.variable is not None)
 
 
+RELATIONS = ("=", "<", "<=", ">", ">=", "in")
+
+
 class OutcomeNode(NamedTuple):
     """``output relation value [within tolerance]`` or ``output in low .. high``."""
 
@@ -419,12 +424,16 @@ class OutcomeNode(NamedTuple):
     @classmethod
     def read(cls, cursor: Cursor) -> OutcomeNode:
         """Read it from the cursor."""
-        name = cursor.variable("the name of an output", "output")
-        for relation in ("=", "<", "<=", ">", ">=", "in"):
+        return cls.read_behind(cursor.variable("the name of an output", "output"), cursor)
+
+    @classmethod
+    def read_behind(cls, name: Word, cursor: Cursor, others: Sequence[str] = ()) -> OutcomeNode:
+        """Read what stands behind the name of the output; `others` could stand there too."""
+        for relation in RELATIONS:
             if cursor.accept(relation, likely=True):
                 break
         else:
-            cursor.fail("one of = < <= > >= in")
+            cursor.fail("one of " + " ".join((*RELATIONS, *others)), others)
         value = cursor.figure("a number")
         other: Figure | None = None
         if relation == "in":
@@ -477,6 +486,116 @@ class ExpectNode(NamedTuple):
         """Yield the names in it."""
         yield from (of_variable(word) for word, _ in self.inputs)
         yield from (of_variable(outcome.variable) for outcome in self.outcomes)
+
+
+_VERBS = ("rises", "falls", "slope", "odd", "covered")
+
+TABLE_MODES = ("linear", "nearest", "bins")
+"""How a table whose error is proved is looked up."""
+
+
+class StretchNode(NamedTuple):
+    """``input in low .. high``: a part of the box of a property."""
+
+    variable: Word
+    low: Figure
+    high: Figure
+
+    def __str__(self) -> str:
+        return f"{self.variable} in {self.low} .. {self.high}"
+
+
+class ProveNode(NamedTuple):
+    """``prove [input in low .. high, … ->] claim``.
+
+    `verb` is ``value`` (with an outcome), one of the verbs, or ``table``; `low` and `high` are
+    those of a slope, `high` alone is the error of a table. No output: that of the file.
+    """
+
+    region: tuple[StretchNode, ...]
+    verb: str
+    output: Word | None
+    outcome: OutcomeNode | None = None
+    input: Word | None = None
+    low: Figure | None = None
+    high: Figure | None = None
+    mode: Word | None = None
+    span: Span = NOWHERE
+
+    @classmethod
+    def read(cls, cursor: Cursor) -> ProveNode:
+        """Read it from the cursor."""
+        cursor.take()
+        region: list[StretchNode] = []
+        arrow = False
+        while True:
+            claim = cls._table(cursor) if cursor.accept("table") else None
+            if claim is None:
+                role = "output" if arrow else ""
+                what = "the name of an output" if arrow else "the name of an output or an input"
+                name = cursor.variable(what, role)
+                claim = cls._claim(name, cursor)
+            joined = not arrow and claim.outcome is not None and claim.outcome.relation == "in"
+            if joined and (cursor.accept(",") or (arrow := bool(cursor.accept("->", likely=True)))):
+                assert claim.outcome is not None
+                low, high = claim.outcome.value, claim.outcome.other
+                assert high is not None
+                region.append(StretchNode(claim.outcome.variable, low, high))
+                continue
+            if region and not arrow:
+                cursor.fail("'->' between the inputs and what is claimed")
+            return claim._replace(region=tuple(region), span=cursor.whole)
+
+    @classmethod
+    def _claim(cls, name: Word, cursor: Cursor) -> ProveNode:
+        for verb in _VERBS:
+            if not cursor.accept(verb):
+                continue
+            if verb in ("rises", "falls"):
+                cursor.expect("with", f"after '{verb}'")
+                return cls((), verb, name, input=cursor.variable("the name of an input", "input"))
+            if verb != "slope":
+                return cls((), verb, name)
+            by = cursor.variable("the name of an input", "input", " in")
+            cursor.expect("in", "after the input")
+            low = cursor.figure("the lowest slope")
+            cursor.expect("..", "between the ends of the interval")
+            return cls((), verb, name, input=by, low=low, high=cursor.figure("the highest slope"))
+        return cls((), "value", name, OutcomeNode.read_behind(name, cursor, _VERBS))
+
+    @classmethod
+    def _table(cls, cursor: Cursor) -> ProveNode:
+        output = None
+        if cursor.next_is("of"):
+            cursor.take()
+            output = cursor.variable("the name of an output", "output")
+        mode = cursor.word("linear, nearest or bins", TABLE_MODES, "unexpected-token")
+        cursor.expect("within", "before the worst error")
+        return cls((), "table", output, high=cursor.figure("the worst error"), mode=mode)
+
+    def __str__(self) -> str:
+        region = ", ".join(map(str, self.region)) + " -> " if self.region else ""
+        return f"prove {region}{self.claim}"
+
+    @property
+    def claim(self) -> str:
+        """What is claimed, without the region."""
+        if self.verb == "table":
+            of = "" if self.output is None else f"of {self.output} "
+            return f"table {of}{self.mode} within {self.high}"
+        if self.outcome is not None:
+            text = str(self.outcome)
+        else:
+            by = {"rises": f" with {self.input}", "falls": f" with {self.input}"}
+            by["slope"] = f" {self.input} in {self.low} .. {self.high}"
+            text = f"{self.output} {self.verb}{by.get(self.verb, '')}"
+        # An output of this name would be read as the word.
+        return f"'table'{text.removeprefix('table')}" if text.startswith("table ") else text
+
+    def mentions(self) -> Iterator[Occurrence]:
+        """Yield the names in it."""
+        yield from (of_variable(stretch.variable) for stretch in self.region)
+        yield from (of_variable(word) for word in (self.output, self.input) if word is not None)
 
 
 class Broken(NamedTuple):
@@ -583,6 +702,24 @@ STATEMENTS: dict[str, StatementKind] = {
             "what must come out, checked by `fuzzyarm check`",
             {"in": "between two numbers", "within": "the tolerance of an expectation"},
             outline="expect",
+        ),
+        StatementKind(
+            "prove",
+            ProveNode,
+            "[INPUT in LOW .. HIGH, … ->] CLAIM",
+            "what holds at every point, proved by `fuzzyarm prove`",
+            {
+                "rises": "the output never falls where the input rises",
+                "falls": "the output never rises where the input rises",
+                "slope": "how steep the output is along an input",
+                "odd": "opposite inputs give opposite outputs",
+                "covered": "some rule fires at every point",
+                "table": "the lookup table that `compile` makes",
+                "of": "",
+                "linear": "looked up between the levels",
+                "nearest": "looked up at the nearest level",
+            },
+            outline="prove",
         ),
     )
 }

@@ -30,9 +30,11 @@ from fuzzyarm.language.statements import (
     LookupItem,
     LookupNode,
     OutcomeNode,
+    ProveNode,
     RowNode,
     RuleNode,
     StatementNode,
+    StretchNode,
     TermNode,
     VariableNode,
 )
@@ -49,7 +51,9 @@ from fuzzyarm.model.rulebase import (
     Lookup,
     LookupAxis,
     Or,
+    Outcome,
     Output,
+    Property,
     Rule,
     RuleBase,
     RuleBlock,
@@ -193,6 +197,7 @@ def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
     if rulebase.lookup is not None:
         yield [_lookup(rulebase.lookup)]
     yield [_expectation(expectation) for expectation in rulebase.expectations]
+    yield [property_node(each, rulebase) for each in rulebase.properties]
 
 
 def _variable(role: str, variable: Variable) -> VariableNode:
@@ -396,13 +401,26 @@ def _bins(bins: tuple[float, ...]) -> tuple[str, tuple[Figure, ...]]:
 
 def _expectation(expectation: Expectation) -> ExpectNode:
     inputs = tuple((Word(name), Figure(value)) for name, value in expectation.inputs)
-    outcomes = tuple(
-        OutcomeNode(
-            Word(o.variable),
-            o.relation,
-            Figure(o.value),
-            None if o.other is None else Figure(o.other),
-        )
-        for o in expectation.outcomes
+    return ExpectNode(inputs, tuple(map(_outcome, expectation.outcomes)))
+
+
+def _outcome(outcome: Outcome) -> OutcomeNode:
+    other = None if outcome.other is None else Figure(outcome.other)
+    return OutcomeNode(Word(outcome.variable), outcome.relation, Figure(outcome.value), other)
+
+
+def property_node(claim: Property, rulebase: RuleBase) -> ProveNode:
+    """Return a property as it would be written in the file of a rule base."""
+    alone = claim.kind == "table" and len(rulebase.outputs) == 1
+    return ProveNode(
+        tuple(
+            StretchNode(Word(name), Figure(low), Figure(high)) for name, low, high in claim.region
+        ),
+        claim.kind,
+        None if alone else Word(claim.output),
+        None if claim.outcome is None else _outcome(claim.outcome),
+        Word(claim.input) if claim.input else None,
+        Figure(claim.low) if claim.kind == "slope" else None,
+        Figure(claim.high) if claim.kind in ("slope", "table") else None,
+        Word(claim.mode) if claim.mode else None,
     )
-    return ExpectNode(inputs, outcomes)

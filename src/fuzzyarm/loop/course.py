@@ -16,6 +16,7 @@ from fuzzyarm.controller.on_plant import site_of
 from fuzzyarm.kernels import jit_wanted
 from fuzzyarm.loop.loop import SENSOR, Setting
 from fuzzyarm.loop.reference import Signal
+from fuzzyarm.plant.arm import ArmParameters
 from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, Arm
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
@@ -75,6 +76,10 @@ class Sensor:
                 raise PlantError(f"{name} = {value} is out of range", name=name, hint=hint)
 
 
+LARGEST_INDUCTANCE = 10.0
+"""H; more is taken for a slip of the pen."""
+
+
 @dataclass(frozen=True)
 class Options:
     """How to run, beyond conventions.
@@ -83,6 +88,10 @@ class Options:
     ----------
     torque_limits : pair of float, optional
         Of the arm's joints, N m; infinite by default.
+    inductance : float, optional
+        Of the armatures of the arm's motors, H; none by default.
+    supply : float, optional
+        Largest voltage at the arm's motors, V; infinite by default.
     runge_kutta : int, optional
         Steps of the integrator in each control period; 0 for the study's integrator on the arm,
         and for as many as the plant needs on others.
@@ -102,6 +111,8 @@ class Options:
     """
 
     torque_limits: Pair = (math.inf, math.inf)
+    inductance: float = 0.0
+    supply: float = math.inf
     runge_kutta: int = 0
     disturbance: float = 0.0
     seed: int = 1
@@ -114,6 +125,11 @@ class Options:
         for limit in self.torque_limits:
             if not limit > 0:
                 raise ArmError(f"a torque limit of {limit} N m is out of range", value=limit)
+        if not 0.0 <= self.inductance < LARGEST_INDUCTANCE:
+            message = f"an inductance of {self.inductance} H is out of range"
+            raise ArmError(message, value=self.inductance, hint="0 to 10")
+        if not self.supply > 0:
+            raise ArmError(f"a supply of {self.supply} V is out of range", value=self.supply)
         if not 0 <= self.runge_kutta <= 1000:
             raise ArmError(
                 f"{self.runge_kutta} Runge-Kutta steps in a control period are out of range",
@@ -168,6 +184,15 @@ class Motion:
     every: int
 
 
+def _arm(arm: ArmParameters, options: Options) -> Arm:
+    return Arm(
+        arm,
+        torque_limits=options.torque_limits,
+        inductance=options.inductance,
+        supply=options.supply,
+    )
+
+
 def arm_motion(
     trajectory: Trajectory, arms: Schedule, conventions: Conventions, options: Options
 ) -> Motion:
@@ -183,7 +208,7 @@ def arm_motion(
         np.hstack([points.position, points.velocity, points.acceleration]),
         points.iterations,
         np.array([kinds.index(arm) for arm in arms])[points.segment],
-        tuple(Arm(arm, torque_limits=options.torque_limits) for arm in kinds),
+        tuple(_arm(arm, options) for arm in kinds),
         tuple((joint, "position") for joint in JOINTS),
         period,
         step,

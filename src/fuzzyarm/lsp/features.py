@@ -43,7 +43,7 @@ def _completion(
 
 
 def _hover(session: Session, to: Converter, params: types.HoverParams) -> types.Hover | None:
-    found = session.kind.hover(session.reading, *to.line_and_column(params.position))
+    found = session.hover(*to.line_and_column(params.position))
     if found is None:
         return None
     content = types.MarkupContent(types.MarkupKind.Markdown, found.markdown)

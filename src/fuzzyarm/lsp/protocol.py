@@ -35,6 +35,7 @@ _SYMBOL_KINDS = {
     "rule": types.SymbolKind.Function,
     "lookup": types.SymbolKind.Object,
     "expect": types.SymbolKind.Boolean,
+    "prove": types.SymbolKind.Boolean,
 }
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fuzzyarm.api import Review, check_parsed, failed_expectations
+from fuzzyarm.api import Judgement, Review, check_parsed, judge
 from fuzzyarm.language import Parsed, format_text
 from fuzzyarm.language.document import ParseMemory
 from fuzzyarm.language.queries import (
@@ -26,6 +26,7 @@ from fuzzyarm.language.queries import (
     folds,
     hover,
     occurrence_at,
+    plain,
     read,
     references,
     rename,
@@ -213,7 +214,7 @@ class Session:
         # Until it has been measured, what a check costs is guessed from the length.
         self.cost = 2e-6 * len(text)
         self._elapsed = 0.0
-        self._judged: tuple[RuleBase, list[Span], list[Diagnostic]] | None = None
+        self._judged: tuple[RuleBase, list[Span], Judgement] | None = None
         self._memory = ParseMemory()
         self._reading: Any = None
         self._last_reading: Any = None
@@ -283,14 +284,25 @@ class Session:
     def _failed(
         self, rulebase: RuleBase | None, on_step: Callable[[], None]
     ) -> list[Diagnostic] | None:
-        """Return the failed expectations; those found last, if nothing has changed in meaning."""
-        if rulebase is None or not rulebase.expectations:
+        """Return the promises that fail; those found last, if nothing has changed in meaning."""
+        if rulebase is None or not (rulebase.expectations or rulebase.properties):
             return None
-        known, spans = self._judged, [e.span for e in rulebase.expectations]
+        known, spans = self._judged, [each.span for each in rulebase.expectations]
+        spans += [each.span for each in rulebase.properties]
         if known is None or known[1] != spans or known[0] != rulebase:
-            known = rulebase, spans, failed_expectations(rulebase, on_step)
+            known = rulebase, spans, judge(rulebase, on_step)
         self._judged = known
-        return known[2]
+        return known[2].findings
+
+    def hover(self, line: int, column: int) -> Hover | None:
+        """Return what stands at a position, with the last verdict on a ``prove`` line."""
+        found: Hover | None = self.kind.hover(self.reading, line, column)
+        known = [] if self._judged is None or self._review is None else self._judged[2].verdicts
+        verdict = next((each for each in known if each.line == line), None)
+        if found is None or verdict is None:
+            return found
+        said = "\n\n".join(plain(words) for words in str(verdict).splitlines())
+        return Hover(f"{found.markdown}\n\n{said}", found.span)
 
     def copy(self) -> Session:
         """Return a session to be checked in another thread; what is quick is read here."""

@@ -320,6 +320,39 @@ class Expectation:
 
 
 @dataclass(frozen=True, slots=True)
+class Property:
+    """What a ``prove`` line says of one output, at every point of a box of the inputs.
+
+    Attributes
+    ----------
+    kind : str
+        ``value``, ``rises``, ``falls``, ``slope``, ``odd``, ``covered`` or ``table``.
+    output : str
+        Which output.
+    region : tuple of (str, float, float)
+        Inputs with a stretch of their range; the others take all of theirs.
+    outcome : Outcome or None
+        What the value must be; of ``value`` only.
+    input : str
+        The input of ``rises``, ``falls`` and ``slope``.
+    low, high : float
+        Between what the slope must lie; `high` is the worst error of a ``table``.
+    mode : str
+        How the table is looked up: ``linear``, ``nearest`` or ``bins``.
+    """
+
+    kind: str
+    output: str
+    region: tuple[tuple[str, float, float], ...] = ()
+    outcome: Outcome | None = None
+    input: str = ""
+    low: float = 0.0
+    high: float = 0.0
+    mode: str = ""
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
 class RuleBase:
     """A whole fuzzy system: variables, rules, and how the rules are evaluated."""
 
@@ -330,6 +363,7 @@ class RuleBase:
     description: str = ""
     lookup: Lookup | None = None
     expectations: tuple[Expectation, ...] = ()
+    properties: tuple[Property, ...] = ()
 
     @property
     def rules(self) -> tuple[Rule, ...]:

@@ -14,6 +14,8 @@ from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import (
     PLANT_SIZE,
     RATIOS,
+    RESISTANCE,
+    TORQUE_CONSTANT,
     UNITS,
     UNLOADED,
     ArmParameters,
@@ -65,15 +67,27 @@ class Arm(Plant):
         Masses, lengths, inertias, friction.
     torque_limits : pair of float, optional
         Of the joints, N m.
+    inductance : float, optional
+        Of each motor's armature, H; 0 for a current that follows at once.
+    supply : float, optional
+        Largest voltage at a motor, V. A torque that is asked for is given by the motor, too: its
+        voltage is the one that would make this torque, were there no inductance.
     """
 
     name = "arm"
     summary = "the study's two-link arm: torque or motor voltage to joint positions"
 
     def __init__(
-        self, arm: ArmParameters = UNLOADED, *, torque_limits: Pair = (math.inf, math.inf)
+        self,
+        arm: ArmParameters = UNLOADED,
+        *,
+        torque_limits: Pair = (math.inf, math.inf),
+        inductance: float = 0.0,
+        supply: float = math.inf,
     ) -> None:
         self.torque_limits = torque_limits
+        self.inductance = inductance
+        self.supply = supply
         self.inputs = {
             f"{joint}.{port}": Port(unit)
             for port, unit in (("torque", "N m"), ("voltage", "V"))
@@ -88,6 +102,8 @@ class Arm(Plant):
             for joint in JOINTS
         }
         self.states = {"q_1": "rad", "q_2": "rad", "v_1": "rad/s", "v_2": "rad/s"}
+        if inductance > 0.0:
+            self.states |= {"i_1": "A", "i_2": "A"}
         self.parameters = {
             each.name: Parameter(getattr(arm, each.name), UNITS[each.name])
             for each in fields(ArmParameters)
@@ -110,7 +126,8 @@ class Arm(Plant):
         """
         powered = [float((joint, "voltage") in driven) for joint in JOINTS]
         limits = [float(limit) for limit in self.torque_limits]
-        return np.array([*constants(self.arm, single=arithmetic.single), *powered, *limits])
+        motor = [self.inductance, self.supply]
+        return np.array([*constants(self.arm, single=arithmetic.single), *powered, *limits, *motor])
 
     def dynamics(
         self, arithmetic: Arithmetic, address: Callable[..., int], *, finely: bool
@@ -124,13 +141,19 @@ class Arm(Plant):
         }
         if finely:
             held["advance_arm"] = advance_arm_finely
+        if self.inductance > 0.0 or self.supply < math.inf:
+            held["drive_arm"] = drive_armatures
         return Dynamics(address(run_arm, **held), actuates=True, extra=POSES)
 
 
 # --- Its kernels: x are positions and velocities, y those and the pose, u torques and voltages ---
 
-POWERED, LIMITS = PLANT_SIZE, PLANT_SIZE + 2
-"""Behind the constants of the arm: which motors are driven, and the torque limits."""
+POWERED, LIMITS, MOTOR = PLANT_SIZE, PLANT_SIZE + 2, PLANT_SIZE + 4
+"""Behind the constants of the arm: which motors are driven, the torque limits, and inductance and
+supply of the motors."""
+
+CURRENTS = 4
+"""State from which on the currents stand, where there is inductance."""
 
 FIRST_RATIO, SECOND_RATIO = RATIOS
 
@@ -184,8 +207,60 @@ def drive_arm(
 
 
 @kernel
+def drive_armatures(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Make the torque of each joint with motors that have inductance or a supply that ends."""
+    u[2] = armature_voltage(u[0], u[2], x[2], FIRST_RATIO, p[POWERED], p[MOTOR + 1])
+    u[3] = armature_voltage(u[1], u[3], x[3], SECOND_RATIO, p[POWERED + 1], p[MOTOR + 1])
+    single = clock[3] != 0.0
+    first = armature_torque(x, CURRENTS, u[2], x[2], FIRST_RATIO, p[MOTOR], clock[1])
+    second = armature_torque(x, CURRENTS + 1, u[3], x[3], SECOND_RATIO, p[MOTOR], clock[1])
+    u[0] = clipped(stored(first, single), p[LIMITS])
+    u[1] = clipped(stored(second, single), p[LIMITS + 1])
+
+
+@kernel
+def armature_voltage(
+    torque: float, voltage: float, velocity: float, ratio: float, powered: float, supply: float
+) -> float:
+    """Return the voltage for a torque beside one that is asked for, within the supply.
+
+    Without a voltage of its own the motor gets what makes up for its back-EMF.
+    """
+    wanted = voltage if powered != 0.0 else TORQUE_CONSTANT * (velocity * ratio)
+    return clipped(wanted + torque * RESISTANCE / (TORQUE_CONSTANT * ratio), supply)
+
+
+@kernel
+def armature_torque(
+    x: list[float],
+    current: int,
+    voltage: float,
+    velocity: float,
+    ratio: float,
+    inductance: float,
+    step: float,
+) -> float:
+    """Return the mean torque of a motor over a control period, and move its current on.
+
+    ``L di/dt + R i = V - k ω N`` (equation 3.3.3), solved for a voltage and a velocity that
+    stand still over the period: no step is too long for it.
+    """
+    steady = (voltage - TORQUE_CONSTANT * (velocity * ratio)) / RESISTANCE
+    mean = steady
+    if inductance > 0.0:
+        periods = RESISTANCE * step / inductance
+        decay = math.exp(-periods)
+        away = x[current] - steady
+        mean = steady + away * (1.0 - decay) / periods
+        x[current] = steady + away * decay
+    return TORQUE_CONSTANT * ratio * mean
+
+
+@kernel
 def clipped(torque: float, limit: float) -> float:
-    """Bound a torque, N m; not a number passes."""
+    """Bound a torque or a voltage; not a number passes."""
     # It fails both comparisons; so does the state that it leads to, which ends the run.
     if torque > limit:
         return limit

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import io
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +12,11 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.controller.catalogue import CATALOGUE
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.run import Run
+from fuzzyarm.study.beyond import NAMES as BEYOND
+from fuzzyarm.study.beyond import Beyond
+from fuzzyarm.study.comparison import Compared, Cost
 from fuzzyarm.study.published import RMS_PLACES, PublishedRow
-from fuzzyarm.study.reproduce import Beyond, Reproduced
+from fuzzyarm.study.reproduce import Reproduced
 from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
@@ -96,7 +100,7 @@ FAMILIES = {
 """Chapter: what its controllers are, and their colour."""
 
 OWN_COLOUR = "#6a3d9a"
-"""Of the controller that the study does not have."""
+"""Of the controllers that the study does not have."""
 
 ACROSS = 3
 """Rows side by side in the figure of a chapter."""
@@ -105,11 +109,16 @@ ACROSS = 3
 def chapter_of(row: PublishedRow) -> str:
     """Return the chapter that a row belongs to; those of the summary go by their controller."""
     first = row.table[0]
-    if first != SUMMARY:
-        return first
-    if CATALOGUE[row.controller].takes:
+    return first if first != SUMMARY else chapter_of_controller(row.controller)
+
+
+def chapter_of_controller(name: str) -> str:
+    """Return the chapter of a controller; empty for one that the study does not have."""
+    if name in BEYOND or name not in CATALOGUE:
+        return ""
+    if CATALOGUE[name].takes:
         return "6"
-    return "5" if row.controller.partition("+")[0] in {"acdid", "mrac", "dac"} else "4"
+    return "5" if name.partition("+")[0] in {"acdid", "mrac", "dac"} else "4"
 
 
 def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
@@ -161,26 +170,25 @@ def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
 HEADINGS = ("link 1, {first}", "link 2, {first}", "link 1, {second}", "link 2, {second}")
 
 
-def draw_overview(results: Sequence[Reproduced], beyond: Beyond | None = None) -> Figure:
+def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) -> Figure:
     """Draw the RMS errors of all rows: published rings, reproduced dots, bands of chance.
 
-    The rows are on the same pair of trajectories, in the order of the table; a controller that
-    was not published stands below them.
+    The rows are on the same pair of trajectories, in the order of the table; controllers that
+    were not published stand below them.
     """
     from matplotlib.figure import Figure
 
     chosen = [result for result in results if result.variant == "as-printed"]
-    figure = Figure(figsize=(13.0, 1.9 + 0.24 * len(chosen)), layout="constrained")
+    height = 1.9 + 0.24 * (len(chosen) + len(beyond))
+    figure = Figure(figsize=(13.0, height), layout="constrained")
     panels: Any = figure.subplots(1, 4, sharey=True, squeeze=False)[0]
     first, second = chosen[0].published.trajectories
     for column, (panel, place) in enumerate(zip(panels, RMS_PLACES, strict=True)):
         for height, result in enumerate(chosen):
             _mark(panel, -height, result, place)
-        if beyond is not None:
-            line = -len(chosen)
-            panel.axhline(line, color="0.94", linewidth=0.7, zorder=0)
-            panel.plot(beyond.figures[place], line, "D", color=OWN_COLOUR, markersize=5.5)
-            panel.axvline(beyond.figures[place], color=OWN_COLOUR, linewidth=0.6, linestyle=":")
+        for line, own in enumerate(beyond, len(chosen)):
+            panel.axhline(-line, color="0.94", linewidth=0.7, zorder=0)
+            panel.plot(own.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
         panel.set_xscale("log")
         panel.xaxis.set_major_formatter("{x:g}")
         panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
@@ -191,9 +199,8 @@ def draw_overview(results: Sequence[Reproduced], beyond: Beyond | None = None) -
         panel.tick_params(axis="y", length=0)
     names = [result.published.row for result in chosen]
     colours = [FAMILIES[chapter_of(result.published)][1] for result in chosen]
-    if beyond is not None:
-        names.append(beyond.name)
-        colours.append(OWN_COLOUR)
+    names += [own.name for own in beyond]
+    colours += [OWN_COLOUR] * len(beyond)
     panels[0].set_yticks([-height for height in range(len(names))])
     panels[0].set_yticklabels(names, fontsize=9)
     panels[0].set_ylim(-len(names) + 0.4, 0.6)
@@ -215,7 +222,7 @@ def _mark(panel: Axes, height: float, result: Reproduced, place: int) -> None:
     panel.plot(wanted, height, "o", color="black", markersize=8.5, fillstyle="none", zorder=2)
 
 
-def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Beyond | None) -> None:
+def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond]) -> None:
     from matplotlib.lines import Line2D
 
     ring: dict[str, Any] = {"marker": "o", "linestyle": "none"}
@@ -230,7 +237,7 @@ def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Beyond | None) ->
     for chapter, (name, colour) in FAMILIES.items():
         if chapter in found:
             entries.append(Line2D([], [], color=colour, markersize=4.0, label=name, **ring))
-    if beyond is not None:
+    if beyond:
         own: dict[str, Any] = {
             "marker": "D",
             "color": OWN_COLOUR,
@@ -238,6 +245,136 @@ def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Beyond | None) ->
             "linestyle": "none",
         }
         entries.append(Line2D([], [], label="beyond the study", **own))
+    figure.legend(
+        handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
+    )
+
+
+# --- Error against cost ---
+
+
+def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
+    """Draw the mean error of controllers against operations and time of a control step."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(13.0, 7.0), layout="constrained")
+    panels: Any = figure.subplots(1, 2, sharey=True)
+    headings = {
+        "floating-point operations of a control step, both joints": [
+            cost.operations.total for cost in costs
+        ],
+        "time of a control step in the loop, both joints, ns": [
+            max(1e9 * cost.seconds, 1.0) for cost in costs
+        ],
+    }
+    for panel, (heading, values) in zip(panels, headings.items(), strict=True):
+        _draw_points(panel, compared, values)
+        panel.set_xlabel(heading, fontsize=9)
+    panels[0].set_ylabel("mean RMS error (geometric), degrees", fontsize=9)
+    _key_of_families(figure, [each.name for each in compared])
+    return figure
+
+
+def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[float]) -> None:
+    for each, value in zip(compared, values, strict=True):
+        chapter = chapter_of_controller(each.name)
+        mark = "o" if chapter else "D"
+        panel.plot(value, each.error, mark, color=_colour_of(chapter), markersize=5.0)
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    panel.yaxis.set_major_formatter("{x:g}")
+    panel.xaxis.set_major_formatter("{x:g}")
+    panel.grid(color="0.92", linewidth=0.7)
+    panel.set_axisbelow(True)
+    panel.spines[["top", "right"]].set_visible(False)
+    panel.margins(x=0.16, y=0.06)
+    points = [
+        (math.log10(x), math.log10(each.error)) for x, each in zip(values, compared, strict=True)
+    ]
+    scale = [
+        size / (math.log10(high) - math.log10(low))
+        for size, (low, high) in zip(PANEL, (panel.get_xlim(), panel.get_ylim()), strict=True)
+    ]
+    spots = [(x * scale[0], y * scale[1]) for x, y in points]
+    offsets = place_labels(spots, [each.name for each in compared])
+    for each, value, (right, up) in zip(compared, values, offsets, strict=True):
+        panel.annotate(
+            each.name,
+            (value, each.error),
+            xytext=(right, up),
+            textcoords="offset points",
+            fontsize=LETTERS,
+            va="center",
+            color=_colour_of(chapter_of_controller(each.name)),
+        )
+
+
+PANEL = (420.0, 430.0)
+"""Size of a panel of the figure of costs, points."""
+
+LETTERS = 7.0
+"""Their size, points; a letter is about half as wide."""
+
+
+def place_labels(
+    spots: Sequence[tuple[float, float]], labels: Sequence[str]
+) -> list[tuple[float, float]]:
+    """Return the offset of each label from its spot, at which it covers as little as possible.
+
+    Parameters
+    ----------
+    spots : sequence of (float, float)
+        Where the marks are, points.
+    labels : sequence of str
+        One for each.
+    """
+    # Rectangles that are taken: left, bottom, right, top. The marks first, then labels in turn.
+    taken = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in spots]
+    found = []
+    for (x, y), label in zip(spots, labels, strict=True):
+        width, height = 0.55 * LETTERS * len(label), 1.15 * LETTERS
+        sides = [
+            (right, up)
+            for up in (0.0, 7.0, -7.0, 13.0, -13.0, 19.0, -19.0)
+            for right in (6.0, -6.0 - width, -0.5 * width)
+            if up or right != -0.5 * width
+        ]
+
+        def covered(
+            side: tuple[float, float], at: tuple[float, ...] = (x, y, width, height)
+        ) -> float:
+            left, bottom = at[0] + side[0], at[1] + side[1] - 0.5 * at[3]
+            return sum(
+                max(0.0, min(left + at[2], other[2]) - max(left, other[0]))
+                * max(0.0, min(bottom + at[3], other[3]) - max(bottom, other[1]))
+                for other in taken
+            )
+
+        best = min(sides, key=covered)
+        left, bottom = x + best[0], y + best[1] - 0.5 * height
+        taken.append((left, bottom, left + width, bottom + height))
+        found.append(best)
+    return found
+
+
+def _colour_of(chapter: str) -> str:
+    return FAMILIES[chapter][1] if chapter else OWN_COLOUR
+
+
+def _key_of_families(figure: Figure, names: Sequence[str]) -> None:
+    from matplotlib.lines import Line2D
+
+    found = {chapter_of_controller(name) for name in names}
+    marks: dict[str, Any] = {"linestyle": "none", "markersize": 5.0}
+    entries = [
+        Line2D([], [], marker="o", color=colour, label=name, **marks)
+        for chapter, (name, colour) in FAMILIES.items()
+        if chapter in found
+    ]
+    if "" in found:
+        entries.append(
+            Line2D([], [], marker="D", color=OWN_COLOUR, label="beyond the study", **marks)
+        )
     figure.legend(
         handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
     )

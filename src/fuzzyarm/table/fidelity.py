@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -24,6 +24,7 @@ from fuzzyarm.table.compiler import (
     even_levels,
 )
 from fuzzyarm.table.table import LookupTable
+from fuzzyarm.text.numbers import outward_text
 
 # --- How far a table is from the rule base that it stands for ---
 
@@ -57,6 +58,9 @@ class Fidelity:
         The inputs where the worst difference was found.
     points : tuple of int
         Size of the dense grid along each input.
+    proved : float or None
+        What the difference nowhere exceeds, between the points either; None where only the
+        points are known.
     """
 
     mode: str
@@ -64,10 +68,18 @@ class Fidelity:
     rms: float
     at: tuple[tuple[str, float], ...]
     points: tuple[int, ...]
+    proved: float | None = None
 
     def __str__(self) -> str:
         size = " x ".join(map(str, self.points))
-        return f"worst {self.worst:.4g}, rms {self.rms:.4g} over {size} points"
+        worst = f"{self.worst:.4g} (sampled)"
+        if self.proved is not None:
+            worst = f"{outward_text(self.proved, up=True, digits=6)} (proved)"
+        return f"worst {worst}, rms {self.rms:.4g} over {size} points"
+
+
+Proof = Callable[[LookupTable, str], float | None]
+"""From a table and a mode to what the difference nowhere exceeds; None where unknown."""
 
 
 def measure_fidelity(
@@ -251,10 +263,12 @@ def smallest_even_grid(
     tolerance: float,
     *,
     progress: Callable[[str], None] | None = None,
+    proof: Proof | None = None,
 ) -> int:
     """Return the fewest levels (the same number for every input) that meet `tolerance`.
 
-    The result is proved with :func:`fuzzyarm.table.measure_fidelity`.
+    The result is measured with :func:`fuzzyarm.table.measure_fidelity`, and where `proof` knows
+    a bound, that meets the tolerance too.
 
     Raises
     ------
@@ -273,11 +287,15 @@ def smallest_even_grid(
         worst = probes.worst(count, tolerance)
         if worst <= tolerance:
             table = compile_table(rulebase, target.name, levels=count, rounding=0.0)
-            proof = measure_fidelity(table, rulebase, ("linear",))[0]
-            worst = proof.worst
-            if worst <= tolerance:
-                return count
-            probes.remember([x for _, x in proof.at])
+            measured = measure_fidelity(table, rulebase, ("linear",))[0]
+            worst = measured.worst
+            if worst > tolerance:
+                probes.remember([x for _, x in measured.at])
+            else:
+                bound = None if proof is None else proof(table, "linear")
+                worst = worst if bound is None else bound
+                if worst <= tolerance:
+                    return count
         best = min(best, worst)
     raise TableError(
         f"no even grid of up to {limit} levels for each input meets {tolerance:g}; "
@@ -373,6 +391,7 @@ def compile_with_report(
     source: str | Path | None = None,
     date: str | None = None,
     progress: Callable[[str], None] | None = None,
+    proof: Proof | None = None,
 ) -> CompileReport:
     """Compile a table and measure it against direct inference.
 
@@ -380,10 +399,14 @@ def compile_with_report(
     ----------
     tolerance : float, optional
         Instead of `levels`: find the smallest even grid, equally many levels for every
-        input, whose linear interpolation differs nowhere on a dense grid by more than this.
-        The levels, bins and rounding of the file are then not used.
+        input, whose linear interpolation differs nowhere on a dense grid by more than this,
+        and nowhere at all where `proof` knows a bound. The levels, bins and rounding of the
+        file are then not used.
     progress : callable, optional
         Called with a word on what is going on.
+    proof : callable, optional
+        From a table and a mode to what the difference nowhere exceeds, or None:
+        :func:`fuzzyarm.proof.table_proof`.
     rulebase, output, levels, rounding, mode, source, date
         As for :func:`fuzzyarm.table.compile_table`.
 
@@ -398,7 +421,7 @@ def compile_with_report(
         As `compile_table`; also if no grid within the limits meets the tolerance.
     """
     if tolerance is not None:
-        count = smallest_even_grid(rulebase, output, tolerance, progress=progress)
+        count = smallest_even_grid(rulebase, output, tolerance, progress=progress, proof=proof)
         levels, rounding, mode = count, 0.0, "linear"
     table = compile_table(
         rulebase,
@@ -410,6 +433,10 @@ def compile_with_report(
         date=date,
     )
     fidelities = measure_fidelity(table, rulebase)
+    if proof is not None:
+        if progress is not None:
+            progress("proving the worst difference")
+        fidelities = tuple(replace(each, proved=proof(table, each.mode)) for each in fidelities)
     provenance = dict(table.provenance)
     if tolerance is not None:
         provenance["sampled"] = f"at the fewest even levels within {tolerance:g} (linear)"

@@ -78,3 +78,15 @@ def short_bins(bins: Sequence[float]) -> str:
     if len(bins) > 1 and mirror(half) == tuple(bins):
         return " ".join(number_text(x) for x in half) + " mirrored"
     return " ".join(number_text(x) for x in bins)
+
+
+def outward_text(value: float, *, up: bool, digits: int = 7) -> str:
+    """Return a number to some digits, rounded up or down so that a bound stays one."""
+    if not math.isfinite(value) or value == 0.0:
+        return f"{value:g}"
+    from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+
+    exact = Decimal(repr(value))
+    step = Decimal(1).scaleb(exact.adjusted() - digits + 1)
+    found = exact.quantize(step, ROUND_CEILING if up else ROUND_FLOOR)
+    return f"{found.normalize():f}"

@@ -66,6 +66,17 @@ CHECKS: dict[str, Check] = {
             "An `expect` line does not hold; the message has the value that came out.",
         ),
         Check(
+            "refuted-property",
+            Severity.ERROR,
+            "A `prove` line does not hold; the message has a point, or a pair of points, where it "
+            "fails.",
+        ),
+        Check(
+            "undecided-property",
+            Severity.INFO,
+            "A `prove` line takes longer than a check may; `fuzzyarm prove` has the time for it.",
+        ),
+        Check(
             "defuzzifier-does-not-fit",
             Severity.ERROR,
             "The defuzzifier cannot work on the terms of its output: a centroid of plain values, "

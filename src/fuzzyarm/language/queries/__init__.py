@@ -7,7 +7,7 @@ language server, the studio and the tests share them. Lines and columns count fr
 from fuzzyarm.language.phrases import Kind, Occurrence
 from fuzzyarm.language.queries.completion import Candidate, complete
 from fuzzyarm.language.queries.fixes import Edit, Fix, apply_edits, fixes
-from fuzzyarm.language.queries.hover import Hover, hover
+from fuzzyarm.language.queries.hover import Hover, hover, plain
 from fuzzyarm.language.queries.outline import (
     COLOURS,
     Coloured,
@@ -45,6 +45,7 @@ __all__ = [
     "folds",
     "hover",
     "occurrence_at",
+    "plain",
     "read",
     "references",
     "rename",

@@ -1,0 +1,271 @@
+"""Prove or refute every `prove` line of rule bases, or bound one number.
+
+A verdict is *proved* (a bound that holds at every point, real numbers included), *refuted*
+(with a point or a pair of points that shows it, ready to paste as `expect`) or *undecided*
+(with the bounds that were reached, and why it stopped). Exit status 0 if all is proved, 1 if
+anything is refuted, 4 if anything stays undecided.
+
+With --range, --slope or --table it bounds one number of one output instead: the value, its
+slope along each input, or how far a lookup table is from the rules (linear, nearest or bins
+of the table that `compile` makes, or a file).
+
+  fuzzyarm prove rulebases/pd7.frb --table linear
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.cli.command import (
+    WordError,
+    argument,
+    command,
+    flag,
+    json_of,
+    load_rulebase,
+    print_json,
+    read_number,
+    say,
+)
+
+if TYPE_CHECKING:
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.proof import Bounds, Prover, Verdict
+
+EXIT_REFUTED = 1
+EXIT_UNDECIDED = 4
+
+_MODES = ("linear", "nearest", "bins")
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    tolerance = None
+    if arguments.tolerance is not None:
+        tolerance = read_number(arguments.tolerance, "--tolerance")
+        if not tolerance > 0.0:
+            raise WordError(f"--tolerance must be above 0, not {tolerance:g}")
+    budget = math.inf
+    if arguments.budget is not None:
+        budget = read_number(arguments.budget, "--budget")
+        if not budget > 0.0:
+            raise WordError(f"--budget must be above 0 seconds, not {budget:g}")
+    if arguments.range or arguments.slope or arguments.table:
+        return _single(arguments, tolerance, budget)
+    if arguments.output is not None:
+        raise WordError("--output goes with --range, --slope or --table")
+    return _files(arguments, tolerance, budget)
+
+
+# ── the lines of files ───────────────────────────────────────────────────────────────
+
+
+def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
+    from fuzzyarm.proof import prove_all
+
+    verdicts: list[tuple[str, Verdict]] = []
+    for path in arguments.files:
+        rulebase = load_rulebase(path, "prove")
+        if not rulebase.properties and not arguments.json:
+            say(f"{path}: no `prove` lines", to_errors=True)
+        with _progress() as tell:
+            for verdict in prove_all(
+                rulebase, tolerance=tolerance, budget=budget, exact=arguments.exact, tell=tell
+            ):
+                verdicts.append((path, verdict))
+                if not arguments.json:
+                    tell("", 0, 0.0)
+                    say(*_lines(path, verdict))
+    if arguments.json:
+        several = len(arguments.files) > 1
+        print_json(
+            [({"file": path} if several else {}) | _data(each) for path, each in verdicts], 2
+        )
+    found = {verdict.verdict for _, verdict in verdicts}
+    if "refuted" in found:
+        return EXIT_REFUTED
+    return EXIT_UNDECIDED if "undecided" in found else 0
+
+
+def _data(verdict: Verdict) -> dict[str, Any]:
+    bound = verdict.bound
+    return {
+        "property": verdict.statement,
+        "verdict": verdict.verdict,
+        "bound": [_finite(x) for x in bound] if isinstance(bound, tuple) else _finite(bound),
+        "evidence": list(verdict.evidence),
+        "pieces": verdict.pieces,
+        "seconds": round(verdict.seconds, 6),
+        "way": verdict.way,
+        "reason": verdict.reason,
+        "line": verdict.line,
+    }
+
+
+def _finite(number: float | None) -> float | None:
+    return number if number is not None and math.isfinite(number) else None
+
+
+_WAYS = {
+    "exact": "in exact arithmetic",
+    "widened": "rounded outward",
+    "boxes": "by boxes",
+}
+
+
+def _lines(path: str, verdict: Verdict) -> list[str]:
+    head, *rest = str(verdict).splitlines()
+    where = f"{path}:{verdict.line}" if verdict.line else path
+    work = f"{verdict.pieces:,} pieces, " if verdict.pieces else ""
+    way = f", {_WAYS[verdict.way]}" if verdict.way else ""
+    return [f"{where}: {head}", *rest, f"  {work}{verdict.seconds:.2f} s{way}"]
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str, int, float], None]]:
+    """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
+    shown = sys.stderr.isatty()
+    last = 0.0
+
+    def tell(statement: str, count: int, gap: float) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if not shown or (statement and now - last < 0.1):
+            return
+        last = now
+        text = f"{statement}: {count:,} pieces open, gap {gap:.3g}" if statement else ""
+        sys.stderr.write(f"\r\x1b[2K{text[:100]}")
+        sys.stderr.flush()
+
+    try:
+        yield tell
+    finally:
+        tell("", 0, 0.0)
+
+
+# ── one number ───────────────────────────────────────────────────────────────────────
+
+
+def _single(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
+    from fuzzyarm.proof import Prover
+    from fuzzyarm.proof.arithmetic import Stop
+
+    if len(arguments.files) > 1:
+        raise WordError("--range, --slope and --table take one file")
+    path = arguments.files[0]
+    rulebase = load_rulebase(path, "prove")
+    name = arguments.output or _only_output(rulebase)
+    if name not in [output.name for output in rulebase.outputs]:
+        raise WordError(
+            f"no output is called '{name}'",
+            hint=f"there are {', '.join(output.name for output in rulebase.outputs)}",
+        )
+    with _progress() as tell:
+        stop = Stop(budget, lambda count, gap: tell(path, count, gap))
+        prover = Prover(rulebase, name, tolerance=tolerance, stop=stop, exact=arguments.exact)
+        if arguments.table:
+            found = {"worst": _table(prover, arguments.table)}
+        elif arguments.range:
+            found = {"range": prover.value({})}
+        else:
+            found = {each: prover.slope({}, each) for each in prover.names}
+    if arguments.json:
+        _print_single(found)
+    else:
+        for key, bounds in found.items():
+            say(*_single_lines(name, key, bounds))
+    return 0 if all(bounds.complete for bounds in found.values()) else EXIT_UNDECIDED
+
+
+def _only_output(rulebase: RuleBase) -> str:
+    names = [output.name for output in rulebase.outputs]
+    if len(names) != 1:
+        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
+    return names[0]
+
+
+def _table(prover: Prover, which: str) -> Bounds:
+    from fuzzyarm.cli.command import load_table
+    from fuzzyarm.table import compile_table
+
+    if which in _MODES:
+        return prover.table(compile_table(prover.rulebase, prover.output.name), which)
+    if not which.lower().endswith((".lut", ".csv", ".npz", ".json")):
+        raise WordError(f"--table takes {', '.join(_MODES)} or a table, not '{which}'")
+    table = load_table(which)
+    return prover.table(table, table.default_mode)
+
+
+def _print_single(found: dict[str, Bounds]) -> None:
+    data = {key: _single_data(key, bounds) for key, bounds in found.items()}
+    for key in ("worst", "range"):
+        if key in data:
+            print_json(data[key], 2)
+            return
+    low = min(bounds.low for bounds in found.values())
+    high = max(bounds.high for bounds in found.values())
+    print_json({"low": _finite(low), "high": _finite(high), "inputs": data}, 2)
+
+
+def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
+    facts: dict[str, Any] = {"pieces": bounds.pieces, "way": bounds.way}
+    if key == "worst":
+        above = bounds.reached_high >= -bounds.reached_low
+        return {
+            "worst": max(bounds.high, -bounds.low),
+            "reached": max(bounds.reached_high, -bounds.reached_low),
+            "at": bounds.at_high if above else bounds.at_low,
+            **facts,
+        }
+    return {
+        "low": _finite(bounds.low),
+        "high": _finite(bounds.high),
+        "at_low": bounds.at_low,
+        "at_high": bounds.at_high,
+        **facts,
+    }
+
+
+def _single_lines(output: str, key: str, bounds: Bounds) -> list[str]:
+    from fuzzyarm.proof.prover import written
+    from fuzzyarm.proof.verdicts import bound_text
+
+    work = f"{bounds.pieces:,} pieces, {_WAYS[bounds.way]}"
+    if not bounds.complete:
+        work += "; the time was over before the bounds were tight"
+    if key == "worst":
+        facts = _single_data(key, bounds)
+        first = f"worst {bound_text(facts['worst'])} (proved)"
+        return [first, f"  near {written(facts['at'])}", f"  {work}"]
+    what = f"{output}" if key == "range" else f"slope of {output} along {key}"
+    first = f"{what} in {bound_text((bounds.low, bounds.high))} (proved)"
+    lines = [first]
+    if bounds.at_low:
+        lines.append(f"  lowest near {written(bounds.at_low)}")
+    if bounds.at_high:
+        lines.append(f"  highest near {written(bounds.at_high)}")
+    return [*lines, f"  {work}"]
+
+
+COMMANDS = (
+    command(
+        "prove",
+        __doc__,
+        _run,
+        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis)", nargs="+"),
+        argument("--tolerance T", "how tight bounds are, in units of what is bounded"),
+        argument("--budget SECONDS", "how long each statement may take"),
+        flag("--exact", "compute in rationals throughout"),
+        flag("--range", "bound the output", either="what"),
+        flag("--slope", "bound the slope along each input", either="what"),
+        argument("--table WHAT", "bound the error of a table: linear, nearest, bins or a file",
+                 either="what"),
+        argument("--output NAME", "which output, if there are several"),
+        json_of("the verdicts, or the bounds,"),
+    ),
+)  # fmt: skip

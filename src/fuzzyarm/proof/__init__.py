@@ -1,0 +1,23 @@
+"""What holds of a rule base at every point: bounds, slopes, symmetry, errors of a table.
+
+:func:`prove` gives a :class:`Verdict` on a statement; :class:`Prover` gives single bounds. A
+rule base of straight terms, min and the exact centroid (or averages of numbers) is cut into
+pieces on which the output is a quotient of polynomials; everything else goes by boxes.
+"""
+
+from fuzzyarm.proof.bounds import Bounds, UnprovableError
+from fuzzyarm.proof.prover import Prover
+from fuzzyarm.proof.tables import table_proof
+from fuzzyarm.proof.verdicts import Verdict, property_text, prove, prove_all, read_property
+
+__all__ = [
+    "Bounds",
+    "Prover",
+    "UnprovableError",
+    "Verdict",
+    "property_text",
+    "prove",
+    "prove_all",
+    "read_property",
+    "table_proof",
+]

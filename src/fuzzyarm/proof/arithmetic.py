@@ -1,0 +1,120 @@
+"""The two arithmetics of a proof: floats with a margin, and rationals.
+
+Every array of a proof is made by one of them, and the code over the arrays is the same: an
+array of rationals is a NumPy array of objects. ``python-flint`` (the extra ``prove``) brings
+rationals that are about five times as fast as the ``Fraction`` of Python.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.errors import FuzzyarmError
+
+__all__ = ["FLOATS", "Arithmetic", "Array", "Stop", "TimeOverError", "as_fraction", "rationals"]
+
+Array = NDArray[Any]
+"""Of float64, or of rationals as objects."""
+
+
+class Arithmetic(NamedTuple):
+    """How a proof computes.
+
+    Attributes
+    ----------
+    exact : bool
+        Whether nothing is ever rounded.
+    number : callable
+        From a Fraction to a number of its kind, the nearest where it rounds.
+    name : str
+        ``floats``, or the library of the rationals.
+    """
+
+    exact: bool
+    number: Callable[[Fraction], Any]
+    name: str
+
+    def array(self, values: Any) -> Array:
+        """Return an array of numbers from (nested lists of) Fractions or whole numbers."""
+        plain = np.array(values, dtype=object)
+        numbers = [self.number(value) for value in plain.ravel()]
+        made: Array = np.empty(plain.size, dtype=object if self.exact else np.float64)
+        made[:] = numbers
+        return made.reshape(plain.shape)
+
+    def zeros(self, *shape: int) -> Array:
+        """Return an array of zeros."""
+        if not self.exact:
+            return np.zeros(shape)
+        made: Array = np.full(shape, self.number(Fraction(0)), dtype=object)
+        return made
+
+    def ones(self, *shape: int) -> Array:
+        """Return an array of ones."""
+        return np.asarray(self.zeros(*shape) + self.number(Fraction(1)))
+
+
+FLOATS = Arithmetic(exact=False, number=float, name="floats")
+
+
+@cache
+def rationals() -> Arithmetic:
+    """Return exact arithmetic, by ``python-flint`` where it is installed."""
+    try:
+        from flint import fmpq
+    except ImportError:
+        return Arithmetic(exact=True, number=Fraction, name="fractions")
+
+    def number(value: Fraction) -> Any:
+        return fmpq(value.numerator, value.denominator)
+
+    return Arithmetic(exact=True, number=number, name="flint")
+
+
+def as_fraction(number: Any) -> Fraction:
+    """Return a number of either arithmetic as a Fraction."""
+    if hasattr(number, "p") and hasattr(number, "q"):
+        return Fraction(int(number.p), int(number.q))
+    return Fraction(number)
+
+
+class TimeOverError(FuzzyarmError, TimeoutError):
+    """The time for a proof is over."""
+
+    def __init__(self) -> None:
+        super().__init__("the time is over")
+
+
+class Stop:
+    """When to give up, and whom to tell of the progress.
+
+    Parameters
+    ----------
+    seconds : float
+        How long a proof may take.
+    tell : callable, optional
+        Called with the number of open pieces and the gap between the bounds.
+    """
+
+    def __init__(
+        self, seconds: float = np.inf, tell: Callable[[int, float], None] | None = None
+    ) -> None:
+        self.until = time.monotonic() + seconds
+        self.tell = tell
+
+    @property
+    def now(self) -> bool:
+        """Whether time is over."""
+        return time.monotonic() > self.until
+
+    def check(self) -> None:
+        """Raise TimeOverError when time is over."""
+        if self.now:
+            raise TimeOverError

@@ -1,0 +1,415 @@
+r"""Polynomials on simplices in Bernstein form, and the extremes of their quotients.
+
+On a simplex with vertices v₀ … v_d a polynomial of degree n is Σ b_α B_α with one coefficient
+for each multi-index α of d + 1 numbers that add up to n. The coefficients at the vertices are
+values, and all values lie between the smallest and the largest coefficient. So
+
+    N / D ≤ c   wherever   N − c D has no coefficient above 0   and   D > 0.
+
+Halving an edge makes new coefficients by averages of the old ones (de Casteljau), and the
+bounds converge quadratically. Coefficients are found by evaluation at the lattice α / n and
+one fixed matrix; no symbol is ever handled.
+
+Source: G. Farin, *Triangular Bernstein–Bézier patches*, 1986.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import combinations
+from math import comb, factorial, prod
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, Stop, rationals
+
+__all__ = [
+    "Extremum",
+    "Quotients",
+    "barycentric",
+    "from_values",
+    "lattice",
+    "maximise",
+    "vertices_of",
+]
+
+Index = tuple[int, ...]
+
+MARGIN = 3e-14
+"""Share of the sizes of what was added up that floats are taken to be off by: 130 roundings."""
+
+
+# ── the lattice and its matrices ─────────────────────────────────────────────────────
+
+
+@cache
+def lattice(dimension: int, degree: int) -> tuple[Index, ...]:
+    """Return the multi-indices of a degree; those of the vertices are its multiples."""
+
+    def spread(total: int, places: int) -> list[Index]:
+        if places == 1:
+            return [(total,)]
+        return [
+            (first, *rest)
+            for first in range(total, -1, -1)
+            for rest in spread(total - first, places - 1)
+        ]
+
+    return tuple(spread(degree, dimension + 1))
+
+
+@cache
+def vertices_of(dimension: int, degree: int) -> tuple[int, ...]:
+    """Return where the coefficients at the vertices stand."""
+    indices = lattice(dimension, degree)
+    return tuple(
+        indices.index(tuple(degree if i == j else 0 for i in range(dimension + 1)))
+        for j in range(dimension + 1)
+    )
+
+
+@cache
+def _beside_vertices(dimension: int, degree: int) -> tuple[tuple[int, int, int], ...]:
+    """Return (vertex, another or the same, the coefficient one step from one to the other)."""
+    indices = lattice(dimension, degree)
+    found = []
+    for near in range(dimension + 1):
+        for far in range(dimension + 1):
+            index = [0] * (dimension + 1)
+            index[near] += degree - 1
+            index[far] += 1
+            found.append((near, far, indices.index(tuple(index))))
+    return tuple(found)
+
+
+@cache
+def barycentric(dimension: int, degree: int, *, exact: bool) -> Array:
+    """Return the lattice points as weights of the vertices: (points, vertices)."""
+    arithmetic = rationals() if exact else FLOATS
+    return arithmetic.array(
+        [[Fraction(a, degree) for a in index] for index in lattice(dimension, degree)]
+    )
+
+
+@cache
+def from_values(dimension: int, degree: int, *, exact: bool) -> Array:
+    """Return the matrix from values at the lattice to coefficients."""
+    indices = lattice(dimension, degree)
+
+    def basis(at: Index, index: Index) -> Fraction:
+        multinomial = factorial(degree) // prod(map(factorial, index))
+        return multinomial * prod(
+            (Fraction(a, degree) ** b for a, b in zip(at, index, strict=True)), start=Fraction(1)
+        )
+
+    matrix = [[basis(at, index) for index in indices] for at in indices]
+    if not exact:
+        return np.linalg.inv(np.array(matrix, dtype=float))
+    return _inverse(matrix, rationals())
+
+
+def _inverse(matrix: list[list[Fraction]], arithmetic: Arithmetic) -> Array:
+    """Return the inverse by elimination; the pivots of a Bernstein matrix are not 0."""
+    size = len(matrix)
+    unit = [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
+    work = arithmetic.array([[*a, *b] for a, b in zip(matrix, unit, strict=True)])
+    for i in range(size):
+        pivot = next(r for r in range(i, size) if work[r, i] != 0)
+        work[[i, pivot]] = work[[pivot, i]]
+        work[i] = work[i] / work[i, i]
+        for r in range(size):
+            if r != i and work[r, i] != 0:
+                work[r] = work[r] - work[i] * work[r, i]
+    return work[:, size:]
+
+
+@cache
+def halving(dimension: int, degree: int, first: int, second: int, *, exact: bool) -> Array:
+    """Return the matrix to the coefficients of the half in which `second` moves to the middle."""
+    indices = lattice(dimension, degree)
+    number = {index: i for i, index in enumerate(indices)}
+    rows = [[Fraction(0)] * len(indices) for _ in indices]
+    for row, index in enumerate(indices):
+        moved = index[second]
+        for k in range(moved + 1):
+            source = list(index)
+            source[second], source[first] = moved - k, index[first] + k
+            rows[row][number[tuple(source)]] += Fraction(comb(moved, k), 2**moved)
+    return (rationals() if exact else FLOATS).array(rows)
+
+
+# ── quotients on many simplices ──────────────────────────────────────────────────────
+
+
+@dataclass
+class Quotients:
+    """N / D on many simplices; D is not negative.
+
+    Attributes
+    ----------
+    upper, lower : ndarray, shape (simplices, coefficients)
+        Coefficients of N and of D.
+    error : ndarray of float64 or None
+        How far those of D may be off; those of N by `reach` times as much. None: exact.
+    reach : float
+        How large N / D may become where D is not 0.
+    corners : ndarray, shape (simplices, vertices, inputs)
+        The vertices, in shares of the cell.
+    owner : ndarray of int
+        The piece that each is a part of.
+    degree : int
+        Of both polynomials.
+    """
+
+    upper: Array
+    lower: Array
+    error: Array | None
+    reach: float
+    corners: Array
+    owner: Array
+    degree: int
+
+    @property
+    def exact(self) -> bool:
+        """Whether nothing is rounded."""
+        return self.error is None
+
+    @property
+    def count(self) -> int:
+        """How many simplices there are."""
+        return len(self.owner)
+
+    def negated(self) -> Quotients:
+        """Return −N / D."""
+        return Quotients(
+            -self.upper, self.lower, self.error, self.reach, self.corners, self.owner, self.degree
+        )
+
+    def take(self, which: Array) -> Quotients:
+        """Return some of the simplices."""
+        error = None if self.error is None else self.error[which]
+        return Quotients(
+            self.upper[which],
+            self.lower[which],
+            error,
+            self.reach,
+            self.corners[which],
+            self.owner[which],
+            self.degree,
+        )
+
+    def joined(self, other: Quotients) -> Quotients:
+        """Return these simplices and others of the same kind."""
+        both = (self, other)
+        error = None
+        if self.error is not None and other.error is not None:
+            error = np.concatenate([self.error, other.error])
+        return Quotients(
+            np.concatenate([each.upper for each in both]),
+            np.concatenate([each.lower for each in both]),
+            error,
+            max(self.reach, other.reach),
+            np.concatenate([each.corners for each in both]),
+            np.concatenate([each.owner for each in both]),
+            self.degree,
+        )
+
+    # ── bounds ───────────────────────────────────────────────────────────────────────
+
+    def excess(self, bound: Any) -> Array:
+        """Return the largest coefficient of N − bound D of each, errors added."""
+        found = self.upper - bound * self.lower
+        if self.error is not None:
+            found = found + (self.reach + abs(bound)) * self.error
+        return np.asarray(found.max(axis=1))
+
+    def attained(self) -> tuple[Any, int, Array] | None:
+        """Return the greatest value at a vertex, with the simplex and the position; or None.
+
+        Where D vanishes at a vertex, the limits along its edges count: the quotients of the
+        coefficients next to the vertex.
+        """
+        dimension = self.corners.shape[2]
+        found: tuple[Any, int, Array] | None = None
+        for near, far, position in _beside_vertices(dimension, self.degree):
+            upper, lower = self.upper[:, position], self.lower[:, position]
+            sure = lower > (0 if self.error is None else 1e3 * self.error[:, position])
+            if near != far:
+                vertex = vertices_of(dimension, self.degree)[near]
+                sure &= (self.lower[:, vertex] == 0) & (self.upper[:, vertex] == 0)
+            rows = np.flatnonzero(sure)
+            if not rows.size:
+                continue
+            values = upper[rows] / lower[rows]
+            best = int(values.argmax())
+            if found is None or values[best] > found[0]:
+                owner = int(rows[best])
+                a, b = self.corners[owner, near], self.corners[owner, far]
+                found = values[best], owner, a + (b - a) / 2**24
+        return found
+
+    def bound(self) -> float:
+        """Return what N / D cannot exceed, crude; infinite where D may vanish."""
+        if not self.count:
+            return -np.inf
+        upper, lower = self.upper.astype(float), self.lower.astype(float)
+        error = np.zeros_like(lower) if self.error is None else self.error
+        room = lower - error
+        with np.errstate(all="ignore"):
+            ratio = (upper + np.copysign(self.reach * error, 1.0)) / np.where(
+                upper >= 0, room, lower + error
+            )
+        empty = (upper == 0) & (lower == 0) & (error == 0)
+        ratio = np.where(empty, -np.inf, np.where(room > 0, ratio, np.inf))
+        found = float(ratio.max())
+        return float(np.nextafter(found, np.inf)) if np.isfinite(found) else found
+
+    def without(self, pieces: Array) -> Quotients:
+        """Return the simplices that are not parts of some pieces."""
+        return self.take(np.flatnonzero(~pieces[self.owner])) if pieces.any() else self
+
+    def touches(self, bound: Any) -> tuple[int, Array] | None:
+        """Return the piece and the position of a vertex at which N / D is a bound; or None."""
+        for vertex, index in enumerate(vertices_of(self.corners.shape[2], self.degree)):
+            at = (self.lower[:, index] > 0) & (self.upper[:, index] >= bound * self.lower[:, index])
+            if at.any():
+                row = int(np.flatnonzero(at)[0])
+                return int(self.owner[row]), self.corners[row, vertex]
+        return None
+
+    # ── refinement ───────────────────────────────────────────────────────────────────
+
+    def halved(self) -> Quotients:
+        """Return both halves of each, cut across the longest edge."""
+        shape = self.corners.astype(float)
+        vertices = shape.shape[1]
+        pairs = list(combinations(range(vertices), 2))
+        lengths = np.stack([((shape[:, i] - shape[:, j]) ** 2).sum(axis=1) for i, j in pairs])
+        longest = lengths.argmax(axis=0)
+        parts = [
+            half
+            for number, (i, j) in enumerate(pairs)
+            if (which := np.flatnonzero(longest == number)).size
+            for half in (self._half(which, i, j), self._half(which, j, i))
+        ]
+        found = parts[0]
+        for part in parts[1:]:
+            found = found.joined(part)
+        return found
+
+    def _half(self, which: Array, stays: int, moves: int) -> Quotients:
+        part = self.take(which)
+        dimension = part.corners.shape[2]
+        matrix = halving(dimension, self.degree, stays, moves, exact=self.exact).T
+        part.upper, part.lower = part.upper @ matrix, part.lower @ matrix
+        if part.error is not None:
+            part.error = part.error @ matrix
+        part.corners = part.corners.copy()
+        part.corners[:, moves] = (part.corners[:, moves] + part.corners[:, stays]) / 2
+        return part
+
+
+# ── branch and bound ─────────────────────────────────────────────────────────────────
+
+
+class Extremum(NamedTuple):
+    """A supremum between two bounds.
+
+    Attributes
+    ----------
+    reached : number
+        A value that is attained, or a limit; None where there is none.
+    bound : number
+        What no value exceeds; None where there is no value.
+    corner : ndarray or None
+        Where, in shares of the cell of the piece.
+    owner : int
+        The piece.
+    pieces : int
+        How many simplices were looked at.
+    left : Quotients
+        What could not be decided: empty where `bound` is within the tolerance of `reached`.
+    """
+
+    reached: Any
+    bound: Any
+    corner: Array | None
+    owner: int
+    pieces: int
+    left: Quotients
+
+
+MOST = 400_000
+"""Open simplices at one time; coefficients of more do not fit into memory."""
+
+SMALLEST = 1e-7
+"""Simplices with shorter edges, in shares of a cell, are given up: floats do not tell there."""
+
+
+def maximise(
+    quotients: Quotients,
+    tolerance: Any,
+    stop: Stop,
+    *,
+    least: Any = None,
+    decide: bool = False,
+    smallest: float = SMALLEST,
+) -> Extremum:
+    """Return the supremum of N / D.
+
+    Parameters
+    ----------
+    quotients : Quotients
+        N and D on simplices.
+    tolerance : number
+        How far the bound may be above what is attained.
+    stop : Stop
+        When to give up.
+    least : number, optional
+        A value that is known to be attained elsewhere.
+    decide : bool
+        Ask only whether anything exceeds `least`: the search ends at the first that does.
+    smallest : float
+        Simplices with shorter edges, in shares of a cell, are given up.
+
+    Returns
+    -------
+    Extremum
+        With `left` empty unless the search was given up.
+    """
+    best, corner, owner = least, None, -1
+    seen, open_ = quotients.count, quotients
+    given_up: Quotients = quotients.take(np.zeros(0, dtype=int))
+    while open_.count:
+        found = open_.attained()
+        if found is not None and (best is None or found[0] > best):
+            best, corner = found[0], found[2]
+            owner = int(open_.owner[found[1]])
+            if decide:
+                return Extremum(best, best, corner, owner, seen, given_up)
+        if best is None:  # no value anywhere yet: only what has none can be discarded
+            keep = (open_.lower != 0).any(axis=1)
+        else:
+            keep = open_.excess(best + tolerance) > 0
+        open_ = open_.take(np.flatnonzero(keep))
+        shape = open_.corners.astype(float)
+        small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest
+        if small.any():
+            given_up = given_up.joined(open_.take(np.flatnonzero(small)))
+            open_ = open_.take(np.flatnonzero(~small))
+        if stop.tell is not None and open_.count and best is not None:
+            stop.tell(open_.count, open_.bound() - float(best))
+        if stop.now or open_.count > MOST:
+            given_up = given_up.joined(open_)
+            break
+        if open_.count:
+            open_ = open_.halved()
+            seen += open_.count
+    bound = None if best is None else best + tolerance
+    if given_up.count:
+        crude = given_up.bound()
+        bound = crude if bound is None or crude > float(bound) else bound
+    return Extremum(best, bound, corner, owner, seen, given_up)

@@ -1,0 +1,547 @@
+"""Bounds of one output that hold at every point: value, slope, error of a table, coverage.
+
+Floats come first: they decide nearly everything, with a margin for their rounding. What they
+leave open (a bound that is attained, a slope that is exactly 0) is cut again in rationals,
+only in the cells where it is open. A rule base that is not made of straight pieces goes by
+boxes (:mod:`fuzzyarm.proof.boxes`), which are always sound and mostly wider.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fuzzyarm.model.rulebase import Output, RuleBase
+from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, Stop, as_fraction, rationals
+from fuzzyarm.proof.bernstein import SMALLEST, Quotients, maximise
+from fuzzyarm.proof.bounds import (
+    GAP,
+    WIDENED,
+    Bounds,
+    Claim,
+    NothingFiresError,
+    Point,
+    UnprovableError,
+)
+from fuzzyarm.proof.pieces import Cut, TooManyPiecesError, cut
+from fuzzyarm.proof.straight import NotStraightError, Straight, straight
+from fuzzyarm.proof.surface import Surface, TableValues
+
+if TYPE_CHECKING:
+    from fuzzyarm.proof.boxes import Boxes
+    from fuzzyarm.table import LookupTable
+
+__all__ = ["Prover", "written"]
+
+Make = Callable[[Surface], Quotients]
+
+
+@dataclass(frozen=True)
+class _Question:
+    """A quotient over a box: what is asked, and how the inputs are cut for it.
+
+    `steep`: slopes are asked for, which floats do not know where they are in doubt which of
+    two heights is higher.
+    """
+
+    box: tuple[tuple[Fraction, Fraction], ...]
+    make: Make
+    positions: tuple[Any, ...] = ()
+    mirrored: bool = False
+    steep: bool = False
+
+
+class Prover:
+    """Proves statements on one output of a rule base; what it has cut it remembers.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    output : str
+        Which output.
+    tolerance : float, optional
+        How far bounds may be from what is attained, in units of what is bounded; 1e-8 of
+        the range of the output by default.
+    stop : Stop, optional
+        When to give up, and whom to tell of progress.
+    exact : bool
+        Compute everything in rationals.
+
+    Attributes
+    ----------
+    reason : str
+        Why boxes are used; empty for exact pieces.
+    """
+
+    def __init__(
+        self,
+        rulebase: RuleBase,
+        output: str,
+        *,
+        tolerance: float | None = None,
+        stop: Stop | None = None,
+        exact: bool = False,
+    ) -> None:
+        self.rulebase = rulebase
+        self.output: Output = rulebase.output(output)
+        self.stop = stop or Stop()
+        self.exact = exact
+        low, high = self.output.low, self.output.high
+        self.range = high - low if math.isfinite(high - low) else 1.0
+        self.tolerance = tolerance
+        self.gap = tolerance if tolerance is not None else GAP * self.range
+        self.names = tuple(variable.name for variable in rulebase.inputs)
+        self._surfaces: dict[tuple[Any, ...], Surface] = {}
+        self.reason = ""
+        self.model: Straight | None = None
+        try:
+            self.model = straight(rulebase, output)
+        except NotStraightError as error:
+            self.reason = str(error)
+
+    # ── the box ──────────────────────────────────────────────────────────────────────
+
+    def box(
+        self, region: Mapping[str, tuple[float, float]]
+    ) -> tuple[tuple[Fraction, Fraction], ...]:
+        """Return the stretch of each input, all of its range where the region says nothing.
+
+        Raises
+        ------
+        UnprovableError
+            If an input is unbounded and the region does not bound it.
+        """
+        found = []
+        for variable in self.rulebase.inputs:
+            low, high = region.get(variable.name, (variable.low, variable.high))
+            if not (math.isfinite(low) and math.isfinite(high)):
+                raise UnprovableError(
+                    f"'{variable.name}' is unbounded",
+                    hint=f"say in which part:  {variable.name} in LOW .. HIGH -> …",
+                )
+            found.append((Fraction(low), Fraction(high)))
+        return tuple(found)
+
+    @property
+    def pieces_cut(self) -> int:
+        """How many pieces the largest cut so far has."""
+        return max((surface.pieces.count for surface in self._surfaces.values()), default=0)
+
+    # ── questions ────────────────────────────────────────────────────────────────────
+
+    def value(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
+        """Return bounds of the output over a region, ``no-rule`` values included."""
+        box = self.box(region)
+        if self.model is None:
+            return self._boxes(box).value(self.gap)
+        no_rule = self.output.no_rule
+        try:
+            bounds = self._bounds(_Question(box, Surface.value), shifted=True)
+        except NothingFiresError:
+            if not isinstance(no_rule, int | float):
+                raise
+            only = float(no_rule)
+            at = {name: float(low) for name, (low, _) in zip(self.names, box, strict=True)}
+            return Bounds(only, only, only, only, at, at, self.pieces_cut, "exact", True)
+        if isinstance(no_rule, int | float):
+            silent = self.uncovered(region)
+            if silent is not None:
+                bounds = _including(bounds, float(no_rule), silent)
+        return self._clamped(bounds)
+
+    def slope(self, region: Mapping[str, tuple[float, float]], name: str) -> Bounds:
+        """Return bounds of the slope along an input, wherever the output has one."""
+        self._demand_pieces("slopes")
+        axis = self.names.index(name)
+        question = _Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
+        self._demand_no_jumps(question, axis)
+        return self._bounds(question)
+
+    def steepness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
+        """Return bounds of the length of the gradient: the high one is a Lipschitz constant."""
+        self._demand_pieces("slopes")
+        question = _Question(self.box(region), Surface.gradient_squared, steep=True)
+        for axis in range(len(self.names)):
+            self._demand_no_jumps(question, axis)
+        found = self._bounds(question, both=False, share=2.0 * self.range)
+        low, high = 0.0, math.nextafter(math.sqrt(found.high), math.inf)
+        return found._replace(
+            low=low, high=high, reached_low=low, reached_high=math.sqrt(found.reached_high)
+        )
+
+    def table(self, table: LookupTable, mode: str) -> Bounds:
+        """Return bounds of what a table is above the output (negative: below it)."""
+        box = self.box({})
+        self._demand_fitting(table)
+        if self.model is None:
+            return self._boxes(box).table(table, mode, self.gap)
+        self._demand_value_everywhere("the error of a table")
+        question = self._table_question(table, mode, box)
+        return self._clamped_or_refused(self._bounds(question))
+
+    def table_at_most(self, table: LookupTable, mode: str, bound: float) -> Claim:
+        """Tell whether a table differs nowhere by more than `bound`."""
+        question = self._table_question(table, mode, self.box({}))
+        above = self.at_most(question, Fraction(bound), negated=False)
+        return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
+
+    def boxes_at_most(
+        self, region: Mapping[str, tuple[float, float]], bound: float, *, negated: bool
+    ) -> tuple[bool, int]:
+        """Tell whether boxes show the output to be at most `bound`, and how many it took."""
+        return self._boxes(self.box(region)).at_most(bound, negated=negated)
+
+    def value_at_most(
+        self,
+        region: Mapping[str, tuple[float, float]],
+        bound: float,
+        *,
+        negated: bool,
+        strict: bool,
+    ) -> Claim:
+        """Tell whether the output (or minus the output) is at most `bound`, below it if strict."""
+        assert self.model is not None
+        return self.at_most(
+            _Question(self.box(region), Surface.value),
+            Fraction(bound),
+            negated=negated,
+            strict=strict,
+            shifted=True,
+        )
+
+    def slope_at_most(
+        self,
+        region: Mapping[str, tuple[float, float]],
+        name: str,
+        bound: Fraction,
+        *,
+        negated: bool,
+    ) -> Claim:
+        """Tell whether the slope (or minus the slope) is at most `bound`."""
+        self._demand_pieces("slopes")
+        axis = self.names.index(name)
+        question = _Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
+        self._demand_no_jumps(question, axis)
+        return self.at_most(question, bound, negated=negated)
+
+    def oddness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
+        """Return bounds of u(x) + u(−x)."""
+        self._demand_pieces("symmetry")
+        self._demand_value_everywhere("symmetry")
+        self._demand_inside_range("symmetry")
+        return self._bounds(_Question(self.box(region), Surface.odd, mirrored=True))
+
+    def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
+        """Tell whether u(x) + u(−x) is nowhere further from 0 than `bound`."""
+        self._demand_pieces("symmetry")
+        self._demand_value_everywhere("symmetry")
+        self._demand_inside_range("symmetry")
+        question = _Question(self.box(region), Surface.odd, mirrored=True)
+        above = self.at_most(question, Fraction(bound), negated=False)
+        return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
+
+    def uncovered(self, region: Mapping[str, tuple[float, float]]) -> dict[str, Fraction] | None:
+        """Return a point at which no rule fires, or None where there is none.
+
+        Raises
+        ------
+        UnprovableError
+            If it cannot be decided.
+        """
+        box = self.box(region)
+        if self.model is None:
+            return self._boxes(box).uncovered()
+        question = _Question(box, Surface.value)
+        surface = self._surface(question, rationals() if self.exact else FLOATS)
+        if not self.exact:
+            open_ = surface.nearly_uncovered()
+            if not open_.size:
+                return None
+            cells = np.unique(surface.pieces.flat_cells[open_])
+            surface = self._surface(question, rationals(), cells)
+        found = surface.uncovered()
+        return None if found is None else self._named(surface.pieces.position(*found))
+
+    # ── the search ───────────────────────────────────────────────────────────────────
+
+    def _bounds(
+        self,
+        question: _Question,
+        *,
+        shifted: bool = False,
+        both: bool = True,
+        share: float = 1.0,
+    ) -> Bounds:
+        """Return both ends of a quotient, to the tolerance; in rationals where floats fail."""
+        arithmetic = rationals() if self.exact else FLOATS
+        surface = self._surface(question, arithmetic)
+        gap = arithmetic.number(Fraction(self.gap * share))
+        quotients = question.make(surface)
+        shift = surface.centre if shifted else arithmetic.number(Fraction(0))
+        pieces, complete, ends = 0, True, []
+        for sign in (-1, 1) if both else (1,):
+            chosen = quotients if sign == 1 else quotients.negated()
+            doubtful = self._doubtful(question, surface)
+            found = maximise(chosen.without(doubtful), gap, self.stop)
+            left = np.concatenate([found.left.owner, np.flatnonzero(doubtful)])
+            pieces = max(pieces, found.pieces)
+            if found.reached is None:
+                raise NothingFiresError(f"no rule fires anywhere for '{self.output.name}'")
+            reached, bound = found.reached, found.bound
+            at: dict[str, Fraction] = {}
+            if found.corner is not None:
+                at = self._named(surface.pieces.position(found.owner, found.corner))
+            if left.size and not self.exact:
+                again = self._again(question, surface, left, sign, reached)
+                if again is not None:
+                    bound = max(float(reached) + float(gap), again[0])
+                    if again[1] is not None:
+                        reached, at = again[1]
+                    pieces += again[2]
+                elif doubtful.any():
+                    bound = math.inf
+            complete &= float(bound) <= float(reached) + 2.0 * float(gap)
+            ends.append((sign, reached, bound, at))
+        return self._as_bounds(ends, shift, pieces, complete=complete)
+
+    def _again(
+        self, question: _Question, surface: Surface, left: Array, sign: int, least: Any
+    ) -> tuple[float, tuple[Any, dict[str, Fraction]] | None, int] | None:
+        """Search in rationals the cells that floats have left open."""
+        if self.stop.now:
+            return None
+        cells = np.unique(surface.pieces.flat_cells[left])
+        exact = self._surface(question, rationals(), cells)
+        quotients = question.make(exact)
+        chosen = quotients if sign == 1 else quotients.negated()
+        number = rationals().number
+        known = number(Fraction(float(least)))
+        found = maximise(chosen, number(Fraction(self.gap)), self.stop, least=known)
+        better = None
+        if found.corner is not None:
+            at = self._named(exact.pieces.position(found.owner, found.corner))
+            better = found.reached, at
+        return float(found.bound), better, found.pieces
+
+    def at_most(
+        self,
+        question: _Question,
+        bound: Fraction,
+        *,
+        negated: bool,
+        strict: bool = False,
+        shifted: bool = False,
+    ) -> Claim:
+        """Tell whether a quotient (or minus the quotient) is at most a bound everywhere."""
+        seen = 0
+        cells: Array | None = None
+        for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
+            surface = self._surface(question, arithmetic, cells)
+            quotients = question.make(surface)
+            centre = as_fraction(surface.centre) if shifted else Fraction(0)
+            limit = bound + centre if negated else bound - centre
+            doubtful = self._doubtful(question, surface)
+            chosen = (quotients.negated() if negated else quotients).without(doubtful)
+            margin = 0.0 if arithmetic.exact else 1e3 * WIDENED * self.range
+            least = arithmetic.number(limit) + arithmetic.number(Fraction(margin))
+            start = arithmetic.number(limit)
+            smallest = SMALLEST if arithmetic.exact else 1 / 16
+            found = maximise(
+                chosen, start - start, self.stop,
+                least=start, decide=arithmetic.exact, smallest=smallest,
+            )  # fmt: skip
+            seen += found.pieces
+            fails = found.owner >= 0 and found.reached > least
+            if arithmetic.exact and strict and not fails:
+                touching = chosen.touches(start)
+                if touching is not None:
+                    at = self._named(surface.pieces.position(*touching))
+                    return Claim(False, at, seen, True)
+            if fails:
+                corner = found.corner
+                assert corner is not None
+                if question.steep:  # a slope has two sides: step inside the piece
+                    inside = surface.pieces.corners[found.owner].sum(axis=0) / (corner.size + 1)
+                    corner = corner + (inside - corner) / 2**14
+                at = self._named(surface.pieces.position(found.owner, corner))
+                return Claim(False, at, seen, arithmetic.exact)
+            left = np.concatenate([found.left.owner, np.flatnonzero(doubtful)])
+            if not left.size and found.owner < 0:
+                return Claim(True, {}, seen, arithmetic.exact)
+            if self.stop.now or arithmetic.exact:
+                break
+            owners = left
+            if found.owner >= 0:  # above the bound by less than floats can tell
+                above = chosen.excess(start) > 0
+                owners = np.concatenate([owners, chosen.owner[above]])
+            cells = np.unique(surface.pieces.flat_cells[owners])
+        return Claim(None, {}, seen, False)
+
+    @staticmethod
+    def _doubtful(question: _Question, surface: Surface) -> Array:
+        doubtful = surface.pieces.doubtful
+        return doubtful if question.steep else np.zeros_like(doubtful)
+
+    def _as_bounds(
+        self, ends: list[tuple[int, Any, Any, dict[str, Fraction]]], shift: Any, pieces: int, *,
+        complete: bool,
+    ) -> Bounds:  # fmt: skip
+        made: dict[int, tuple[float, float, Point]] = {}
+        for sign, reached, bound, at in ends:
+            if self.exact:
+                high = as_fraction(bound) * sign + as_fraction(shift)
+                outer = _outward(high, sign)
+                inner = float(as_fraction(reached) * sign + as_fraction(shift))
+            else:
+                outer = float(bound) * sign + float(shift)
+                outer += sign * WIDENED * max(self.range, abs(outer))
+                inner = float(reached) * sign + float(shift)
+            made[sign] = outer, inner, {name: float(x) for name, x in at.items()}
+        low, reached_low, at_low = made.get(-1, (-math.inf, math.nan, {}))
+        high_, reached_high, at_high = made[1]
+        way = "exact" if self.exact else "widened"
+        return Bounds(low, high_, reached_low, reached_high, at_low, at_high, pieces, way, complete)
+
+    # ── surfaces, remembered ─────────────────────────────────────────────────────────
+
+    def _surface(
+        self, question: _Question, arithmetic: Arithmetic, cells: Array | None = None
+    ) -> Surface:
+        assert self.model is not None
+        positions = tuple(tuple(each) for each in question.positions)
+        key = (question.box, positions, question.mirrored, arithmetic.exact)
+        if cells is None and key in self._surfaces:
+            known = self._surfaces[key]
+            known.pieces.stop = self.stop
+            return known
+        what = Cut(question.box, positions, question.mirrored)
+        try:
+            pieces = cut(self.model, what, arithmetic, cells, self.stop)
+            made = Surface(self.model, pieces)
+        except TooManyPiecesError as error:
+            raise UnprovableError(str(error)) from None
+        if cells is None:
+            self._surfaces[key] = made
+        return made
+
+    def _table_question(
+        self, table: LookupTable, mode: str, box: tuple[tuple[Fraction, Fraction], ...]
+    ) -> _Question:
+        names = self.names
+
+        def make(surface: Surface) -> Quotients:
+            return surface.difference(TableValues(table, mode, surface.pieces, names))
+
+        return _Question(box, make, TableValues.positions(table, mode, names))
+
+    def _boxes(self, box: tuple[tuple[Fraction, Fraction], ...]) -> Boxes:
+        from fuzzyarm.proof.boxes import Boxes
+
+        ends = [(float(low), float(high)) for low, high in box]
+        return Boxes(self.rulebase, self.output.name, ends, self.stop)
+
+    # ── single points ────────────────────────────────────────────────────────────────
+
+    def exactly(self, at: Mapping[str, float | Fraction]) -> Fraction | None:
+        """Return the output at a point in exact arithmetic; None where no rule fires."""
+        assert self.model is not None
+        box = tuple((Fraction(at[name]), Fraction(at[name])) for name in self.names)
+        surface = Surface(self.model, cut(self.model, Cut(box), rationals()))
+        quotients = surface.value()
+        if not quotients.lower[0, 0] > 0 or surface.uncovered() is not None:
+            no_rule = self.output.no_rule
+            return Fraction(no_rule) if isinstance(no_rule, int | float) else None
+        value = as_fraction(quotients.upper[0, 0] / quotients.lower[0, 0] + surface.centre)
+        if math.isfinite(self.output.low) and self.output.outside == "clamp":
+            value = max(value, Fraction(self.output.low))
+        if math.isfinite(self.output.high) and self.output.outside == "clamp":
+            value = min(value, Fraction(self.output.high))
+        return value
+
+    def _named(self, position: list[Fraction]) -> dict[str, Fraction]:
+        return dict(zip(self.names, position, strict=True))
+
+    # ── what is refused ──────────────────────────────────────────────────────────────
+
+    def _demand_pieces(self, what: str) -> None:
+        if self.model is None:
+            raise UnprovableError(f"{what} are proved in straight pieces only: {self.reason}")
+
+    def _demand_no_jumps(self, question: _Question, axis: int) -> None:
+        surface = self._surface(question, rationals() if self.exact else FLOATS)
+        if surface.pieces.grid.jumps[axis]:
+            raise UnprovableError(f"a term of '{self.names[axis]}' has a vertical edge: jumps")
+        low, high = question.box[axis]
+        region = {
+            name: (float(a), float(b))
+            for name, (a, b) in zip(self.names, question.box, strict=True)
+        }
+        if low < high and self.uncovered(region) is not None:
+            raise UnprovableError("there are points at which no rule fires")
+        self._demand_inside_range("slopes")
+
+    def _demand_value_everywhere(self, what: str) -> None:
+        at = self.uncovered({})
+        if at is not None:
+            raise UnprovableError(f"{what}: no rule fires at {written(at)}")
+
+    def _demand_fitting(self, table: LookupTable) -> None:
+        if set(table.names) != set(self.names):
+            raise UnprovableError(
+                f"the table is over {', '.join(table.names)},"
+                f" and the rule base over {', '.join(self.names)}"
+            )
+
+    def _demand_inside_range(self, what: str) -> None:
+        """Refuse an output that leaves its range, where it is clamped."""
+        assert self.model is not None
+        if math.isfinite(self.model.low) or self.output.outside == "extend":
+            return
+        found = self._bounds(_Question(self.box({}), Surface.value), shifted=True)
+        if found.low < self.output.low or found.high > self.output.high:
+            raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and is clamped")
+
+    def _clamped_or_refused(self, bounds: Bounds) -> Bounds:
+        self._demand_inside_range("the error of a table")
+        return bounds
+
+    def _clamped(self, bounds: Bounds) -> Bounds:
+        """Bring bounds of the value into the range, as the value is; a centroid lies in it."""
+        low, high = self.output.low, self.output.high
+        free = self.model is not None and not math.isfinite(self.model.low)
+        if self.output.outside != "clamp" and free:
+            return bounds
+        return bounds._replace(
+            low=min(max(bounds.low, low), high),
+            high=min(max(bounds.high, low), high),
+            reached_low=min(max(bounds.reached_low, low), high),
+            reached_high=min(max(bounds.reached_high, low), high),
+        )
+
+
+def _including(bounds: Bounds, value: float, at: dict[str, Fraction]) -> Bounds:
+    point = {name: float(x) for name, x in at.items()}
+    if value < bounds.reached_low:
+        bounds = bounds._replace(low=min(value, bounds.low), reached_low=value, at_low=point)
+    if value > bounds.reached_high:
+        bounds = bounds._replace(high=max(value, bounds.high), reached_high=value, at_high=point)
+    return bounds
+
+
+def _outward(number: Fraction, sign: int) -> float:
+    """Return the nearest float that is not inside."""
+    found = float(number)
+    if sign * (Fraction(found) - number) < 0:
+        found = math.nextafter(found, sign * math.inf)
+    return found
+
+
+def written(at: Mapping[str, Any]) -> str:
+    """Return a point as ``e = 1, ce = 2``."""
+    return ", ".join(f"{name} = {float(x):.10g}" for name, x in at.items())

@@ -1,0 +1,57 @@
+"""Proved worst errors of lookup tables, for the compiler and for exported programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.prover import Prover
+
+if TYPE_CHECKING:
+    from fuzzyarm.table import LookupTable
+
+__all__ = ["table_proof"]
+
+SECONDS = 10.0
+"""How long a proof of one table may take before the error is only sampled."""
+
+
+def table_proof(
+    rulebase: RuleBase, output: str, *, seconds: float = SECONDS
+) -> Callable[[LookupTable, str], float | None]:
+    """Return what proves the worst error of tables of one output.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What the tables stand for.
+    output : str
+        The output.
+    seconds : float
+        For each table; after that nothing is known.
+
+    Returns
+    -------
+    callable
+        From a table and a mode of look-up to what the error nowhere exceeds: between sample
+        points, at both sides of thresholds, inputs outside the levels included. None where it
+        cannot be proved in exact pieces: boxes take longer than compiling may.
+    """
+    prover: list[Prover] = []
+
+    def prove(table: LookupTable, mode: str) -> float | None:
+        try:
+            if not prover:
+                prover.append(Prover(rulebase, output))
+            if prover[0].model is None:
+                return None
+            prover[0].stop = Stop(seconds)
+            bounds = prover[0].table(table, mode)
+        except FuzzyarmError:
+            return None
+        return max(bounds.high, -bounds.low) if bounds.complete else None
+
+    return prove

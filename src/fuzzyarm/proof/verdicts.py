@@ -1,0 +1,591 @@
+"""Verdicts on the statements of ``prove`` lines: proved, refuted or undecided.
+
+A verdict carries its evidence: a bound and the number of pieces, or points ready to paste as
+``expect`` lines, evaluated in exact arithmetic. *Refuted* is said only where exact arithmetic
+has confirmed it, *proved* only where every piece is covered; everything else is undecided,
+with the bounds that were reached and why the search stopped.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language import parse, write
+from fuzzyarm.language.writer import property_node
+from fuzzyarm.model.rulebase import Property, RuleBase
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.bounds import Bounds, Claim
+from fuzzyarm.proof.prover import Prover, written
+from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.numbers import number_text, outward_text
+
+if TYPE_CHECKING:
+    from fuzzyarm.language.statements import ProveNode
+
+__all__ = ["Verdict", "property_text", "prove", "prove_all", "read_property"]
+
+PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
+
+LIKE_EXPECT = 1e-9
+"""Share of an output's range to which ``=`` and ``odd`` hold, as for an ``expect`` line."""
+
+Tell = Callable[[str, int, float], None]
+"""Called with the statement, the number of open pieces and the gap between the bounds."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is known of one statement.
+
+    Attributes
+    ----------
+    statement : str
+        The statement, as it stands behind ``prove``.
+    verdict : str
+        ``proved``, ``refuted`` or ``undecided``.
+    bound : tuple of float, float or None
+        What was proved all the same: (low, high) of the value, the slope or the sum at
+        opposite points, the worst error of a table. None where nothing is known.
+    evidence : tuple of str
+        ``expect`` lines with a point or a pair of points at which it fails.
+    pieces : int
+        How many simplices or boxes were looked at.
+    seconds : float
+        How long it took.
+    way : str
+        ``exact`` (rationals), ``widened`` (floats, rounded outward), ``boxes`` or empty.
+    reason : str
+        Why it is undecided or refuted, or why boxes were used.
+    line : int
+        Of the file; 0 for a statement from elsewhere.
+    """
+
+    statement: str
+    verdict: str
+    bound: tuple[float, float] | float | None = None
+    evidence: tuple[str, ...] = ()
+    pieces: int = 0
+    seconds: float = 0.0
+    way: str = ""
+    reason: str = ""
+    line: int = 0
+
+    @property
+    def proved(self) -> bool:
+        """Whether it holds at every point."""
+        return self.verdict == PROVED
+
+    def __str__(self) -> str:
+        words = [f"{self.verdict}: {self.statement}"]
+        if self.bound is not None:
+            words.append(f"  bound {bound_text(self.bound)}")
+        if self.reason:
+            words.append(f"  {self.reason}")
+        return "\n".join([*words, *(f"  {line}" for line in self.evidence)])
+
+
+def bound_text(bound: tuple[float, float] | float) -> str:
+    """Return a bound to seven digits, rounded outward."""
+    if isinstance(bound, tuple):
+        return f"{outward_text(bound[0], up=False)} .. {outward_text(bound[1], up=True)}"
+    return outward_text(bound, up=True)
+
+
+# ── statements ───────────────────────────────────────────────────────────────────────
+
+
+def read_property(rulebase: RuleBase, text: str) -> Property:
+    """Return the statement in a text such as ``u rises with e``.
+
+    Raises
+    ------
+    RuleBaseError
+        With what is wrong with it, and what was probably meant.
+    """
+    from dataclasses import replace
+
+    from fuzzyarm.language.statements import STATEMENTS
+
+    statement = text if text.split(maxsplit=1)[:1] == ["prove"] else f"prove {text}"
+    head = write(replace(rulebase, properties=(), expectations=()))
+    if "\n" in statement.strip() or statement.strip() == "prove":
+        statement = "prove"
+    parsed = parse(f"{head}{statement.strip()}\n", "<statement>")
+    if parsed.rulebase is None or not parsed.rulebase.properties:
+        last = head.count("\n") + 1
+        mine = [each for each in parsed.diagnostics if each.line >= last]
+        raise RuleBaseError(tuple(mine or parsed.diagnostics))
+    assert STATEMENTS
+    return parsed.rulebase.properties[-1]
+
+
+def property_text(claim: Property, rulebase: RuleBase) -> str:
+    """Return a statement as it stands behind ``prove``."""
+    node: ProveNode = property_node(claim, rulebase)
+    return str(node).removeprefix("prove ")
+
+
+def prove(
+    rulebase: RuleBase,
+    statement: str | Property,
+    *,
+    tolerance: float | None = None,
+    budget: float = math.inf,
+    exact: bool = False,
+    tell: Tell | None = None,
+) -> Verdict:
+    """Prove or refute one statement about a rule base.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    statement : str or Property
+        As behind ``prove`` in a file: ``"u rises with e"``.
+    tolerance : float, optional
+        How far a bound may be from what is attained, in units of what is bounded; 1e-8 of
+        the range of the output by default.
+    budget : float
+        Seconds after which it stays undecided.
+    exact : bool
+        Compute in rationals throughout, so that bounds are not widened.
+    tell : callable, optional
+        Called with the statement, the number of open pieces and the gap.
+
+    Returns
+    -------
+    Verdict
+        With its evidence.
+
+    Raises
+    ------
+    RuleBaseError
+        If the statement cannot be read.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    >>> fuzzyarm.prove(pd7, "u odd").verdict
+    'proved'
+    """
+    claim = read_property(rulebase, statement) if isinstance(statement, str) else statement
+    return _Case(rulebase, claim, tolerance, budget, tell, {}, exact=exact).verdict()
+
+
+def prove_all(
+    rulebase: RuleBase,
+    *,
+    tolerance: float | None = None,
+    budget: float = math.inf,
+    exact: bool = False,
+    tell: Tell | None = None,
+) -> Iterator[Verdict]:
+    """Yield a verdict on every ``prove`` line of a rule base, in order.
+
+    Parameters
+    ----------
+    budget : float
+        Seconds for each line.
+    rulebase, tolerance, exact, tell
+        As for :func:`prove`.
+    """
+    provers: dict[str, Prover] = {}
+    for claim in rulebase.properties:
+        yield _Case(rulebase, claim, tolerance, budget, tell, provers, exact=exact).verdict()
+
+
+class _Case:
+    """One statement on trial."""
+
+    def __init__(
+        self,
+        rulebase: RuleBase,
+        claim: Property,
+        tolerance: float | None,
+        budget: float,
+        tell: Tell | None,
+        provers: dict[str, Prover],
+        *,
+        exact: bool,
+    ) -> None:
+        self.rulebase = rulebase
+        self.claim = claim
+        self.text = property_text(claim, rulebase)
+        self.region = {name: (low, high) for name, low, high in claim.region}
+        self.started = time.monotonic()
+        self.tolerance, self.exact = tolerance, exact
+        self.provers = provers
+        watch = None if tell is None else (lambda count, gap: tell(self.text, count, gap))
+        self.stop = Stop(budget, watch)
+
+    @property
+    def prover(self) -> Prover:
+        """The prover of the output, with what it has cut for other statements."""
+        known = self.provers.get(self.claim.output)
+        if known is None:
+            known = Prover(
+                self.rulebase, self.claim.output, tolerance=self.tolerance, exact=self.exact
+            )
+            self.provers[self.claim.output] = known
+        known.stop = self.stop
+        return known
+
+    def verdict(self) -> Verdict:
+        judge = {
+            "value": self._value,
+            "rises": self._rises,
+            "falls": self._rises,
+            "slope": self._slope,
+            "odd": self._odd,
+            "covered": self._covered,
+            "table": self._table,
+        }[self.claim.kind]
+        try:
+            return judge()
+        except FuzzyarmError as error:  # out of time, nothing to prove, a table that is none
+            return self._said(UNDECIDED, reason=_sentence(error))
+
+    def _said(self, verdict: str, bounds: Bounds | None = None, **facts: Any) -> Verdict:
+        if bounds is not None:
+            facts.setdefault("bound", (bounds.low, bounds.high))
+            facts.setdefault("pieces", bounds.pieces)
+            facts.setdefault("way", bounds.way)
+        if verdict == UNDECIDED and not facts.get("reason"):
+            over = "the time is over" if self.stop.now else "the bounds do not tell"
+            facts["reason"] = over + self._because_of_boxes(" (boxes: ", ")")
+        elif facts.get("way") == "boxes" and not facts.get("reason"):
+            facts["reason"] = self._because_of_boxes("by boxes: ", "")
+        seconds = time.monotonic() - self.started
+        return Verdict(
+            self.text, verdict, seconds=seconds, line=max(0, self.claim.span.line), **facts
+        )
+
+    def _because_of_boxes(self, before: str, after: str) -> str:
+        reason = self.provers[self.claim.output].reason if self.provers else ""
+        return f"{before}{reason}{after}" if reason else ""
+
+    # ── value ────────────────────────────────────────────────────────────────────────
+
+    def _value(self) -> Verdict:
+        outcome, prover = self.claim.outcome, self.prover
+        assert outcome is not None
+        low, high, strict = _interval(outcome.relation, outcome.value, outcome.other, prover.range)
+        no_rule = self._without_value()
+        if no_rule is not None:
+            return no_rule
+        bounds = prover.value(self.region)
+        for sign, limit in ((-1, low), (1, high)):
+            said, bounds = self._side(bounds, sign, limit, strict=strict)
+            if said != PROVED:
+                evidence = () if isinstance(said, str) else said
+                return self._said(REFUTED if evidence else UNDECIDED, bounds, evidence=evidence)
+        return self._said(PROVED, bounds)
+
+    def _side(
+        self, bounds: Bounds, sign: int, limit: float, *, strict: bool
+    ) -> tuple[str | tuple[str, ...], Bounds]:
+        """Judge one end of an interval: proved, undecided or the evidence against it."""
+        prover = self.prover
+        bound, reached, at = (
+            (bounds.high, bounds.reached_high, bounds.at_high)
+            if sign > 0
+            else (bounds.low, bounds.reached_low, bounds.at_low)
+        )
+        if sign * (limit - bound) > 0.0 or (not strict and limit == bound):
+            return PROVED, bounds
+        no_rule = prover.output.no_rule
+        silent = isinstance(no_rule, int | float) and sign * (no_rule - limit) > 0.0
+        beyond = _Beyond(sign, Fraction(limit), strict=strict)
+        if at and (silent or sign * (reached - limit) > LIKE_EXPECT * prover.range):
+            confirmed = self._confirmed(at, beyond)
+            if confirmed is not None:
+                return confirmed, bounds
+        # The pieces do not know the value for no rule; the bounds do.
+        if silent and prover.uncovered(self.region) is not None:
+            return UNDECIDED, bounds
+        return self._decided(bounds, sign, limit, beyond)
+
+    def _decided(
+        self, bounds: Bounds, sign: int, limit: float, beyond: _Beyond
+    ) -> tuple[str | tuple[str, ...], Bounds]:
+        """Decide one end that the bounds do not: by asking just that."""
+        prover, strict = self.prover, beyond.strict
+        if prover.model is None:
+            holds, boxes = prover.boxes_at_most(self.region, sign * limit, negated=sign < 0)
+            bounds = bounds._replace(pieces=bounds.pieces + boxes)
+            proved = holds and not strict
+            return (PROVED, _at_most(bounds, sign, limit)) if proved else (UNDECIDED, bounds)
+        claim = prover.value_at_most(self.region, sign * limit, negated=sign < 0, strict=strict)
+        bounds = bounds._replace(pieces=bounds.pieces + claim.pieces)
+        if claim.holds:
+            return PROVED, _at_most(bounds, sign, limit)
+        value = prover.exactly(claim.at) if claim.at else None
+        shown = value is not None and beyond(value)
+        return (self._points([claim.at]) if shown else UNDECIDED), bounds
+
+    def _without_value(self) -> Verdict | None:
+        """Refute a statement on the value where the output has none."""
+        if self.prover.output.no_rule != "error":
+            return None
+        at = self.prover.uncovered(self.region)
+        if at is None:
+            return None
+        return self._said(REFUTED, reason=f"no rule fires at {written(at)}")
+
+    def _confirmed(
+        self, at: Mapping[str, float], fails: Callable[[Fraction], bool]
+    ) -> tuple[str, ...] | None:
+        """Return a point as evidence, if exact arithmetic says that a statement fails there.
+
+        The point with the fewest digits that shows it is taken.
+        """
+        for digits in (0, 1, 2, 3, 6, None):
+            near = self._rounded(at, digits)
+            value = self._value_at(near)
+            if value is not None and fails(value):
+                return (self._expect(near, value),)
+        return None
+
+    def _rounded(self, at: Mapping[str, float], digits: int | None) -> dict[str, float]:
+        """Return a point to some digits behind the decimal point, inside the box."""
+        ends = self.prover.box(self.region)
+        return {
+            name: x if digits is None else min(max(round(x, digits), float(low)), float(high))
+            for (name, x), (low, high) in zip(at.items(), ends, strict=True)
+        }
+
+    def _value_at(self, at: Mapping[str, float]) -> Fraction | None:
+        """Return the output at a point: exact, or of floats where there are no exact pieces."""
+        if self.prover.model is not None:
+            return self.prover.exactly(at)
+        from fuzzyarm.inference import infer
+
+        found = infer(self.rulebase, dict(at))[self.claim.output]
+        return Fraction(float(found))
+
+    def _points(self, points: list[Mapping[str, Any]]) -> tuple[str, ...]:
+        found = []
+        for at in points:
+            near = {name: float(x) for name, x in at.items()}
+            value = self.prover.exactly(near)
+            if value is not None:
+                found.append(self._expect(near, value))
+        return tuple(found)
+
+    def _expect(self, at: Mapping[str, float], value: Fraction) -> str:
+        from fuzzyarm.language.tokens import name_text
+
+        inputs = ", ".join(f"{name_text(name)} = {number_text(x)}" for name, x in at.items())
+        output = name_text(self.claim.output)
+        return f"expect {inputs} -> {output} = {number_text(float(f'{float(value):.12g}'))}"
+
+    # ── slopes ───────────────────────────────────────────────────────────────────────
+
+    def _rises(self) -> Verdict:
+        claim, prover = self.claim, self.prover
+        falls = claim.kind == "falls"
+        # The slope is at least −0: the supremum of minus the slope is at most 0.
+        found = prover.slope_at_most(self.region, claim.input, Fraction(0), negated=not falls)
+        facts: dict[str, Any] = {"pieces": found.pieces, "way": _way(found)}
+        if found.holds:
+            return self._said(PROVED, **facts)
+        if found.holds is False:
+            pair = self._pair_along(found.at, -1 if falls else 1)
+            if pair is not None:
+                return self._said(REFUTED, evidence=self._points(list(pair)), **facts)
+        return self._said(UNDECIDED, **facts)
+
+    def _pair_along(
+        self, at: Mapping[str, Fraction], sign: int
+    ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
+        """Return two points along the input, of which the second is lower (or higher)."""
+        here = {name: float(x) for name, x in at.items()}
+        for digits in (0, 1, 2, 3, 6, None):
+            pair = self._pair_on_line(
+                self._rounded(here, digits), float(at[self.claim.input]), sign
+            )
+            if pair is not None:
+                return pair
+        return None
+
+    def _pair_on_line(
+        self, fixed: dict[str, float], here: float, sign: int
+    ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
+        prover, name = self.prover, self.claim.input
+        assert prover.model is not None
+        axis = prover.names.index(name)
+        low, high = (float(x) for x in prover.box(self.region)[axis])
+        corners = [
+            float(x)
+            for each in prover.model.propositions
+            if each.input == axis
+            for x, _ in each.corners
+            if low <= x <= high
+        ]
+        steps = 400
+        even = [low + (high - low) * i / steps for i in range(steps + 1)]
+        near = [here + (high - low) * share for share in (-1e-3, -1e-5, 0.0, 1e-5, 1e-3)]
+        positions = sorted({x for x in (*corners, *even, *near) if low <= x <= high})
+        import numpy as np
+
+        from fuzzyarm.inference import infer
+
+        inputs = {other: np.full(len(positions), x) for other, x in fixed.items()}
+        inputs[name] = np.array(positions)
+        values = np.asarray(infer(self.rulebase, inputs)[self.claim.output]) * sign
+        before = np.maximum.accumulate(values)
+        drop = before - values
+        second = int(drop.argmax())
+        first = int(values[: second + 1].argmax())
+        pair = ({**fixed, name: positions[first]}, {**fixed, name: positions[second]})
+        exact = [prover.exactly(point) for point in pair]
+        if first >= second or exact[0] is None or exact[1] is None:
+            return None
+        return pair if sign * (exact[0] - exact[1]) > 0 else None
+
+    def _slope(self) -> Verdict:
+        claim, prover = self.claim, self.prover
+        bounds = prover.slope(self.region, claim.input)
+        facts: dict[str, Any] = {}
+        for sign, limit, bound in ((-1, claim.low, bounds.low), (1, claim.high, bounds.high)):
+            if sign * (limit - bound) >= 0:
+                continue
+            found = prover.slope_at_most(
+                self.region, claim.input, Fraction(sign * limit), negated=sign < 0
+            )
+            facts = {"pieces": bounds.pieces + found.pieces}
+            if found.holds is None:
+                return self._said(UNDECIDED, bounds, **facts)
+            if not found.holds:
+                pair = self._steep_pair(found.at, sign, limit)
+                if pair is None:
+                    reason = "a limit of slopes is beyond, but no pair of floats shows it"
+                    return self._said(UNDECIDED, bounds, reason=reason, **facts)
+                return self._said(REFUTED, bounds, evidence=self._points(list(pair)), **facts)
+            bounds = _at_most(bounds, sign, limit)
+        return self._said(PROVED, bounds, **facts)
+
+    def _steep_pair(
+        self, at: Mapping[str, Fraction], sign: int, limit: float
+    ) -> tuple[Mapping[str, float], Mapping[str, float]] | None:
+        """Return two points close to each other between which the slope is beyond a limit."""
+        prover, name = self.prover, self.claim.input
+        axis = prover.names.index(name)
+        low, high = prover.box(self.region)[axis]
+        here = {other: float(x) for other, x in at.items()}
+        for share in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
+            for step in (share, -share):
+                x = here[name] + step * float(high - low)
+                if not low <= x <= high:
+                    continue
+                pair = sorted(({**here, name: x}, here), key=lambda point: point[name])
+                exact = [prover.exactly(point) for point in pair]
+                if exact[0] is None or exact[1] is None or pair[0][name] == pair[1][name]:
+                    continue
+                run = Fraction(pair[1][name]) - Fraction(pair[0][name])
+                if sign * ((exact[1] - exact[0]) / run - Fraction(limit)) > 0:
+                    return pair[0], pair[1]
+        return None
+
+    # ── the others ───────────────────────────────────────────────────────────────────
+
+    def _odd(self) -> Verdict:
+        prover = self.prover
+        limit = LIKE_EXPECT * prover.range
+        found = prover.odd_within(self.region, limit)
+        facts: dict[str, Any] = {"pieces": found.pieces, "way": _way(found)}
+        if found.holds:
+            return self._said(PROVED, **facts)
+        if found.holds is False:
+            at = {name: float(x) for name, x in found.at.items()}
+            opposite = {name: -x for name, x in at.items()}
+            both = prover.exactly(at), prover.exactly(opposite)
+            if both[0] is not None and both[1] is not None and abs(both[0] + both[1]) > limit:
+                return self._said(REFUTED, evidence=self._points([at, opposite]), **facts)
+        return self._said(UNDECIDED, **facts)
+
+    def _covered(self) -> Verdict:
+        prover = self.prover
+        at = prover.uncovered(self.region)
+        pieces = prover.pieces_cut
+        way = "boxes" if prover.model is None else "exact"
+        if at is None:
+            return self._said(PROVED, pieces=pieces, way=way)
+        return self._said(REFUTED, pieces=pieces, way=way, reason=f"no rule fires at {written(at)}")
+
+    def _table(self) -> Verdict:
+        from fuzzyarm.table import compile_table
+
+        claim, prover = self.claim, self.prover
+        table = compile_table(self.rulebase, claim.output)
+        bounds = prover.table(table, claim.mode)
+        worst = max(bounds.high, -bounds.low)
+        facts: dict[str, Any] = {"bound": worst, "pieces": bounds.pieces, "way": bounds.way}
+        if worst <= claim.high:
+            return self._said(PROVED, **facts)
+        above = bounds.reached_high >= -bounds.reached_low
+        at = bounds.at_high if above else bounds.at_low
+        if max(bounds.reached_high, -bounds.reached_low) > claim.high + LIKE_EXPECT * prover.range:
+            inputs = [at[name] for name in table.names]
+            # The supremum next to a threshold is that of the cell beside it.
+            there = Fraction(float(table.lookup(*inputs, mode=claim.mode)))
+            far = claim.high
+
+            def fails(value: Fraction) -> bool:
+                return abs(value - there) > Fraction(far)
+
+            confirmed = (self._expect(at, u),) if fails(u := self._value_at(at) or there) else None
+            if confirmed is not None or claim.mode != "linear":
+                reason = f"the error is {max(bounds.reached_high, -bounds.reached_low):.10g}"
+                return self._said(REFUTED, evidence=confirmed or (), reason=reason, **facts)
+        if prover.model is not None:
+            found = prover.table_at_most(table, claim.mode, claim.high)
+            if found.holds:
+                return self._said(PROVED, **{**facts, "bound": claim.high})
+        return self._said(UNDECIDED, **facts)
+
+
+class _Beyond:
+    """Whether a value is above a limit (sign 1) or below it (-1); or on it, where excluded."""
+
+    def __init__(self, sign: int, limit: Fraction, *, strict: bool = False) -> None:
+        self.sign, self.limit, self.strict = sign, limit, strict
+
+    def __call__(self, value: Fraction) -> bool:
+        over = self.sign * (value - self.limit)
+        return over > 0 or (self.strict and over == 0)
+
+
+def _interval(
+    relation: str, value: float, other: float | None, range_: float
+) -> tuple[float, float, bool]:
+    """Return what a relation allows: the ends of an interval, and whether they are excluded."""
+    if relation == "in":
+        assert other is not None
+        return value, other, False
+    if relation == "=":
+        slack = LIKE_EXPECT * range_ if other is None else other
+        return value - slack, value + slack, False
+    if relation.startswith("<"):
+        return -math.inf, value, relation == "<"
+    return value, math.inf, relation == ">"
+
+
+def _at_most(bounds: Bounds, sign: int, limit: float) -> Bounds:
+    return bounds._replace(high=limit) if sign > 0 else bounds._replace(low=limit)
+
+
+def _way(claim: Claim) -> str:
+    return "exact" if claim.exact else "widened"
+
+
+def _sentence(error: Exception) -> str:
+    hint = getattr(error, "hint", "")
+    return f"{error} ({hint})" if hint else str(error)

@@ -1,0 +1,303 @@
+"""Nothing that happens lies outside a proved bound, and nothing false is called proved."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import random
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import fuzzyarm
+from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.language import parse
+from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
+from fuzzyarm.proof import Prover, UnprovableError, prove
+from fuzzyarm.proof.arithmetic import FLOATS, Stop, as_fraction, rationals
+from fuzzyarm.proof.bernstein import from_values, halving, lattice
+from fuzzyarm.proof.pieces import Cut, cut
+from fuzzyarm.proof.straight import NotStraightError, straight
+from fuzzyarm.proof.surface import Surface
+from tests import strategies
+
+PD7 = fuzzyarm.shipped("pd7.frb").read_text()
+
+
+def irregular(seed: int, inputs: int = 2) -> RuleBase:
+    """A rule base with overlapping trapezoids at odd positions and conclusions at random."""
+    rng = random.Random(seed)
+    names = [f"x{i}" for i in range(inputs)]
+    lines = ["rulebase r", *(f"input {name} -1 .. 1" for name in names), "output u -1 .. 1"]
+    counts = {}
+    for name in (*names, "u"):
+        counts[name] = rng.randint(2, 4)
+        for term in range(counts[name]):
+            middle, width = rng.uniform(-1, 1), 2.4 / counts[name]
+            ends = sorted(middle + width * rng.uniform(-1, 1) for _ in range(4))
+            lines.append(f"term {name} t{term}: trapezoid {' '.join(f'{x:.3f}' for x in ends)}")
+    lines.append("inference no-rule 0")
+    for _ in range(rng.randint(3, 9)):
+        parts = [f"{name} is t{rng.randrange(counts[name])}" for name in names]
+        joint = rng.choice([" and ", " and ", " or "]).join(parts)
+        lines.append(f"rule if {joint} then u is t{rng.randrange(counts['u'])}")
+    found = parse("\n".join(lines) + "\n").rulebase
+    assert found is not None
+    return found
+
+
+def sampled(rulebase: RuleBase, count: int, seed: int = 0) -> np.ndarray:
+    """The output at points drawn at random and at corners of terms."""
+    draw = np.random.default_rng(seed)
+    inputs = {}
+    for variable in rulebase.inputs:
+        corners = [x for term in variable.terms for x in term.shape.parameters]
+        near = [x for x in corners if variable.low <= x <= variable.high] or [variable.low]
+        even = draw.uniform(variable.low, variable.high, count)
+        inputs[variable.name] = np.where(draw.random(count) < 0.8, even, draw.choice(near, count))
+    return np.asarray(fuzzyarm.infer(rulebase, inputs)[rulebase.outputs[0].name])
+
+
+def test_a_million_points_of_pd7_are_inside() -> None:
+    pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    bounds = Prover(pd7, "u").value({})
+    values = sampled(pd7, 1_000_000)
+    assert bounds.low <= values.min()
+    assert values.max() <= bounds.high
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_rule_bases_stay_inside(seed: int) -> None:
+    rulebase = irregular(seed, inputs=1 + seed % 2)
+    bounds = Prover(rulebase, "u").value({})
+    values = sampled(rulebase, 5_000)
+    assert bounds.low - 1e-9 <= values.min()
+    assert values.max() <= bounds.high + 1e-9
+    assert bounds.complete
+    assert bounds.high - bounds.reached_high < 1e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12, 24))
+def test_more_random_rule_bases(seed: int) -> None:
+    test_random_rule_bases_stay_inside(seed)
+
+
+@given(strategies.rulebases(), st.integers(0, 10**6))
+@settings(max_examples=12, deadline=None)
+def test_rule_bases_of_any_kind_stay_inside_or_are_refused(rulebase: RuleBase, seed: int) -> None:
+    name = rulebase.outputs[0].name
+    silent = dataclasses.replace(
+        rulebase,
+        outputs=tuple(dataclasses.replace(each, no_rule=each.low) for each in rulebase.outputs),
+    )
+    draw = np.random.default_rng(seed)
+    inputs = {each.name: draw.uniform(each.low, each.high, 60) for each in rulebase.inputs}
+    try:
+        values = np.asarray(fuzzyarm.infer(silent, inputs)[name], dtype=float)
+        bounds = Prover(silent, name, tolerance=1e-2, stop=Stop(1.0)).value({})
+    except (UnprovableError, InferenceError, TimeoutError):
+        return
+    slack = 1e-9 * (1.0 + abs(bounds.low) + abs(bounds.high))
+    finite = values[np.isfinite(values)]
+    assert bounds.low - slack <= finite.min(initial=math.inf)
+    assert finite.max(initial=-math.inf) <= bounds.high + slack
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_planted_falsehoods_are_never_proved(seed: int) -> None:
+    rulebase = irregular(seed, inputs=1)
+    value = Prover(rulebase, "u").value({})
+    slope = None
+    for shift in (1e-9, 1e-6, 1e-3):
+        high = value.reached_high - shift * 2.0
+        low = value.reached_low + shift * 2.0
+        assert prove(rulebase, f"u <= {high!r}").verdict != "proved"
+        assert prove(rulebase, f"u >= {low!r}").verdict != "proved"
+        try:
+            slope = slope or Prover(rulebase, "u").slope({}, "x0")
+        except UnprovableError:
+            continue
+        steep = slope.reached_high - shift
+        assert prove(rulebase, f"u slope x0 in {slope.low!r} .. {steep!r}").verdict != "proved"
+    # The bound that was proved holds when it is asked for.
+    assert prove(rulebase, f"u in {value.low!r} .. {value.high!r}").proved
+
+
+def test_a_bump_of_a_billionth_is_not_called_monotone() -> None:
+    text = (
+        "rulebase r\ninput x 0 .. 2\noutput u 0 .. 1\n"
+        "term x A: points (0, 1) (1, 0) (2, {})\nterm x B: points (0, 0) (1, 1) (2, 1)\n"
+        "term u N: singleton 0\nterm u P: singleton 1\ninference defuzzifier weighted-average\n"
+        "rule if x is A then u is N\nrule if x is B then u is P\n"
+    )
+    flat, bump = (parse(text.format(height)).rulebase for height in ("0", "1e-9"))
+    assert flat is not None
+    assert bump is not None
+    assert prove(flat, "u rises with x").proved
+    assert not prove(bump, "u rises with x").proved
+
+
+def test_nearly_odd_is_not_odd() -> None:
+    off = parse(PD7.replace("NB      NB", "NB      NB*0.9999")).rulebase
+    assert off is not None
+    assert prove(off, "u odd").verdict == "refuted"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_floats_and_rationals_agree(seed: int) -> None:
+    rulebase = irregular(seed, inputs=1)
+    floats = Prover(rulebase, "u").value({})
+    exact = Prover(rulebase, "u", exact=True).value({})
+    assert exact.way == "exact"
+    assert floats.reached_low == pytest.approx(exact.reached_low, abs=1e-9)
+    assert floats.reached_high == pytest.approx(exact.reached_high, abs=1e-9)
+    assert floats.low <= exact.reached_low
+    assert exact.reached_high <= floats.high
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_pieces_give_the_value_of_inference_everywhere(seed: int) -> None:
+    """On every piece the quotient is the centroid, at points inside and not at vertices alone."""
+    rulebase = irregular(seed, inputs=2)
+    model = straight(rulebase, "u")
+    pieces = cut(model, Cut(model.ranges), FLOATS)  # type: ignore[arg-type]
+    quotients = Surface(model, pieces).value()
+    draw = np.random.default_rng(seed)
+    shares = draw.dirichlet(np.ones(3), pieces.count)
+    indices = np.array(lattice(2, quotients.degree))
+    multinomial = np.array(
+        [math.factorial(quotients.degree) / math.prod(map(math.factorial, i)) for i in indices]
+    )
+    basis = multinomial * np.prod(shares[:, None, :] ** indices[None], axis=2)
+    upper, lower = (basis * quotients.upper).sum(axis=1), (basis * quotients.lower).sum(axis=1)
+    some = np.flatnonzero(lower > 1e-4)[:400]
+    points = [
+        pieces.position(int(i), (shares[i][:, None] * pieces.corners[i]).sum(axis=0)) for i in some
+    ]
+    inputs = {name: np.array([float(p[k]) for p in points]) for k, name in enumerate(model.names)}
+    found = np.asarray(fuzzyarm.infer(rulebase, inputs)["u"])
+    assert np.allclose(found, upper[some] / lower[some] + quotients_centre(model), atol=1e-9)
+
+
+def quotients_centre(model: object) -> float:
+    return float(model.form.centre)  # type: ignore[attr-defined]
+
+
+def test_halves_and_values_of_polynomials_are_exact() -> None:
+    """Coefficients from values, and of halves, against the polynomial itself, in rationals."""
+    number = rationals().number
+    indices = lattice(2, 3)
+
+    def polynomial(x: Fraction, y: Fraction) -> Fraction:
+        return 3 * x**3 - 2 * x * y + y**2 * x - Fraction(1, 3)
+
+    values = np.array(
+        [number(polynomial(Fraction(i[1], 3), Fraction(i[2], 3))) for i in indices], dtype=object
+    )
+    coefficients = from_values(2, 3, exact=True) @ values
+    half = halving(2, 3, 0, 1, exact=True) @ coefficients  # vertex 1 moves to (1/2, 0)
+    corner = half[indices.index((0, 3, 0))]
+    assert as_fraction(corner) == polynomial(Fraction(1, 2), Fraction(0))
+    assert as_fraction(half[indices.index((0, 0, 3))]) == polynomial(Fraction(0), Fraction(1))
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30, deadline=None)
+def test_centroids_between_two_curves(seed: int) -> None:
+    """Memberships drawn between two curves have no centroid outside, and some come close."""
+    draw = np.random.default_rng(seed)
+    edges = np.sort(np.concatenate([[0.0, 10.0], draw.uniform(0, 10, 8)]))
+    upper = draw.uniform(0, 1, (9, 2))
+    lower = upper * draw.uniform(0, 1, (9, 1))
+    low, high = centroid_bounds(edges, lower, upper)
+    fine = np.linspace(0, 10, 4001)
+    panel = np.clip(np.searchsorted(edges, fine, side="right") - 1, 0, 8)
+    share = (fine - edges[panel]) / (edges[panel + 1] - edges[panel])
+    least, most = (c[panel, 0] + share * (c[panel, 1] - c[panel, 0]) for c in (lower, upper))
+    for switch in np.linspace(0, 10, 101):
+        mu = np.where(fine < switch, least, most)
+        assert (fine * mu).sum() / mu.sum() <= float(high) + 2e-2
+    best = max(
+        (fine * mu).sum() / mu.sum()
+        for mu in (np.where(fine < switch, least, most) for switch in np.linspace(0, 10, 401))
+    )
+    assert float(high) == pytest.approx(best, abs=2e-2)
+    assert float(low) <= float(high)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=30, deadline=None)
+def test_averages_between_two_weights(seed: int) -> None:
+    """The exact bounds are those over all choices of the ends of the weights."""
+    draw = np.random.default_rng(seed)
+    numbers, lower = draw.uniform(-1, 1, 6), draw.uniform(0, 1, 6)
+    upper = lower + draw.uniform(0.01, 1, 6)
+    low, high = average_bounds(numbers, numbers, lower, upper)
+    choices = [np.where([(bits >> k) & 1 for k in range(6)], upper, lower) for bits in range(64)]
+    averages = [(numbers * weights).sum() / weights.sum() for weights in choices]
+    assert float(low) == pytest.approx(min(averages), abs=1e-12)
+    assert float(high) == pytest.approx(max(averages), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("implication min", "implication product"),
+        ("inference and min", "inference and product"),
+        ("centroid exact", "centroid(101, endpoints)"),
+        ("inference and min", "inference and einstein"),
+    ],
+    ids=lambda change: change[1],
+)
+def test_boxes_hold(change: tuple[str, str]) -> None:
+    rulebase = parse(PD7.replace(*change)).rulebase
+    assert rulebase is not None
+    bounds = Prover(rulebase, "u", tolerance=0.1).value({"e": (0.0, 4.0), "ce": (0.0, 4.0)})
+    assert bounds.way == "boxes"
+    assert bounds.complete
+    draw = np.random.default_rng(0)
+    inputs = {name: draw.uniform(0.0, 4.0, 20_000) for name in ("e", "ce")}
+    values = np.asarray(fuzzyarm.infer(rulebase, inputs)["u"])
+    assert bounds.low <= values.min()
+    assert values.max() <= bounds.high
+    assert bounds.high - values.max() < 0.12
+
+
+def test_what_is_not_straight_says_why() -> None:
+    pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    bisector = dataclasses.replace(
+        pd7,
+        outputs=(dataclasses.replace(pd7.outputs[0], defuzzifier=Defuzzifier("bisector")),),
+    )
+    with pytest.raises(NotStraightError, match="bisector"):
+        straight(bisector, "u")
+
+
+@pytest.mark.parametrize("method", ["weighted-average", "weighted-sum"])
+def test_averages_of_linear_forms(method: str) -> None:
+    text = (
+        "rulebase r\ninput x 0 .. 1\ninput y 0 .. 1\noutput u -9 .. 9\n"
+        "terms x, y: triangles L H\nterm u A: linear 2*x - 1*y + 0.5\nterm u B: singleton 1\n"
+        f"inference and product, aggregation sum, defuzzifier {method}, no-rule 0\n"
+        "rules u\n  x \\ y  L  H\n  L      A  B\n  H      B  A\n"
+    )
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    prover = Prover(rulebase, "u")
+    assert not prover.reason
+    grid = np.linspace(0, 1, 401)
+    found = fuzzyarm.infer(rulebase, {"x": grid[:, None], "y": grid[None, :]})["u"]
+    bounds = prover.value({})
+    assert bounds.low <= np.min(found)
+    assert np.max(found) <= bounds.high
+    assert bounds.high == pytest.approx(float(np.max(found)), abs=1e-3)
+    slopes = np.diff(np.asarray(found), axis=0) * 400
+    slope = prover.slope({}, "x")
+    assert slope.low - 1e-9 <= slopes.min()
+    assert slopes.max() <= slope.high + 1e-9
+    assert slope.high == pytest.approx(slopes.max(), abs=0.05)

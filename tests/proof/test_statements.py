@@ -1,0 +1,260 @@
+"""What `prove` lines say, and the verdicts on them: numbers of pd7 that were found by hand."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import fuzzyarm
+from fuzzyarm.api import check_text
+from fuzzyarm.cli.main import main
+from fuzzyarm.language import format_text, parse, write
+from fuzzyarm.language.queries import complete, hover, read
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof import Prover, prove, prove_all
+from fuzzyarm.text.diagnostic import RuleBaseError
+
+PD7 = fuzzyarm.shipped("pd7.frb").read_text()
+
+LINES = {
+    "u in -5.34 .. 5.34": "proved",
+    "e in 2 .. 6, ce in 2 .. 6 -> u >= 0": "proved",
+    "u rises with e": "refuted",
+    "e in 0 .. 0 -> u rises with ce": "proved",
+    "u slope e in -0.43 .. 4.34": "proved",
+    "u slope e in -0.42 .. 4.34": "refuted",
+    "u odd": "proved",
+    "u covered": "proved",
+    "table linear within 0.55": "proved",
+    "table linear within 0.54": "refuted",
+    "table bins within 1.999": "proved",
+    "table bins within 1.998": "refuted",
+    "u < 5.333333333333334": "proved",
+    "u <= 5.333333333333333": "refuted",
+    "e in 0 .. 6, ce in 0 .. 6 -> u >= 0": "proved",
+    "e in 0 .. 6, ce in 0 .. 6 -> u > 0": "refuted",
+}
+
+
+@pytest.fixture(scope="module")
+def pd7() -> RuleBase:
+    return fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+
+
+def holds(rulebase: RuleBase, line: str) -> bool:
+    """Whether an `expect` line holds, by inference."""
+    review = check_text(write(rulebase) + line + "\n")
+    return not any(each.name == "failed-expectation" for each in review.diagnostics)
+
+
+@pytest.mark.parametrize(("line", "verdict"), LINES.items())
+def test_verdicts_on_pd7(pd7: RuleBase, line: str, verdict: str) -> None:
+    found = prove(pd7, line)
+    assert (found.statement, found.verdict) == (line, verdict)
+    assert all(holds(pd7, each) for each in found.evidence)
+    if verdict == "refuted" and "bins" not in line:
+        assert found.evidence
+
+
+def test_a_fall_is_shown_by_a_pair_of_points(pd7: RuleBase) -> None:
+    first, second = prove(pd7, "u rises with e").evidence
+    values = [float(line.rpartition("=")[2]) for line in (first, second)]
+    positions = [float(line.split("e = ")[1].split(",")[0]) for line in (first, second)]
+    assert positions[0] < positions[1]
+    assert values[0] > values[1]
+
+
+@pytest.mark.parametrize(
+    "exact", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["floats", "rationals"]
+)
+def test_numbers_of_pd7(pd7: RuleBase, exact: bool) -> None:
+    prover = Prover(pd7, "u", exact=exact, tolerance=1e-7)
+    value = prover.value({})
+    assert value.pieces == 288
+    assert value.reached_high == pytest.approx(16 / 3, abs=1e-12)
+    assert 16 / 3 <= value.high <= 16 / 3 + 2e-7
+    slope = prover.slope({}, "e")
+    assert slope.reached_high == pytest.approx(13 / 3)
+    assert slope.reached_low == pytest.approx(-0.427808, abs=1e-6)
+    rounded, plain = (fuzzyarm.compile_table(pd7, rounding=step) for step in (None, 0.0))
+    assert prover.table(rounded, "linear").high == pytest.approx(0.543485453, abs=2e-7)
+    if not exact:
+        assert prover.table(plain, "linear").high == pytest.approx(0.58017, abs=5e-6)
+        assert prover.table(rounded, "bins").high == pytest.approx(1031 / 516, abs=2e-7)
+        assert prover.steepness({}).high == pytest.approx((218 / 9) ** 0.5, abs=1e-6)
+    low, high = prover.exactly({"e": -6, "ce": -5}), prover.exactly({"e": -6, "ce": -4})
+    assert (low, high) == (Fraction(-47, 9), Fraction(-16, 3))
+
+
+def test_no_rule_is_part_of_the_value() -> None:
+    text = (
+        "rulebase r\ninput x 0 .. 10\noutput y 0 .. 1\nterm x low: triangle 0 2 4\n"
+        "term x high: triangle 6 8 10\nterms y: triangles N P\n"
+        "inference no-rule {}\nrule if x is low then y is N\nrule if x is high then y is P\n"
+    )
+    silent = parse(text.format("error")).rulebase
+    valued = parse(text.format("0.9")).rulebase
+    assert silent is not None
+    assert valued is not None
+    assert prove(silent, "y covered").verdict == "refuted"
+    assert prove(silent, "y <= 1").verdict == "refuted"
+    assert prove(silent, "x in 1 .. 3 -> y <= 0.5").verdict == "proved"
+    assert prove(valued, "y <= 0.8").verdict == "refuted"
+    assert prove(valued, "x in 5 .. 5 -> y <= 0.8").verdict == "refuted"
+    assert prove(valued, "y <= 0.9").verdict == "proved"
+    assert prove(valued, "y rises with x").verdict == "undecided"
+
+
+def test_what_is_not_covered_is_refused_by_name(pd7: RuleBase) -> None:
+    curved = parse(PD7.replace("terms e, ce, u: triangles", "terms e, ce, u: gaussians")).rulebase
+    maxima = parse(PD7.replace("centroid exact", "mean-of-maximum")).rulebase
+    assert curved is not None
+    assert maxima is not None
+    for rulebase, line, word in (
+        (curved, "u rises with e", "gaussian"),
+        (maxima, "u <= 6", "mean-of-maximum"),
+        (maxima, "u rises with e", "mean-of-maximum"),
+    ):
+        found = prove(rulebase, line)
+        assert found.verdict == "undecided"
+        assert word in found.reason
+
+
+@pytest.mark.parametrize(
+    ("line", "name", "replacement"),
+    [
+        ("u rise with e", "unexpected-token", "rises"),
+        ("u rises e", "unexpected-token", None),
+        ("u slop e in 1 .. 2", "unexpected-token", "slope"),
+        ("v >= 0", "unknown-variable", None),
+        ("e >= 0", "not-an-output", None),
+        ("u rises with u", "not-an-input", None),
+        ("e in 2 .. 7 -> u >= 0", "bad-range", None),
+        ("e in 2 .. 6, u > 0", "incomplete-statement", None),
+        ("e in 1 .. 2, e in 2 .. 3 -> u > 0", "duplicate-setting", None),
+        ("e in 1 .. 2 -> u odd", "not-symmetric", None),
+        ("u slope e in 3 .. 1", "bad-range", None),
+        ("table lin within 3", "unexpected-token", "linear"),
+        ("table linear within 0", "bad-tolerance", None),
+    ],
+)
+def test_mistakes(pd7: RuleBase, line: str, name: str, replacement: str | None) -> None:
+    found = parse(f"{PD7}prove {line}\n").diagnostics
+    assert [each.name for each in found] == [name]
+    assert found[0].replacement == replacement
+    with pytest.raises(RuleBaseError) as error:
+        prove(pd7, line)
+    assert [each.name for each in error.value.diagnostics] == [name]
+
+
+def test_lines_are_read_and_written_alike() -> None:
+    text = PD7 + "".join(f"prove   {line}  # why\n" for line in LINES)
+    parsed = parse(text)
+    assert parsed.diagnostics == ()
+    assert parsed.rulebase is not None
+    assert format_text(text).splitlines()[-len(LINES) :] == [
+        f"prove {line}  # why" for line in LINES
+    ]
+    assert parse(write(parsed.rulebase)).rulebase == parsed.rulebase
+
+
+def test_an_output_called_table_keeps_its_quotes() -> None:
+    text = PD7.replace("output u", "output 'table'").replace("rules u", "rules 'table'")
+    text = text.replace("ce, u:", "ce, 'table':").replace("-> u", "-> 'table'")
+    line = "prove 'table' <= 6"
+    assert format_text(f"{text}{line}\n").splitlines()[-1] == line
+
+
+def test_completion_and_hover() -> None:
+    def labels(line: str) -> list[str]:
+        text = f"{PD7}prove {line}"
+        reading = read(text, "pd7.frb")
+        lines = text.splitlines()
+        return [each.label for each in complete(reading, len(lines), len(lines[-1]) + 1)]
+
+    assert {"u", "e", "ce", "table"} <= set(labels(""))
+    assert {"rises", "slope", "odd", "covered", "in", "<="} <= set(labels("u "))
+    assert set(labels("u rises with ")) == {"e", "ce"}
+    assert {"linear", "nearest", "bins"} <= set(labels("table "))
+    text = f"{PD7}prove u rises with e\n"
+    found = hover(read(text, "pd7.frb"), len(text.splitlines()), 10)
+    assert found is not None
+    assert "never falls" in found.markdown
+    session = Session("pd7.frb", text)
+    session.review()
+    told = session.hover(len(text.splitlines()), 10)
+    assert told is not None
+    assert "refuted" in told.markdown
+
+
+def test_check_proves_what_is_quick() -> None:
+    review = check_text(f"{PD7}prove u odd\nprove u rises with e\n")
+    assert [each.name for each in review.diagnostics] == ["refuted-property"]
+    assert "expect e = " in review.diagnostics[0].message
+
+
+def test_the_command(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:
+    import pathlib
+
+    folder = pathlib.Path(str(tmp_path))
+    path = folder / "p.frb"
+    path.write_text(f"{PD7}prove u odd\n")
+    assert main(["prove", str(path)]) == 0
+    assert "proved: u odd" in capsys.readouterr().out
+    path.write_text(f"{PD7}prove u odd\nprove u <= 5\n")
+    assert main(["prove", str(path), "--json"]) == 1
+    data = json.loads(capsys.readouterr().out)
+    assert [each["verdict"] for each in data] == ["proved", "refuted"]
+    assert {"property", "verdict", "bound", "evidence", "pieces", "seconds"} <= set(data[0])
+    path.write_text(f"{PD7}prove u <= 5.34\n")
+    assert main(["prove", str(path), "--budget", "1e-9"]) == 4
+    assert "the time is over" in capsys.readouterr().out
+    for words, keys in ((["--range"], {"low", "high"}), (["--table", "linear"], {"worst"})):
+        assert main(["prove", str(path), *words, "--json"]) == 0
+        assert keys <= set(json.loads(capsys.readouterr().out))
+    assert main(["prove", str(path), "--slope", "--json"]) == 0
+    assert {"low", "high", "inputs"} <= set(json.loads(capsys.readouterr().out))
+    assert main(["compile", str(path), "-o", str(folder / "t.lut")]) == 0
+    assert "worst 0.543486 (proved)" in capsys.readouterr().out
+    assert main(["prove", str(path), "--table", str(folder / "t.lut"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["worst"] == pytest.approx(1031 / 516, abs=1e-6)
+
+
+def test_a_proved_error_holds_the_exported_arithmetic(pd7: RuleBase) -> None:
+    from fuzzyarm.export import routines_of
+
+    table = fuzzyarm.compile_table(pd7)
+    for mode, q in (("linear", 15), ("linear", 7), ("bins", 15), ("linear", None)):
+        bound = Prover(pd7, "u").table(table, mode).high
+        (routine,) = routines_of(table, mode=mode, q=q, proved={"u": bound})
+        core = routine.core  # type: ignore[attr-defined]
+        dense = np.linspace(-6, 6, 301)
+        points = [core.inputs_near(k, dense) for k in (0, 1)]
+        result = core.quantity(core.evaluate(*np.ix_(*points)))
+        scales = core.scales[:-1]
+        quantities = [
+            np.clip(x.astype(float) if s is None else s.quantity(x), -6, 6)
+            for x, s in zip(points, scales, strict=True)
+        ]
+        truth = fuzzyarm.infer(pd7, {"e": quantities[0][:, None], "ce": quantities[1][None, :]})
+        worst = float(np.abs(result - np.asarray(truth["u"])).max())
+        stated = routine.worst_proved()  # type: ignore[attr-defined]
+        assert 0.9 * worst <= worst <= stated
+        assert stated <= bound + (0.2 if q == 7 else 0.01)
+
+
+def test_statements_of_several_outputs() -> None:
+    text = (
+        "rulebase r\ninput x -1 .. 1\noutput u -1 .. 1\noutput v -1 .. 1\n"
+        "terms x, u, v: triangles N P\nrule if x is N then u is N and v is P\n"
+        "rule if x is P then u is P and v is N\n"
+    )
+    assert parse(f"{text}prove table linear within 1\n").diagnostics[0].name == "ambiguous-output"
+    lines = "prove u rises with x\nprove v falls with x\nprove table of v linear within 1\n"
+    parsed = parse(text + lines)
+    assert parsed.rulebase is not None
+    assert [each.verdict for each in prove_all(parsed.rulebase)] == ["proved"] * 3

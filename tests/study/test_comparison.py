@@ -1,0 +1,267 @@
+"""Comparison under changed conditions, chatter, and what a control step costs."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fuzzyarm.cli import main
+from fuzzyarm.controller import CompiledController, Controller, controller
+from fuzzyarm.controller.law import Law, law_kernel
+from fuzzyarm.loop import Options, simulate
+from fuzzyarm.plant import pick_and_place, through
+from fuzzyarm.plant.setting import PLAIN, STUDY_TABLES
+from fuzzyarm.study.comparison import CONDITIONS, compare, compared_names, watched_run
+from fuzzyarm.study.cost import CostError, count_operations, measure_time
+
+SHORT = through([(0.5, -0.4)], segment=0.05)
+QUICK = through([(10.0, -10.0), (-5.0, 4.0)], segment=0.3)
+
+
+def compared(*names, **changed):
+    return {each.name: each for each in compare(names, **changed)}
+
+
+# --- Operations ---
+
+
+@pytest.mark.parametrize(
+    ("name", "arithmetic", "functions"),
+    [
+        ("pd", 2 * 5, 0),  # two differences, two products, a sum
+        ("ie", 2 * 3, 0),  # a difference, a sum, a product
+        ("pd+ie", 2 * 8, 0),
+        ("fuzzy-lut", 2 * 7, 0),  # a difference and a product each; the converter: three
+        ("pd-motor", 2 * 10, 0),  # four; two products, a sum; the drive: two; its excess: one
+        ("ct", 46, 4),
+    ],
+)
+def test_operations_are_those_that_the_text_and_the_equations_have(name, arithmetic, functions):
+    counted = count_operations(controller(name))
+    assert counted.arithmetic == arithmetic
+    assert counted.functions == functions
+    assert counted.total == counted.arithmetic + counted.comparisons + counted.functions
+
+
+def test_a_law_that_does_nothing_costs_nothing():
+    counted = count_operations(CompiledController(Law("nothing", law_kernel, "", ())))
+    assert counted.total == 0
+
+
+def test_a_partner_counts_with_its_functions():
+    alone, with_table = (
+        count_operations(controller("cdid")),
+        count_operations(controller("cdid+fuzzy")),
+    )
+    assert with_table.functions == alone.functions == 4
+    assert with_table.arithmetic > alone.arithmetic
+
+
+def test_counting_changes_no_result():
+    from fuzzyarm.study.cost import _Counting
+
+    for name in ("acdid", "stfc", "soc-zero", "cdid+fuzzy"):
+        plain = simulate(controller(name), SHORT, options=Options(compiled=False))
+        counted = simulate(_Counting(controller(name)), SHORT, options=Options(compiled=False))
+        np.testing.assert_array_equal(plain.errors, counted.errors)
+
+
+def test_rules_cost_more_than_a_line_and_two_rule_bases_twice_one():
+    totals = {
+        name: count_operations(controller(name), SHORT).total
+        for name in ("pd-motor", "soc-zero", "fuzzy-smooth", "fuzzy-direct", "stfc")
+    }
+    assert sorted(totals, key=totals.get) == list(totals)
+    assert 1.5 < totals["stfc"] / totals["fuzzy-direct"] < 4.0
+
+
+class Own(Controller):
+    name = "own"
+
+    def torque(self, reference, state, clock):
+        return 0.0, 0.0
+
+
+def test_plain_python_is_not_counted():
+    with pytest.raises(CostError, match="'own' are not counted"):
+        count_operations(Own())
+
+
+def test_time_of_a_step_is_measured_beside_a_law_that_does_nothing():
+    # Machine code on one side only: what the interpreter adds is far above any disturbance.
+    assert measure_time(controller("stfc"), rounds=3) > measure_time(controller("pd"), rounds=3)
+
+
+# --- Errors and chatter ---
+
+
+class Noting(Controller):
+    """Adds up by how much the torque changes, in plain Python."""
+
+    def __init__(self, name):
+        self.inner, self.name = controller(name), name
+        self.last, self.sums, self.steps = np.zeros(2), np.zeros(2), 0
+
+    def start(self, single=False):
+        self.inner.start(single)
+
+    def torque(self, reference, state, clock):
+        torque = np.array(self.inner.torque(reference, state, clock))
+        self.sums += abs(torque - self.last)
+        self.last, self.steps = torque, self.steps + 1
+        return tuple(torque)
+
+
+@pytest.mark.parametrize("name", ["pid-modified", "acdid", "fuzzy-lut", "fuzzy-smooth"])
+def test_change_of_torque_is_the_mean_over_control_periods(name):
+    noting = Noting(name)
+    expected = simulate(noting, QUICK, payload=True)
+    watched = watched_run(controller(name), QUICK, PLAIN, Options())
+    assert watched.rms == pytest.approx(tuple(expected.rms), rel=1e-9)
+    assert watched.variation == pytest.approx(tuple(noting.sums / noting.steps), rel=1e-9)
+    assert watched.diverged is None
+
+
+@pytest.mark.parametrize("name", ["cdid+ie", "soc-zero", "hfie"])
+def test_compared_errors_are_those_of_simulate(name):
+    found = compared(name, trajectories=(lambda: QUICK, lambda: QUICK), conventions=STUDY_TABLES)
+    run = simulate(controller(name), QUICK, payload=True, conventions=STUDY_TABLES)
+    assert found[name].rms == (*run.rms, *run.rms)
+
+
+def test_all_controllers_are_compared():
+    names = compared_names()
+    assert len(names) == 26 + 5
+    assert names[0] == "pd"
+    assert names[-1] == "pid-smooth"
+
+
+def test_with_set_points_interpolated_most_of_the_error_goes():
+    names = ("fuzzy-fine", "pd-motor", "acdid+ie", "fuzzy-direct")
+    held, between = (
+        compared(*names, options=CONDITIONS[each]) for each in ("held", "interpolated")
+    )
+    assert between["fuzzy-fine"].rms == pytest.approx((0.0043, 0.0022, 0.0044, 0.0028), abs=6e-5)
+    assert between["pd-motor"].rms == pytest.approx((0.0029, 0.0015, 0.0029, 0.0018), abs=6e-5)
+    assert between["acdid+ie"].error < 0.1 * held["acdid+ie"].error
+    # Not everything is the staircase: what does not follow in any case does not gain.
+    assert between["fuzzy-direct"].error == pytest.approx(held["fuzzy-direct"].error, rel=0.15)
+
+
+def test_a_controller_as_text_beats_the_best_row_with_less_chatter_than_soc():
+    found = compared("fuzzy-smooth", "pid-smooth", "acdid+fuzzy", "soc-zero", "soc-table")
+    best = (0.0130, 0.0119, 0.0291, 0.0227)
+    assert found["acdid+fuzzy"].rms == pytest.approx(best, abs=1e-4)
+    for name in ("fuzzy-smooth", "pid-smooth"):
+        assert all(np.array(found[name].rms) < 0.1 * np.array(best))
+        for soc in ("soc-zero", "soc-table"):
+            assert max(found[name].variation) < 0.1 * min(found[soc].variation)
+
+
+def test_it_does_so_on_moves_on_which_nothing_was_chosen():
+    rng = np.random.default_rng(5)
+    for _ in range(6):
+        points = [tuple(each) for each in rng.uniform(-60, 60, (3, 2))]
+        path = through(points, segment=float(rng.uniform(2.0, 3.0)), hold=0.5)
+        found = {
+            name: simulate(controller(name), path, payload=True).rms
+            for name in ("fuzzy-smooth", "acdid+fuzzy", "pd-motor", "soc-table")
+        }
+        for name in ("acdid+fuzzy", "pd-motor", "soc-table"):
+            assert (found["fuzzy-smooth"] < found[name]).all(), (points, name)
+
+
+# --- Decentralised adaptive control ---
+
+
+def moves(seed, count=24):
+    rng = np.random.default_rng(seed)
+    return [
+        pick_and_place(tuple(rng.uniform(-90, 90, 2)), segment=float(rng.uniform(0.5, 2.0)))
+        for _ in range(count)
+    ]
+
+
+@pytest.mark.parametrize("name", ["dac", "dac+ie", "dac+fuzzy"])
+def test_decentralised_control_is_lost_on_fast_moves(name):
+    named = pick_and_place((80.0, -20.0), segment=1.0)
+    assert simulate(controller(name), named).diverged < 0.1
+    lost = [simulate(controller(name), each, payload=True).diverged for each in moves(12)]
+    assert sum(each is not None for each in lost) >= 12
+
+
+def test_its_direct_part_is_what_loses_it():
+    without = controller("dac").with_gains({"k": [0.0]})
+    assert all(simulate(without, each, payload=True).diverged is None for each in moves(12))
+
+
+def test_the_catalogue_says_so(capsys):
+    assert main(["simulate", "--list"]) == 0
+    listed = capsys.readouterr().out.splitlines()
+    for name in ("dac", "dac+ie", "dac+fuzzy"):
+        (at,) = (i for i, line in enumerate(listed) if line.split()[0] == name)
+        assert "note: diverges on fast moves" in listed[at + 1]
+    assert sum("note:" in line for line in listed) == 3
+    main(["simulate", "pd+dac", "--show-gains"])
+    assert "note: dac diverges on fast moves" in capsys.readouterr().err
+    fast = ["--trajectory", "pick-and-place", "--angles", "80", "-20", "--segment", "1"]
+    assert main(["simulate", "dac+ie", *fast]) == 3
+    assert "note: dac+ie diverges on fast moves" in capsys.readouterr().err
+
+
+# --- Motors with inductance, and a supply that ends ---
+
+
+def test_torque_limits_keep_decentralised_control_from_infinity():
+    named = pick_and_place((80.0, -20.0), segment=1.0)
+    run = simulate(controller("dac"), named, payload=True, options=CONDITIONS["saturation"])
+    assert run.diverged is None
+    assert abs(run.torques).max(axis=0) == pytest.approx([55.44, 48.51])
+
+
+def test_the_study_asks_for_less_than_its_motors_give():
+    names = ("cdid", "acdid+ie", "stfc", "pd-motor")
+    plain, saturated = (
+        compared(*names, options=CONDITIONS[each]) for each in ("held", "saturation")
+    )
+    for name in names:
+        assert saturated[name].rms == pytest.approx(plain[name].rms, abs=1e-4)
+
+
+# --- The command ---
+
+
+def test_compare_prints_a_line_for_each(capsys, tmp_path):
+    figure = tmp_path / "cost.png"
+    words = ["compare", "pd", "pd-motor", "dac", "--interpolate"]
+    assert main([*words, "--plot", str(figure), "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert [row["controller"] for row in rows] == ["pd", "pd-motor", "dac"]
+    assert rows[0]["operations"]["total"] == 10
+    assert all(len(row["rms"]) == len(row["variation"]) == 4 for row in rows)
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    assert main(words) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == ["controller", "pd", "pd-motor", "dac"]
+    assert main([*words, "--markdown"]) == 0
+    assert capsys.readouterr().out.startswith("| controller | rms 1 |")
+
+
+def test_a_run_that_diverges_is_shown_as_such(capsys):
+    assert main(["compare", "dac", "pd", "--angles", "80", "-20", "--segment", "1"]) == 0
+    _, dac, pd = capsys.readouterr().out.splitlines()
+    assert dac.split() == ["dac", *["diverges"] * 4]
+    assert len(pd.split()) == 6
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["nothing"], ["pd", "--inductance", "-1"], ["pd", "--supply", "0"], ["pd", "--plot", "x.y"]],
+    ids=" ".join,
+)
+def test_what_cannot_be_compared_is_one_clear_line(capsys, words):
+    assert main(["compare", *words]) == 1
+    found = capsys.readouterr()
+    assert found.out == ""
+    assert found.err.startswith("fuzzyarm: ")
+    assert found.err.count("\n") == 1
