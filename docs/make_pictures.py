@@ -2,6 +2,7 @@
 
     python docs/make_pictures.py            # all of them
     python docs/make_pictures.py plants     # runs on the shipped plants alone
+    python docs/make_pictures.py motor      # one of them
 
 Every picture comes from what a reader would use: commands, or the functions behind them.
 """
@@ -19,7 +20,7 @@ from fuzzyarm.cli import main
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.plant import find_plant, pick_and_place
-from fuzzyarm.show.animation import animate
+from fuzzyarm.show.figures.animation import animate
 from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.table import table_view
 from fuzzyarm.table import compile_table
@@ -45,36 +46,45 @@ FRAMES = 40
 """Of an animation; more make the files large."""
 
 RUNS = {
-    "arm": ("stfc.frb", {}, Options()),
+    "arm": ("stfc.frb", {}, None, Options()),
     "motor": (
         "servo.frb",
         {"position": Signal("step", (1.0, 0.1))},
+        0.6,
         Options(sensors={"position": Sensor(resolution=0.001)}),
     ),
-    "cartpole": ("cartpole.frb", {"x": Signal("step", (1.0, 1.0))}, Options()),
-    "tanks": ("tanks.frb", {"level2": Signal("step", (0.15, 20.0, 0.05))}, Options()),
-    "ball-and-beam": ("ball-and-beam.frb", {"position": Signal("sine", (0.2, 0.1))}, Options()),
-    "room": ("heater.frb", {"temperature": Signal("step", (21.0, 3600.0, 18.0))}, Options()),
+    "cartpole": ("cartpole.frb", {"x": Signal("step", (1.0, 1.0))}, None, Options()),
+    "tanks": ("tanks.frb", {"level2": Signal("step", (0.15, 20.0, 0.05))}, 200.0, Options()),
+    "ball-and-beam": (
+        "ball-and-beam.frb",
+        {"position": Signal("sine", (0.2, 0.1))},
+        None,
+        Options(),
+    ),
+    "room": ("heater.frb", {"temperature": Signal("step", (21.0, 3600.0, 18.0))}, None, Options()),
 }
-"""The run that stands for each shipped plant: controller, references, options."""
+"""The run that stands for each shipped plant: controller, references, duration, options."""
 
 
-def draw_plants() -> None:
-    """Draw and animate a run on each shipped plant."""
-    for name, (controller, references, options) in RUNS.items():
+def draw_plants(wanted: list[str]) -> None:
+    """Draw and animate a run on each shipped plant, or on those that are wanted."""
+    for name, (controller, references, duration, options) in RUNS.items():
+        if wanted and name not in wanted:
+            continue
         plant = find_plant(name)
         chosen = load(shipped(controller))
         if name == "arm":
             run = simulate(chosen, pick_and_place(), payload=True, options=options)
         else:
-            run = simulate(chosen, plant, references=references, options=options)
+            run = simulate(chosen, plant, references=references, duration=duration, options=options)
         draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=80)
         animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
 
 
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
-    if "plants" not in sys.argv[1:]:
+    words = sys.argv[1:]
+    if not words:
         draw_table()
         draw_surface()
-    draw_plants()
+    draw_plants([word for word in words if word != "plants"])

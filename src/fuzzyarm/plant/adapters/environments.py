@@ -116,8 +116,7 @@ class EnvironmentPlant(Plant):
         self._actions, self.inputs = _actions(self.environment.action_space, names, self.name)
         units = observed | dict.fromkeys(names.angles, "rad")
         self.outputs = {
-            name: Port(unit, rate_of=names.rates.get(name, ""))
-            for name, unit in units.items()
+            name: Port(unit, rate_of=names.rates.get(name, "")) for name, unit in units.items()
         }
         self.states = observed
         self._angles = [
