@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import warnings
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import Parsed, parse, read_text
-from fuzzyarm.language.check import check
+from fuzzyarm.language.check import CHECKS, check, judged
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
@@ -20,6 +21,7 @@ from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.plant.plant import Plant
     from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
 
@@ -112,6 +114,21 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     raise UnknownKindError(name)
 
 
+class PlantOf(NamedTuple):
+    """The plant that a controller is checked against.
+
+    Attributes
+    ----------
+    plant : Plant
+        What it lacks is an error.
+    connect : mapping of str to str
+        From names of the controller to ports of the plant, where they differ.
+    """
+
+    plant: Plant
+    connect: Mapping[str, str] = MappingProxyType({})
+
+
 class Review(NamedTuple):
     """What a check of one text found.
 
@@ -146,12 +163,13 @@ class Review(NamedTuple):
         return ", ".join(words) or "no findings"
 
 
-def check_text(text: str, path: str = "<text>") -> Review:
+def check_text(text: str, path: str = "<text>", on: PlantOf | None = None) -> Review:
     """Check the text of a ``.frb`` file: mistakes first; without any, doubts and expectations.
 
-    Never raises, whatever the text.
+    Never raises, whatever the text. A controller is checked on a plant, if one is given;
+    otherwise on the shipped one that has its axes.
     """
-    return check_parsed(parse(text, path), text, path)
+    return check_parsed(parse(text, path), text, path, on=on)
 
 
 def check_parsed(
@@ -160,6 +178,7 @@ def check_parsed(
     path: str = "<text>",
     failed: list[Diagnostic] | None = None,
     on_step: Callable[[], None] = lambda: None,
+    on: PlantOf | None = None,
 ) -> Review:
     """Check a text that has been parsed already; as :func:`check_text`.
 
@@ -173,22 +192,50 @@ def check_parsed(
         The findings of :func:`judge`, where they are known already.
     on_step : callable
         Called now and then; what it raises ends the check.
+    on : PlantOf, optional
+        The plant of a controller.
     """
-    found = list(parsed.diagnostics)
+    found, doubts = list(parsed.diagnostics), list[Diagnostic]()
     if parsed.controller is not None:
-        from fuzzyarm.controller.text import with_files
-
-        found += with_files(parsed.controller, Path(path).parent, path)[1]
+        found, doubts = _of_controller(parsed, path, on)
     if parsed.rulebase is None:
+        if parsed.controller is not None:
+            found = sorted((*found, *judged(doubts, parsed.document, path)), key=_position)
         return Review(text, tuple(found))
     more = judge(parsed.rulebase, on_step).findings if failed is None else failed
+    more = [*more, *doubts]
     findings = check(parsed.rulebase, parsed.document, path=path, more=more, on_step=on_step)
-    merged = sorted((*found, *findings), key=lambda d: (d.span, d.name))
+    merged = sorted((*found, *findings), key=_position)
     return Review(text, tuple(merged), parsed.rulebase)
 
 
-def check_file(path: str | os.PathLike[str]) -> Review:
+def _position(finding: Diagnostic) -> tuple[object, str]:
+    return finding.span, finding.name
+
+
+def _of_controller(
+    parsed: Parsed, path: str, on: PlantOf | None
+) -> tuple[list[Diagnostic], list[Diagnostic]]:
+    """Return what is wrong with a controller and its files, and what may be silenced."""
+    from fuzzyarm.controller.findings import doubts_of
+    from fuzzyarm.controller.text import with_files
+
+    assert parsed.controller is not None
+    controller, faults = with_files(parsed.controller, Path(path).parent, path)
+    found = [*parsed.diagnostics, *faults, *doubts_of(controller, *(on or ()))]
+    doubts = [each for each in found if each.name in CHECKS]
+    return [each for each in found if each.name not in CHECKS], doubts
+
+
+def check_file(path: str | os.PathLike[str], on: PlantOf | None = None) -> Review:
     """Check a file of any kind that :func:`load` takes.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    on : PlantOf, optional
+        The plant of a controller.
 
     Raises
     ------
@@ -201,7 +248,7 @@ def check_file(path: str | os.PathLike[str]) -> Review:
     suffix = os.path.splitext(name)[1].lower()
     try:
         if suffix == ".frb":
-            return check_text(read_text(path), name)
+            return check_text(read_text(path), name, on)
         if suffix == ".lut":
             from fuzzyarm.table import parse_lut
 

@@ -83,6 +83,8 @@ def of_every_command(name="x" + HOSTILE):
         ["fit", PD7, "-o", "fitted.frb", "--rules", "1"],
         ["validate", PD7, "nothing.csv"],
         ["compare", "pd"],
+        ["prove", PD7, "--range"],
+        ["prove", hostile],
         ["reproduce", "--list"],
         ["identify", "nothing"],
         ["new", "n\x1b[31m"],

@@ -221,14 +221,25 @@ ANSWERS = [
     ),
     *(("convert", "{own}", "{out}" + suffix) for suffix in PRODUCERS),
 ]
+PROOF = ("prove", "{own}", "--range", "--tolerance", "2", "--budget", "1", "--json")
 QUICK = ("sampled", "and", "hedge")
 """Those whose table takes no minute to compare with what it is made of."""
 
-NO_RULE_BASE = {"corpus", "learn", "reproduce", "identify", "new", "studio", "lsp", "demo"}
+NO_RULE_BASE = {
+    "compare",
+    "corpus",
+    "learn",
+    "reproduce",
+    "identify",
+    "new",
+    "studio",
+    "lsp",
+    "demo",
+}
 
 
 def test_every_command_that_takes_a_rule_base_is_here():
-    assert {words[0] for words in WORKS + ANSWERS} | NO_RULE_BASE == set(COMMANDS)
+    assert {words[0] for words in [*WORKS, *ANSWERS, PROOF]} | NO_RULE_BASE == set(COMMANDS)
 
 
 def run(words, name, folder, capsys):
@@ -413,3 +424,22 @@ def test_a_broken_package_neither_raises_nor_hides_the_others(monkeypatch):
         assert "did you mean 'triangle'" in str(found.diagnostics)
     finally:
         records.failures.clear()
+
+
+@pytest.mark.slow
+def test_a_range_is_proved_left_open_or_refused_by_name(tmp_path, capsys):
+    for name in TEXTS:
+        folder = tmp_path / name.replace(" ", "-")
+        folder.mkdir()
+        status, out, err, _ = run(PROOF, name, folder, capsys)
+        if status == 1:
+            assert has_an_own_name(err), (name, err)
+            continue
+        assert status in (0, 4), (name, err)
+        found = json.loads(out)
+        outputs = [fuzzyarm.infer(model(name), e=e, ce=ce)["u"] for e, ce in POINTS]
+        if found["low"] is None:  # the time was over before there was a bound
+            assert status == 4, name
+            continue
+        assert found["low"] <= min(outputs), name
+        assert found["high"] >= max(outputs), name

@@ -11,6 +11,7 @@ from fuzzyarm.api import check_text
 from fuzzyarm.language import parse
 from fuzzyarm.language.queries import (
     Candidate,
+    Kind,
     RenameError,
     apply_edits,
     coloured,
@@ -488,6 +489,11 @@ axis shaft
 """
 
 
+PORTS = {(Kind.PORT, name): f"{name} of a motor" for name in ("position", "voltage", "torque")} | {
+    (Kind.SIGNAL, "u"): "reaches -6 .. 6"
+}
+
+
 @pytest.mark.parametrize(
     ("line", "text", "wanted"),
     [
@@ -508,7 +514,8 @@ def test_a_controller_is_completed(line, text, wanted):
     lines = CONTROLLER.split("\n")
     lines[line - 1] = text
     reading = read("\n".join(lines))
-    offered = {candidate.label for candidate in complete(reading, line, len(text) + 1)}
+    found = complete(reading, line, len(text) + 1, PORTS)
+    offered = {candidate.label for candidate in found}
     assert wanted <= offered
     assert not offered & {"rulebase NAME", "terms", "e \\ ce"}
 
@@ -519,6 +526,9 @@ def test_a_controller_is_explained_renamed_and_outlined():
     assert hover(reading, 9, 19).markdown.startswith("`u = rules pd(e, ce)`")
     assert "used 1 time" in hover(reading, 9, 19).markdown
     assert "port" in hover(reading, 9, 10).markdown
+    assert "of a motor" in hover(reading, 9, 10, PORTS).markdown
+    assert "reaches" not in hover(reading, 9, 19).markdown
+    assert hover(reading, 9, 19, PORTS).markdown.endswith("reaches -6 .. 6")
     assert "how often" in hover(reading, 3, 2).markdown
     edits = rename(reading, 7, 3, "rate_of_e")
     assert [(edit.span.line, edit.text) for edit in edits] == [(7, "rate_of_e"), (8, "rate_of_e")]

@@ -6,14 +6,17 @@ import json
 import re
 import shutil
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS, SIGNAL
 from fuzzyarm.language.phrases import SETTINGS
 from fuzzyarm.language.statements import LOOKUP_ITEMS, STATEMENTS, WORDS
 from fuzzyarm.language.tokens import RESERVED
+from fuzzyarm.model.controller import SOURCES, TIMES
 from fuzzyarm.model.rulebase import DEFUZZIFIERS, SAMPLINGS
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.table.header import KEYWORDS
@@ -39,7 +42,18 @@ _CONNECTIVES = dict.fromkeys(
     [*(word for word in RESERVED if word not in ("inf", "nan")),
      *(word for word in WORDS if word not in (*LOOKUP_ITEMS, "exact"))]
 )  # fmt: skip
-WORD_LISTS = {
+_LINES = [word for word in CONTROLLER_STATEMENTS if word not in (SIGNAL, "controller")]
+_OPTIONS = [option for source in SOURCES.values() for option in source.options.values()]
+_INSIDE = dict.fromkeys(
+    [*(word for word in CONTROLLER_WORDS if word not in (*SOURCES, *TIMES)),
+     *(word for option in _OPTIONS for word in option.rest), "partner", "hold", "back"]
+)  # fmt: skip
+WORD_LISTS: dict[tuple[str, int | str], Iterable[str]] = {
+    ("controller", "end"): STATEMENTS,
+    ("line", 0): _LINES,
+    ("signal", 0): SOURCES,
+    ("signal", 1): TIMES,
+    ("signal", 2): _INSIDE,
     ("declaration", 0): _BEFORE_NAMES,
     ("statement", 0): [word for word in STATEMENTS if word not in _WITH_OWN_PATTERN],
     ("lookup", 0): LOOKUP_ITEMS,
@@ -50,7 +64,8 @@ WORD_LISTS = {
     ("words", 5): _FAMILIES,
     ("words", 6): _VALUES,
 }
-"""The words of a rule of the grammar, by its name and the index of the pattern in it."""
+"""The words of a rule of the grammar, by its name and the index of the pattern in it, or by the
+part of the rule where that is another one."""
 _LIST = re.compile(r"(?<=[(:])[a-z-]+(?:\|[a-z-]+)+(?=\))")
 
 
@@ -59,7 +74,10 @@ def with_words(grammar: str) -> str:
     tree = json.loads(grammar)
     for (rule, index), words in WORD_LISTS.items():
         part = tree["repository"][rule]
-        pattern = (part["patterns"][index] if "patterns" in part else part)["match"]
+        if isinstance(index, str):
+            pattern = part[index]
+        else:
+            pattern = (part["patterns"][index] if "patterns" in part else part)["match"]
         listed = _LIST.search(pattern)
         assert listed is not None
         if set(listed[0].split("|")) == set(words):
@@ -86,7 +104,17 @@ def _words(grammar: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "words", [STATEMENTS, HEDGES.words, SHAPES, EVEN_SHAPES, DEFUZZIFIERS, LOOKUP_ITEMS]
+    "words",
+    [
+        STATEMENTS,
+        CONTROLLER_WORDS,
+        _LINES,
+        HEDGES.words,
+        SHAPES,
+        EVEN_SHAPES,
+        DEFUZZIFIERS,
+        LOOKUP_ITEMS,
+    ],
 )
 def test_the_grammar_knows_every_word_of_the_language(words: object) -> None:
     assert set(words) <= _words(GRAMMAR)  # type: ignore[call-overload]

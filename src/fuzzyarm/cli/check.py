@@ -7,8 +7,16 @@ import os
 import sys
 from collections.abc import Iterable, Iterator
 
-from fuzzyarm.api import RULEBASE_SUFFIXES, Review, UnknownKindError, check_file, check_text
+from fuzzyarm.api import (
+    RULEBASE_SUFFIXES,
+    PlantOf,
+    Review,
+    UnknownKindError,
+    check_file,
+    check_text,
+)
 from fuzzyarm.cli.command import (
+    WordError,
     argument,
     command,
     finding_data,
@@ -21,6 +29,7 @@ from fuzzyarm.cli.command import (
     say,
     write_text,
 )
+from fuzzyarm.cli.plants import CONNECT, connections
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text, read_text
 from fuzzyarm.language.reading import decoded
@@ -43,17 +52,20 @@ _CHECK = """Find mistakes and doubts in rule bases and tables.
 Prints each finding with its position, the source line, a caret and, where there is one, what
 was probably meant. Exit status 1 if any file has an error (with --strict: or a warning).
 A comment `# allow NAME` on a line silences the finding of that name there; docs/checks.md
-explains every name. Of a folder every rule base and .lut file in it is checked, and in the
-folders below it; `-` checks the text of a .frb file from standard input.
+explains every name. A controller is checked on the shipped plant that has its axes, or with
+--plant on that one, where a port that it lacks is an error. Of a folder every rule base and
+.lut file in it is checked, and in the folders below it; `-` checks the text of a .frb file
+from standard input.
 """
 
 
 def _check(arguments: argparse.Namespace) -> int:
     failed = False
     found: list[Diagnostic] = []
+    on = _plant_of(arguments)
     for path in _files(arguments.files):
         try:
-            review = _review_stdin() if path == "-" else check_file(path)
+            review = _review_stdin(on) if path == "-" else check_file(path, on)
         except OSError as error:
             print_os_error(error, path)
             failed = True
@@ -87,9 +99,20 @@ def _files(paths: Iterable[str]) -> Iterator[str]:
         yield from found
 
 
-def _review_stdin() -> Review:
+def _plant_of(arguments: argparse.Namespace) -> PlantOf | None:
+    """Return the plant of ``--plant``; with ``--connect`` alone there is none to join."""
+    if arguments.plant is None:
+        if arguments.connect:
+            raise WordError("--connect joins the ports of a plant", hint="add, say, --plant motor")
+        return None
+    from fuzzyarm.plant.own import find_plant
+
+    return PlantOf(find_plant(arguments.plant), connections(arguments))
+
+
+def _review_stdin(on: PlantOf | None) -> Review:
     try:
-        return check_text(decoded(sys.stdin.buffer.read(), "<stdin>"), "<stdin>")
+        return check_text(decoded(sys.stdin.buffer.read(), "<stdin>"), "<stdin>", on)
     except RuleBaseError as error:
         return Review("", error.diagnostics)
 
@@ -173,6 +196,8 @@ COMMANDS = (
         _CHECK,
         _check,
         argument("files FILE", ".frb, .lut, .fll, .fcl or .fis, a folder or -", nargs="+"),
+        argument("--plant PLANT", "check controllers on it: motor, FILE.py or FILE.py:CLASS …"),
+        CONNECT,
         flag("--strict", "let warnings fail too"),
         flag("--quiet -q", "print findings only"),
         flag("--verbose -v", "also say what of a rule base the kernel does not cover"),

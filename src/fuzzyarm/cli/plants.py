@@ -26,6 +26,7 @@ def _many(words: str, text: str) -> Any:
     return argument(words, text, action="append", default=[])
 
 
+CONNECT = _many("--connect NAME=PORT", "join a name of the controller to a port of the plant")
 INTERPOLATE = flag("--interpolate", "move the reference between set points, instead of holding it")
 
 MOTORS = group(
@@ -43,7 +44,7 @@ PLANT = (
             "arm (default), motor, cartpole, tanks, ball-and-beam, room, FILE.py or FILE.py:CLASS",
             default="arm",
         ),
-        _many("--connect NAME=PORT", "join a name of the controller to a port of the plant"),
+        CONNECT,
         argument("--for TIME", "how long, as in 2s, 500ms, 1h", dest="duration"),
         argument("--step VALUE", "step of the first reference, 1 by default", type=float),
         _many("--reference PORT=SIGNAL", "step:1, ramp:0.5, sine:1,0.5, quintic:1,2, FILE.csv"),

@@ -112,9 +112,12 @@ class Site:
         if axis not in self.interface.axes:
             hint = f"it has {', '.join(self.interface.axes)}"
             raise SourceError(f"the {self.name} has no axis '{axis}'", hint=hint)
-        names = list(dict.fromkeys(name for _, name in ports))
+        names = [name for home, name in ports if home == axis]
+        taken = {name for _, name in ports_of(model, kind)}
+        # Where no name is like it, a port that the controller does not ask for already.
+        free = [name for name in names if name not in taken] or names
         what = "drive" if kind == "drive" else f"{kind} value"
-        hint = f"it has {', '.join(names)}; --connect {port}={near(named, names)} joins them"
+        hint = f"it has {', '.join(names)}; --connect {port}={near(named, free)} joins them"
         raise SourceError(f"the {self.name} has no {what} '{named}'", hint=hint)
 
     def _ports(self, kind: str) -> Mapping[Address, object]:

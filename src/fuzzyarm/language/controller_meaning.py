@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 
+from fuzzyarm.language.controller_doubts import doubts_of_lines
 from fuzzyarm.language.controllers import (
     AxisNode,
     ControllerHeading,
@@ -76,6 +77,7 @@ class _Reader:
         self.numbers: dict[str, Word] = {}  # gains and partners
         self.sheets: dict[str, Word] = {}
         self.used: set[str] = set()
+        self.read: set[str] = set()  # signals, on the axis at hand
         self.axes: dict[str, Word] = {}
 
         self.later: dict[str, Span] = {}
@@ -117,8 +119,8 @@ class _Reader:
             own,
         )
         self._judge_whole(heading, axes)
-        for section in axes:
-            self._judge_windup(section)
+        if not self.broken:  # a line that could not be read may be what is missed
+            self.scope.diagnostics += doubts_of_lines(model)
         return model, self.scope.diagnostics
 
     # --- Head ---
@@ -242,6 +244,7 @@ class _Reader:
             if isinstance(node, AxisNode):
                 close()
                 current, lines, signals = node, [], {}
+                self.read = set()
                 for word in node.names:
                     self._declare(word, self.axes)
                 self.later = _signals_behind(self.nodes[index + 1 :])
@@ -308,6 +311,7 @@ class _Reader:
 
     def _need(self, word: Word, signals: dict[str, Word]) -> None:
         """Demand a signal that has been made, a gain or a partner."""
+        self.read.add(word.text)
         self.used.add(word.text)
         if word.text in signals or word.text in self.numbers:
             return
@@ -448,7 +452,7 @@ class _Reader:
 
     def _judge_signals(self, signals: dict[str, Word]) -> None:
         for name, word in signals.items():
-            if name not in self.used:
+            if name not in self.read and not self.broken:
                 self.scope.report(
                     "unused-signal",
                     f"nothing reads the signal '{name}'",
@@ -468,26 +472,6 @@ class _Reader:
                         word.span,
                         severity=Severity.WARNING,
                     )
-
-    def _judge_windup(self, axes: Axes) -> None:
-        """Doubt an integral that nothing bounds while its drive has a limit."""
-        signals = [line for line in axes.lines if isinstance(line, Signal)]
-        for line in signals:
-            if line.source is None or line.source.kind != "integral":
-                continue
-            options = dict(line.source.options)
-            drive = axes.driven_by(line.names[0])
-            if drive is None or drive.within is None or options.keys() & {"within", "anti-windup"}:
-                continue
-            low, high = drive.within
-            self.scope.report(
-                "windup",
-                f"the integral '{line.names[0]}' goes on growing while {drive.port} is at"
-                f" {low:g} or {high:g}",
-                line.span,
-                hint="add  , anti-windup hold  or  , within A .. B",
-                severity=Severity.WARNING,
-            )
 
     def _judge_whole(self, heading: ControllerHeading, axes: Sequence[Axes]) -> None:
         if not axes:

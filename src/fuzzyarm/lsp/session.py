@@ -6,15 +6,18 @@ import re
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from fuzzyarm.api import Judgement, Review, check_parsed, judge
 from fuzzyarm.language import Parsed, format_text
 from fuzzyarm.language.document import ParseMemory
+from fuzzyarm.language.phrases import Kind as Name
 from fuzzyarm.language.queries import (
     Candidate,
     Coloured,
     Edit,
+    Facts,
     Fix,
     Fold,
     Hover,
@@ -168,8 +171,39 @@ def _formatted(reading: Reading) -> str | None:
         return None
 
 
+def _ports(reading: Reading) -> Facts:
+    """Return the ports of the plants that have the axes of a controller."""
+    if reading.parsed.whole is None:
+        return {}
+    from fuzzyarm.controller.findings import ports_in_words
+
+    ports = ports_in_words(reading.parsed.whole.axis_names)
+    return {(Name.PORT, name): words for name, words in ports.items()}
+
+
+def _facts(reading: Reading) -> Facts:
+    """Return its ports, and where its signals can be."""
+    controller = reading.parsed.controller
+    if controller is None:
+        return _ports(reading)
+    from fuzzyarm.controller.findings import ranges_in_words
+    from fuzzyarm.controller.text import with_files
+
+    ranges = ranges_in_words(with_files(controller, Path(reading.path).parent, reading.path)[0])
+    signals = {(Name.SIGNAL, name): f"reaches {words}" for name, words in ranges.items()}
+    return {**_ports(reading), **signals}
+
+
+def _complete(reading: Reading, line: int, column: int) -> list[Candidate]:
+    return complete(reading, line, column, _ports(reading))
+
+
+def _hover(reading: Reading, line: int, column: int) -> Hover | None:
+    return hover(reading, line, column, _facts(reading))
+
+
 RULE_BASE = Kind(
-    read, complete, hover, _name_at, _occurrences, rename, symbols, folds, coloured, _fixes,
+    read, _complete, _hover, _name_at, _occurrences, rename, symbols, folds, coloured, _fixes,
     _formatted,
 )  # fmt: skip
 TABLE = Kind(
@@ -254,7 +288,7 @@ class Session:
         if not slow or not isinstance(self._last_reading, Reading):
             return self.reading
         lines = self._memory.tokenize(self.text, [])
-        return Reading(self.text, self._last_reading.parsed, tuple(lines))
+        return Reading(self.text, self._last_reading.parsed, tuple(lines), self.path)
 
     @property
     def reviewed(self) -> bool:

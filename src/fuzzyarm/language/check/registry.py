@@ -91,6 +91,12 @@ CHECKS: dict[str, Check] = {
             unfit_defuzzifiers,
         ),
         Check(
+            "unknown-port",
+            Severity.ERROR,
+            "A controller asks for a port that its plant does not have. Only a warning where the "
+            "plant is not given but known by its axes.",
+        ),
+        Check(
             "duplicate-rule",
             Severity.WARNING,
             "A rule is said twice.",
@@ -164,6 +170,70 @@ CHECKS: dict[str, Check] = {
             broken_symmetries,
         ),
         Check(
+            "unused-signal",
+            Severity.WARNING,
+            "Nothing on its axis reads a signal of a controller.",
+        ),
+        Check(
+            "unused-name",
+            Severity.WARNING,
+            "Nothing reads a gain, a partner, a rule base or a table of a controller.",
+        ),
+        Check(
+            "unread-table",
+            Severity.WARNING,
+            "A table learns, but nothing looks it up.",
+        ),
+        Check(
+            "outside-tune",
+            Severity.WARNING,
+            "A gain lies outside the range that its `tune` allows.",
+        ),
+        Check(
+            "windup",
+            Severity.WARNING,
+            "An integral goes on growing while its drive is at a limit.",
+        ),
+        Check(
+            "no-limits",
+            Severity.WARNING,
+            "The anti-windup of an integral does nothing, as its drive has no limits. Only an info "
+            "where a drive without limits can pass those of the actuator.",
+        ),
+        Check(
+            "limits-add-up",
+            Severity.WARNING,
+            "Several drives of one port have limits each, and together pass them.",
+        ),
+        Check(
+            "always-cleared",
+            Severity.WARNING,
+            "A sum that is cleared at each set point is cleared in every period, as no line says "
+            "how long a set point lasts.",
+        ),
+        Check(
+            "range-mismatch",
+            Severity.WARNING,
+            "A signal is far wider than the universe of the rule base or table that it goes into, "
+            "so that everything saturates, or uses less than a tenth of it.",
+        ),
+        Check(
+            "wide-limits",
+            Severity.WARNING,
+            "The limits of a drive are wider than those of the actuator.",
+        ),
+        Check(
+            "weak-drive",
+            Severity.WARNING,
+            "A drive never reaches a tenth of what the actuator can do.",
+        ),
+        Check(
+            "unlike-units",
+            Severity.WARNING,
+            "The unit of a gain and that of what it scales are of one kind and do not cancel, as "
+            "rad and deg.",
+        ),
+        Check(
             "unknown-allow",
             Severity.WARNING,
             "An `allow` comment names no check.",
@@ -234,18 +304,26 @@ def check(
             findings.append(finding)
             on_step()
         on_step()
-    judged = [replace(finding, severity=_severity(finding)) for finding in findings]
+    return judged(findings, tree, path)
+
+
+def judged(findings: Iterable[Diagnostic], document: Document, path: str = "") -> list[Diagnostic]:
+    """Return findings in the order of the text, without those that ``# allow`` comments silence."""
+    weighed = [replace(finding, severity=_severity(finding)) for finding in findings]
     return sorted(
-        (replace(finding, path=path) for finding in _without_allowed(judged, tree)),
+        (replace(finding, path=path) for finding in _without_allowed(weighed, document)),
         key=lambda finding: (finding.span, finding.name),
     )
 
 
+_MILDER = list(Severity)
+
+
 def _severity(finding: Diagnostic) -> Severity:
     # A finder may judge a single case milder than its kind, never graver.
-    if finding.severity is Severity.INFO or finding.name not in CHECKS:
+    if finding.name not in CHECKS:
         return finding.severity
-    return CHECKS[finding.name].severity
+    return max(finding.severity, CHECKS[finding.name].severity, key=_MILDER.index)
 
 
 def _without_allowed(findings: list[Diagnostic], document: Document) -> Iterator[Diagnostic]:

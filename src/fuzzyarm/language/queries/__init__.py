@@ -17,7 +17,7 @@ from fuzzyarm.language.queries.outline import (
     folds,
     symbols,
 )
-from fuzzyarm.language.queries.reading import Reading, read
+from fuzzyarm.language.queries.reading import Facts, Reading, read
 from fuzzyarm.language.queries.references import (
     RenameError,
     occurrence_at,
@@ -30,6 +30,7 @@ __all__ = [
     "Candidate",
     "Coloured",
     "Edit",
+    "Facts",
     "Fix",
     "Fold",
     "Hover",

@@ -17,7 +17,7 @@ from fuzzyarm.expression.kinds import HEDGES, SHAPES, Shape
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, SIGNAL
 from fuzzyarm.language.document import SECTIONS, section_at
 from fuzzyarm.language.phrases import SETTINGS, Kind, Setting, parameter_names
-from fuzzyarm.language.queries.reading import Reading, asked_variable
+from fuzzyarm.language.queries.reading import NOTHING, Facts, Reading, asked_variable
 from fuzzyarm.language.statements import STATEMENTS, GridNode, LookupItem, RowNode
 from fuzzyarm.language.tokens import (
     Cursor,
@@ -134,7 +134,7 @@ class _AskingCursor(Cursor):
     """
 
     def __init__(
-        self, tokens: Sequence[Token], model: RuleBase, names: Mapping[Kind, Sequence[str]]
+        self, tokens: Sequence[Token], model: RuleBase, names: Mapping[Kind, Mapping[str, str]]
     ) -> None:
         super().__init__(tuple(tokens))
         self.model = model
@@ -299,7 +299,8 @@ class _AskingCursor(Cursor):
         return _words(TIMES, "value")
 
     def _named(self, kind: Kind) -> list[Candidate]:
-        return [Candidate(n, "variable", name_text(n), kind) for n in self.names.get(kind, ())]
+        found = self.names.get(kind, {})
+        return [Candidate(n, "variable", name_text(n), words) for n, words in found.items()]
 
     # In the lines of a grid.
 
@@ -350,7 +351,7 @@ def _asked(
     tokens: Sequence[Token],
     model: RuleBase,
     *about: Any,
-    names: Mapping[Kind, Sequence[str]] = MappingProxyType({}),
+    names: Mapping[Kind, Mapping[str, str]] = MappingProxyType({}),
 ) -> list[Candidate]:
     """Return what `read` asks for behind `tokens`."""
     cursor = _AskingCursor(tokens, model, names)
@@ -374,7 +375,7 @@ _PARTIAL = re.compile(r"(?:'[^']*|[^\W\d][\w-]*)\Z")
 _ALLOW = re.compile(r"#\s*allow\s+(?:[\w-]+\s*,\s*)*([\w-]*)\Z")
 
 
-def complete(reading: Reading, line: int, column: int) -> list[Candidate]:
+def complete(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> list[Candidate]:
     """Return what could stand at a position, the likeliest first.
 
     Parameters
@@ -383,6 +384,8 @@ def complete(reading: Reading, line: int, column: int) -> list[Candidate]:
         The text, however broken.
     line, column : int
         Where the cursor stands, from 1.
+    facts : Facts, optional
+        The ports of plants among them are offered.
     """
     text = reading.raw_line(line)[: column - 1]
     column = len(text) + 1
@@ -401,7 +404,7 @@ def complete(reading: Reading, line: int, column: int) -> list[Candidate]:
     wanted = text[start - 1 :].strip("'").casefold()
     span = Span(line, start, line, column)
     tokens = tokenize_line(line, text[: start - 1], []).tokens
-    offered = _offered(reading, line, tokens, indented=text[:1].isspace())
+    offered = _offered(reading, line, tokens, facts, indented=text[:1].isspace())
     ranked = sorted(offered, key=lambda c: not c.label.casefold().startswith(wanted))
     return [replace(candidate, span=span) for candidate in ranked]
 
@@ -419,10 +422,10 @@ def _in_comment(text: str, line: int, column: int) -> list[Candidate] | None:
 
 
 def _offered(
-    reading: Reading, line: int, tokens: tuple[Token, ...], *, indented: bool
+    reading: Reading, line: int, tokens: tuple[Token, ...], facts: Facts, *, indented: bool
 ) -> list[Candidate]:
     if section_at(reading.lines, line) == "controller":
-        return _in_controller(reading, line, tokens, indented=indented)
+        return _in_controller(reading, line, tokens, facts, indented=indented)
     if not tokens and not indented:
         return [Candidate(r.word, "keyword", r.word, r.doc) for r in STATEMENTS.values()]
     if not indented or _starts_statement(tokens):
@@ -445,24 +448,23 @@ def _offered(
     return []
 
 
-_ARM_PORTS = ("position", "velocity", "acceleration", "voltage", "torque")
-
-
 def _in_controller(
-    reading: Reading, line: int, tokens: tuple[Token, ...], *, indented: bool
+    reading: Reading, line: int, tokens: tuple[Token, ...], facts: Facts, *, indented: bool
 ) -> list[Candidate]:
     records = SECTIONS["controller"]
     if not tokens:
         wanted = ("zoom", "learn", "drive") if indented else tuple(records)
         return [Candidate(word, "keyword", word, records[word].doc) for word in wanted]
-    names: dict[Kind, list[str]] = {Kind.PORT: list(_ARM_PORTS)}
+    names: dict[Kind, dict[str, str]] = {}
+    for (kind, name), words in facts.items():
+        if kind is Kind.PORT:
+            names.setdefault(kind, {})[name] = words
     for each in reading.occurrences:
         above = each.span.line < line and each.is_definition
         if above or (each.kind is Kind.PORT and each.span.line != line):
-            names.setdefault(each.kind, []).append(each.name)
-    once = {kind: tuple(dict.fromkeys(found)) for kind, found in names.items()}
+            names.setdefault(each.kind, {}).setdefault(each.name, each.kind)
     record = records.get(tokens[0].text) or CONTROLLER_STATEMENTS[SIGNAL]
-    return _asked(record.node.read, tokens, reading.model, names=once)
+    return _asked(record.node.read, tokens, reading.model, names=names)
 
 
 def _starts_statement(tokens: Sequence[Token]) -> bool:

@@ -11,7 +11,7 @@ from fuzzyarm.language.check.coverage import gaps_of
 from fuzzyarm.language.controllers import CONTROLLER_STATEMENTS, CONTROLLER_WORDS
 from fuzzyarm.language.phrases import SETTINGS, Kind, Occurrence, parameter_names
 from fuzzyarm.language.queries.completion import term_detail
-from fuzzyarm.language.queries.reading import Reading, contains
+from fuzzyarm.language.queries.reading import NOTHING, Facts, Reading, contains
 from fuzzyarm.language.queries.references import occurrence_at, references
 from fuzzyarm.language.statements import STATEMENTS, WORDS, CellNode, GridNode
 from fuzzyarm.language.tokens import name_text
@@ -107,14 +107,15 @@ class Hover:
     span: Span
 
 
-def hover(reading: Reading, line: int, column: int) -> Hover | None:
-    """Return what stands at a position, or None where nothing does."""
+def hover(reading: Reading, line: int, column: int, facts: Facts = NOTHING) -> Hover | None:
+    """Return what stands at a position, with what is known of it, or None where nothing does."""
     cell = _cell_at(reading, line, column)
     if cell is not None:
         return _of_cell(reading, *cell)
     occurrence = occurrence_at(reading, line, column)
     if occurrence is not None:
-        text = _of_occurrence(reading, occurrence)
+        known = facts.get((occurrence.kind, occurrence.name), "")
+        text = "\n\n".join(filter(None, (_of_occurrence(reading, occurrence), plain(known))))
         return Hover(text, occurrence.span) if text else None
     return _of_word(reading, line, column)
 

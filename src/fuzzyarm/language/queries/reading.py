@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 from fuzzyarm.expression.kinds import HEDGES
 from fuzzyarm.language.document import Document, ParseMemory
@@ -14,6 +15,12 @@ from fuzzyarm.language.statements import Broken, StatementNode
 from fuzzyarm.language.tokens import Line, Token, is_reserved
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.text.diagnostic import Span, split_lines
+
+Facts = Mapping[tuple[Kind, str], str]
+"""What is known of names beyond the text, in words: ports of plants, where signals can be. Who
+asks hands it in, as the language knows neither plants nor numerics."""
+
+NOTHING: Facts = MappingProxyType({})
 
 
 def _find_occurrences(document: Document, lines: Sequence[Line]) -> tuple[Occurrence, ...]:
@@ -76,11 +83,14 @@ class Reading:
         Tree, meaning and mistakes.
     lines : tuple of Line
         The tokens, line by line.
+    path : str
+        Of the file; the files that it names stand beside it.
     """
 
     text: str
     parsed: Parsed
     lines: tuple[Line, ...]
+    path: str = "<text>"
 
     @property
     def document(self) -> Document:
@@ -158,7 +168,7 @@ def read(text: str, path: str = "<text>", memory: ParseMemory | None = None) -> 
     """
     memory = memory or ParseMemory()
     parsed = parse(text, path, memory)
-    return Reading(text, parsed, tuple(memory.lines))
+    return Reading(text, parsed, tuple(memory.lines), path)
 
 
 def contains(span: Span, line: int, column: int) -> bool:

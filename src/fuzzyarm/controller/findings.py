@@ -1,0 +1,382 @@
+"""What is probably not meant between a controller, its rule bases and tables, and its plant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+
+from fuzzyarm.controller.on_plant import Site, site_of
+from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.reach import (
+    FED_BACK,
+    MADE,
+    PORT,
+    LookUp,
+    Reaches,
+    overlap,
+    reaches_of,
+    width,
+)
+from fuzzyarm.controller.text import ControllerText, ports_of
+from fuzzyarm.expression.operations import Interval
+from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Signal
+from fuzzyarm.model.units import product, read_unit, unit_text, unlike
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.own import PLANTS
+from fuzzyarm.plant.plant import Address, Plant, Port
+from fuzzyarm.text.diagnostic import Diagnostic, Related, Severity, Span
+
+# --- Which plant ---
+
+KINDS = ("measured", "reference", "drive")
+"""What a controller asks of a plant."""
+
+
+@cache
+def shipped_sites() -> tuple[Site, ...]:
+    """Return the shipped plants as controllers find them."""
+    return tuple(site_of(kind()) for kind in PLANTS.values())
+
+
+def site_by_axes(model: ControllerModel) -> Site | None:
+    """Return the shipped plant that has the axes of a controller, and some port that it asks for.
+
+    A controller may be meant for another plant, so that nothing follows from it for certain.
+    """
+    wanted = set(model.axis_names)
+    asked = [(kind, each) for kind in KINDS for each in ports_of(model, kind)]
+    for site in shipped_sites():
+        if wanted <= set(site.interface.axes) and any(_has(site, model, *each) for each in asked):
+            return site
+    return None
+
+
+def _has(site: Site, model: ControllerModel, kind: str, asked: Address) -> bool:
+    try:
+        site.find(model, kind, asked)
+    except SourceError:
+        return False
+    return True
+
+
+# --- All findings ---
+
+
+def doubts_of(
+    text: ControllerText, plant: Plant | None = None, connect: Mapping[str, str] | None = None
+) -> list[Diagnostic]:
+    """Return what is probably not meant in a controller with its files, on its plant.
+
+    Parameters
+    ----------
+    text : ControllerText
+        Without mistakes in its text; with what could be read of its files.
+    plant : Plant, optional
+        On which it is to run: what that lacks is an error. By default the shipped plant with
+        its axes; what that lacks is a warning.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+    """
+    site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
+    reaches = reaches_of(text, site)
+    found = [*_mismatches(text, reaches), *_unlike_units(text, reaches, site)]
+    if site is not None:
+        found += _missing_ports(text.model, site, given=plant is not None)
+        if all(use.name in text.sheets for use in text.model.uses):
+            found += _limits(text.model, reaches, site)
+    # Axes that share their lines share their findings.
+    once = dict.fromkeys(replace(each, path=text.path) for each in found)
+    return sorted(once, key=lambda each: (each.span, each.name))
+
+
+# --- Ranges of signals, and universes ---
+
+FACTORS = {FED_BACK: 1000.0, PORT: 100.0, MADE: 10.0}
+"""How many times as wide as its universe a signal may be. A loop that works keeps errors small: the
+shipped position loops have 720. What no loop keeps small uses its whole range."""
+
+SLOW = 0.05
+"""Share of a plant's full speed at which one set point is not to cross half a universe."""
+
+LEAST = 0.1
+"""Share of its universe, or of its actuator, that a signal is to reach."""
+
+
+def _mismatches(text: ControllerText, reaches: Reaches) -> Iterator[Diagnostic]:
+    """Yield signals that are far wider or far narrower than what they are looked up in."""
+    judged: set[tuple[int, str]] = set()
+    for each in reaches.look_ups:
+        key = (id(each.axes), each.signal)
+        if key in judged:
+            continue
+        finding = _too_wide(text.model, each) or _too_narrow(each)
+        if finding is not None:  # one gain is wrong, whatever else looks the signal up
+            judged.add(key)
+            yield finding
+
+
+def _too_wide(model: ControllerModel, each: LookUp) -> Diagnostic | None:
+    reach, universe = each.reach, each.universe
+    whole, inside = width(reach.at), width(overlap(reach.at, universe))
+    # Of a sum whose parts may cancel the interval is wider than what the signal reaches.
+    if not reach.tight or not FACTORS[reach.kept] * inside < whole < math.inf:
+        return None
+    if reach.kept != FED_BACK:
+        hint = f"multiply its gain by about {width(universe) / whole:.2g}"
+        return _of_range(each, "everything saturates", hint)
+    hint = f"multiply its gain by {FACTORS[FED_BACK] * width(universe) / whole:.2g} or less"
+    step = reach.pace * model.period * model.every
+    if SLOW * step <= 0.5 * width(universe):
+        verdict = f"all but {_percent(inside / whole)} of it saturates"
+        return _of_range(each, verdict, hint, Severity.INFO)
+    speed = f"; at full speed it moves by {step:.3g} in one set point" if step < math.inf else ""
+    return _of_range(each, f"everything saturates{speed}", hint)
+
+
+def _too_narrow(each: LookUp) -> Diagnostic | None:
+    at, universe = each.reach.at, each.universe
+    share = width(overlap(at, universe)) / width(universe)
+    if not 0.0 < share < LEAST:
+        return None
+    hint = f"multiply its gain by about {width(universe) / width(at):.2g}"
+    return _of_range(each, f"it uses {_percent(share)} of the universe", hint)
+
+
+def _of_range(
+    each: LookUp, verdict: str, hint: str, severity: Severity = Severity.WARNING
+) -> Diagnostic:
+    at, universe = each.reach.at, each.universe
+    return Diagnostic(
+        "range-mismatch",
+        f"{each.signal} reaches {_end(at)} here, {each.sheet} takes {_range(universe)}: {verdict}",
+        each.line.span,
+        severity,
+        hint=hint,
+        related=_made(each),
+    )
+
+
+def _range(interval: Interval) -> str:
+    return f"{interval.low:.4g} .. {interval.high:.4g}"
+
+
+def _end(interval: Interval) -> str:
+    """Return the magnitude of a symmetric interval, or both ends."""
+    return f"{interval.high:.4g}" if interval.high == -interval.low else _range(interval)
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %"
+
+
+def _made(each: LookUp) -> tuple[Related, ...]:
+    """Return where a signal is made, if that is another line."""
+    for line in each.axes.lines:
+        if isinstance(line, Signal) and each.signal in line.names and line is not each.line:
+            return (Related(f"{each.signal} is made here", line.span),)
+    return ()
+
+
+# --- Units ---
+
+
+def _unlike_units(
+    text: ControllerText, reaches: Reaches, site: Site | None
+) -> Iterator[Diagnostic]:
+    """Yield gains whose unit meets another one of its kind, as rad and deg, and does not cancel."""
+    gains = {each.name: each for each in text.model.gains}
+    for each in reaches.meetings:
+        before, brought = each.reach, each.brought
+        both = product(before, brought)
+        pair = unlike(both) if both is not None else None
+        if pair is None or unlike(before) or unlike(brought) or each.name not in gains:
+            continue
+        gain = gains[each.name]
+        yield Diagnostic(
+            "unlike-units",
+            f"{pair[0]} and {pair[1]} do not cancel: gain {each.name} has the unit {gain.unit},"
+            f" what it scales {unit_text(before)}",
+            each.span,
+            Severity.WARNING,
+            hint="write both in one unit",
+            related=(Related(f"gain {each.name}", gain.span),),
+        )
+    for address, lines in reaches.drives.items():
+        port = _port(text.model, site, address)
+        unit = read_unit(port.unit) if port is not None else None
+        for line, reach in lines:
+            ratio = product(reach.unit, unit, -1)
+            if ratio is None or port is None or unlike(ratio) is None or reach.unit is None:
+                continue
+            message = f"drive {line.port} is in {unit_text(reach.unit)}, the port in {port.unit}"
+            yield Diagnostic("unlike-units", message, line.span, Severity.WARNING)
+
+
+def _port(model: ControllerModel, site: Site | None, address: Address) -> Port | None:
+    """Return the input of the plant that a controller drives by this name."""
+    if site is None or not _has(site, model, "drive", address):
+        return None
+    return site.interface.inputs[site.find(model, "drive", address)]
+
+
+# --- Ports ---
+
+
+def _missing_ports(model: ControllerModel, site: Site, *, given: bool) -> Iterator[Diagnostic]:
+    """Yield what a controller asks for and the plant does not have."""
+    severity = Severity.ERROR if given else Severity.WARNING
+    known = _axes_on(site, model)
+    told: set[tuple[Span, str]] = set()
+    for kind in KINDS:
+        for asked in ports_of(model, kind):
+            place = _asking(model, kind, asked)
+            if place is None:
+                continue
+            axes, span = place
+            key = (span, asked[1]) if asked[0] in known else (axes.span, "")
+            try:
+                site.find(model, kind, asked)
+            except SourceError as error:
+                if key in told:
+                    continue
+                told.add(key)
+                hint = error.hint if given else f"{error.hint}; for another plant: --plant FILE.py"
+                message = str(error.args[0])
+                yield Diagnostic("unknown-port", message, key[0], severity, hint=hint)
+    if given and site.name != Arm.name:
+        for partner in model.partners:
+            message = f"the partner '{partner.name}' is a law of the arm and runs there only"
+            yield Diagnostic("arm-only", message, partner.span)
+
+
+def _axes_on(site: Site, model: ControllerModel) -> set[str]:
+    """Return the axes that a controller may have on a plant."""
+    axes = site.interface.axes
+    one = len(axes) == len(model.axis_names) == 1
+    return {*axes, *(model.axis_names if one else ())}
+
+
+def _asking(model: ControllerModel, kind: str, asked: Address) -> tuple[Axes, Span] | None:
+    """Return the first line that asks for a port, and its axes."""
+    axis, port = asked
+    for axes, line in model.lines():
+        if axis not in axes.names:
+            continue
+        if isinstance(line, Drive):
+            if kind == "drive" and line.port == port:
+                return axes, line.span
+        elif isinstance(line, Signal) and line.source is not None:
+            asks = line.source.kind in ("error", "sum", kind)
+            if asks and line.source.name == port:
+                return axes, line.span
+    return None
+
+
+# --- Actuators ---
+
+
+def _limits(model: ControllerModel, reaches: Reaches, site: Site) -> Iterator[Diagnostic]:
+    """Yield drives that pass the limits of their actuator, or hardly move it."""
+    for address, lines in reaches.drives.items():
+        port = _port(model, site, address)
+        if port is None:
+            continue
+        actuator = Interval(port.low, port.high)
+        if width(actuator) == math.inf:
+            continue
+        whole = Interval(
+            sum(reach.at.low for _, reach in lines), sum(reach.at.high for _, reach in lines)
+        )
+        takes = f"the {site.name} takes {_range(actuator)} {port.unit}"
+        for line, _ in lines:
+            if line.within is not None:
+                yield from _wider(line, Interval(*line.within), actuator, takes)
+        free = [line for line, _ in lines if line.within is None]
+        if free and overlap(whole, actuator) != whole:
+            growing = list(_growing(model, address[0], free, actuator))
+            yield from growing or [_without_limits(free[0], actuator, takes)]
+        share = width(overlap(whole, actuator)) / width(actuator)
+        if share < LEAST and width(whole) > 0.0:
+            yield Diagnostic(
+                "weak-drive",
+                f"{address[1]} stays within {_range(whole)}, {takes}:"
+                f" {_percent(share)} of the actuator is used",
+                lines[0][0].span,
+                Severity.WARNING,
+                hint="a larger gain on the drive",
+            )
+
+
+def _wider(line: Drive, limits: Interval, actuator: Interval, takes: str) -> Iterator[Diagnostic]:
+    if overlap(limits, actuator) != limits:
+        yield Diagnostic(
+            "wide-limits",
+            f"the limits {_range(limits)} of drive {line.port} pass its actuator: {takes}",
+            line.span,
+            Severity.WARNING,
+            hint=f"within {_range(overlap(limits, actuator))}",
+        )
+
+
+def _without_limits(line: Drive, actuator: Interval, takes: str) -> Diagnostic:
+    return Diagnostic(
+        "no-limits",
+        f"drive {line.port} has no limits; {takes}",
+        line.span,
+        Severity.INFO,
+        hint=f"add  , within {_range(actuator)}  so that the controller knows where it ends",
+    )
+
+
+def _growing(
+    model: ControllerModel, axis: str, free: Sequence[Drive], actuator: Interval
+) -> Iterator[Diagnostic]:
+    """Yield integrals that go on growing while the actuator behind such drives is at its limit."""
+    for axes, line in model.lines():
+        if axis not in axes.names or not isinstance(line, Signal) or line.source is None:
+            continue
+        bounded = {word for word, _ in line.source.options} & {"within", "anti-windup"}
+        if line.source.kind == "integral" and not bounded:
+            drive = axes.driven_by(line.names[0])
+            if drive is not None and any(drive is each for each in free):
+                yield Diagnostic(
+                    "windup",
+                    f"the integral '{line.names[0]}' goes on growing while the actuator of"
+                    f" {drive.port} is at {actuator.low:g} or {actuator.high:g}",
+                    line.span,
+                    Severity.WARNING,
+                    hint=f"add  , anti-windup hold  here and  , within {_range(actuator)}"
+                    "  to the drive",
+                )
+
+
+# --- For an editor ---
+
+
+def ranges_in_words(text: ControllerText) -> Mapping[str, str]:
+    """Return where each signal can be and its unit, as far as that is known, by its name."""
+    found: dict[str, list[str]] = {}
+    for (_, name), reach in reaches_of(text, site_by_axes(text.model)).signals.items():
+        if width(reach.at) < math.inf:
+            unit = f" {unit_text(reach.unit)}" if reach.unit else ""
+            words = f"{_range(reach.at)}{unit}"
+            if words not in found.setdefault(name, []):
+                found[name].append(words)
+    return {name: ", ".join(words) for name, words in found.items()}
+
+
+def ports_in_words(axes: Iterable[str]) -> Mapping[str, str]:
+    """Return the ports of the shipped plants with these axes, or of all, and what each is."""
+    wanted = set(axes)
+    sites = [s for s in shipped_sites() if wanted and wanted <= set(s.interface.axes)]
+    found: dict[str, str] = {}
+    for site in sites or shipped_sites():
+        interface = site.interface
+        for (_, name), port in (*interface.outputs.items(), *interface.inputs.items()):
+            limits = f", {_range(Interval(port.low, port.high))}" if port.high < math.inf else ""
+            found.setdefault(name, f"{site.name}, {port.unit}{limits}")
+        for _, name in interface.references:
+            found.setdefault(name, f"{site.name}, reference only")
+    return found

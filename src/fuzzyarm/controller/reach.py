@@ -1,0 +1,419 @@
+"""Where each signal of a controller can be: intervals from the ports on, line by line.
+
+The walk is that of :mod:`fuzzyarm.controller.program`, with intervals in place of cells. It is
+safe, not tight: signals count as independent. What nothing bounds reaches everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import reduce
+
+from fuzzyarm.controller.on_plant import Site
+from fuzzyarm.controller.program import AXIS, Sheet, SourceError, of_axis
+from fuzzyarm.controller.text import ControllerText, input_names
+from fuzzyarm.expression.operations import EVERYTHING, OPERATIONS, Interval
+from fuzzyarm.model.controller import (
+    Axes,
+    Drive,
+    Factor,
+    Learn,
+    Line,
+    Product,
+    Signal,
+    Source,
+    Zoom,
+)
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.units import Unit, of_difference, product, read_unit
+from fuzzyarm.plant.plant import Address
+from fuzzyarm.text.diagnostic import Span
+
+FED_BACK, PORT, MADE = 3, 2, 1
+"""What keeps a signal within its universe: the loop itself (errors and rates, which a loop that
+works keeps small), its plant (measured and reference values), or the text alone."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Where a signal can be.
+
+    Attributes
+    ----------
+    at : Interval
+        All its values.
+    pace : float
+        Largest change per second, as far as the plant says how fast a port moves. The jumps of a
+        reference are left out.
+    kept : int
+        What keeps it small: `FED_BACK`, `PORT` or `MADE`.
+    unit : dict or None
+        None where it is not certain.
+    origins : frozenset of str
+        The values that it is made of.
+    tight : bool
+        Whether it can go to the ends: false for a sum of which two parts have an origin in common,
+        as ``r - lag``, which may cancel.
+    """
+
+    at: Interval = EVERYTHING
+    pace: float = math.inf
+    kept: int = MADE
+    unit: Unit | None = None
+    origins: frozenset[str] = frozenset()
+    tight: bool = True
+
+
+@dataclass(frozen=True)
+class LookUp:
+    """A signal that goes into a rule base or a table.
+
+    Attributes
+    ----------
+    sheet, signal : str
+        Their names.
+    universe : Interval
+        What the rule base or the table tells apart.
+    line : Signal or Learn
+        Where.
+    """
+
+    axes: Axes
+    sheet: str
+    signal: str
+    reach: Reach
+    universe: Interval
+    line: Signal | Learn
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A product in which a unit meets one of its kind: `name` is the factor that brings it."""
+
+    name: str
+    reach: Unit
+    brought: Unit
+    span: Span
+
+
+@dataclass
+class Reaches:
+    """What the walk found.
+
+    Attributes
+    ----------
+    signals : dict
+        By axis and name.
+    look_ups : list of LookUp
+        In the order of the text.
+    drives : dict
+        By axis and port, its lines and where each can be, limits included.
+    meetings : list of Meeting
+        Products of units, by which gains are judged.
+    """
+
+    signals: dict[tuple[str, str], Reach] = field(default_factory=dict)
+    look_ups: list[LookUp] = field(default_factory=list)
+    drives: dict[Address, list[tuple[Drive, Reach]]] = field(default_factory=dict)
+    meetings: list[Meeting] = field(default_factory=list)
+
+
+def reaches_of(text: ControllerText, site: Site | None) -> Reaches:
+    """Walk over the lines of a controller.
+
+    Parameters
+    ----------
+    text : ControllerText
+        With the rule bases and tables that could be read.
+    site : Site or None
+        The plant, where it is known.
+    """
+    walk = _Walk(text, site)
+    for axes in text.model.axes:
+        for name in axes.names:
+            walk.axis = name
+            for line in axes.lines:
+                walk.line(axes, line)
+            walk.index += 1
+    return walk.found
+
+
+def combine(operation: str, a: Interval, b: Interval) -> Interval:
+    """Return the bounds of an operation."""
+    return OPERATIONS[operation].bounds(a, b)
+
+
+def hull(*intervals: Interval) -> Interval:
+    """Return the smallest interval around some."""
+    return Interval(min(each.low for each in intervals), max(each.high for each in intervals))
+
+
+def overlap(a: Interval, b: Interval) -> Interval:
+    """Return what two intervals share; its ends cross where that is nothing."""
+    return Interval(max(a.low, b.low), min(a.high, b.high))
+
+
+def width(interval: Interval) -> float:
+    """Return how wide an interval is, 0 where its ends cross."""
+    return max(0.0, interval.high - interval.low)
+
+
+def largest(interval: Interval) -> float:
+    """Return the largest magnitude in an interval."""
+    return max(abs(interval.low), abs(interval.high))
+
+
+def symmetric(size: float) -> Interval:
+    """Return the interval of all magnitudes up to a size."""
+    return Interval(-size, size)
+
+
+class _Walk:
+    """What is known on the way; `axis` is the one at hand, `index` its number."""
+
+    def __init__(self, text: ControllerText, site: Site | None) -> None:
+        self.text = text
+        self.site = site
+        self.found = Reaches()
+        self.gains = {each.name: each for each in text.model.gains}
+        self.axis = ""
+        self.index = 0
+
+    def line(self, axes: Axes, line: Line) -> None:
+        """Go on by one line."""
+        if isinstance(line, Signal):
+            self._signal(axes, line)
+        elif isinstance(line, Zoom):
+            for name in line.signals:
+                reach = self._named(name)
+                window = symmetric(largest(self._number(line.inside)))
+                # Within the window it is magnified; the others may be beyond theirs.
+                inside = overlap(reach.at, window)
+                large = combine("multiply", inside, self._number(line.by))
+                whole = hull(reach.at, large) if inside.low <= inside.high else reach.at
+                self.found.signals[self.axis, name] = replace(reach, at=whole)
+        elif isinstance(line, Learn):
+            self._look_up(axes, line, line.judge, line.inputs)
+        else:
+            reach = self._sum(line.products, line.span)
+            if line.within is not None:
+                reach = replace(reach, at=_clipped(reach.at, Interval(*line.within)))
+            self.found.drives.setdefault((self.axis, line.port), []).append((line, reach))
+
+    def _signal(self, axes: Axes, line: Signal) -> None:
+        if line.source is None:
+            made = [self._sum(line.products, line.span)]
+        else:
+            of = line.source
+            if of.kind in ("rules", "table"):
+                self._look_up(axes, line, of.name, of.inputs)
+            values = self._results(axes, of, len(line.names))
+            factors = line.products[0].factors if line.products else ()
+            made = [self._times(each, factors, line.span) for each in values]
+        for name, reach in zip(line.names, made, strict=False):
+            self.found.signals[self.axis, name] = reach
+
+    # --- Numbers, products, sums ---
+
+    def _number(self, value: str | float) -> Interval:
+        if not isinstance(value, str):
+            return Interval(value, value)
+        gain = self.gains.get(value)
+        if gain is None:
+            return EVERYTHING
+        amount = gain.values[self.index if len(gain.values) > 1 else 0].value(math.pi)
+        return Interval(amount, amount)
+
+    def _named(self, name: str) -> Reach:
+        """Return where a signal, a gain or a partner is."""
+        known = self.found.signals.get((self.axis, name))
+        if known is not None:
+            return known
+        gain = self.gains.get(name)
+        if gain is None:
+            return Reach()
+        return Reach(self._number(name), 0.0, MADE, read_unit(gain.unit) if gain.unit else None)
+
+    def _times(self, reach: Reach, factors: Sequence[Factor], span: Span) -> Reach:
+        for factor in factors:
+            if isinstance(factor.value, str):
+                other = self._named(factor.value)
+            else:
+                other = Reach(self._number(factor.value), 0.0, MADE, {})
+            word = "divide" if factor.divides else "multiply"
+            power = -1 if factor.divides else 1
+            at = combine(word, reach.at, other.at)
+            pace = math.inf
+            if other.pace == 0.0:
+                pace = largest(combine(word, symmetric(reach.pace), other.at))
+            elif reach.pace == 0.0 and not factor.divides:
+                pace = largest(combine(word, symmetric(other.pace), reach.at))
+            if isinstance(factor.value, str) and reach.unit is not None and other.unit is not None:
+                brought = product({}, other.unit, power) or {}
+                self.found.meetings.append(Meeting(factor.value, reach.unit, brought, span))
+            unit = product(reach.unit, other.unit, power)
+            origins = reach.origins | other.origins
+            tight = reach.tight and other.tight
+            reach = Reach(at, pace, max(reach.kept, other.kept), unit, origins, tight)
+        return reach
+
+    def _sum(self, products: Sequence[Product], span: Span) -> Reach:
+        parts = [self._product(each, span) for each in products]
+        units = [each.unit for each in parts]
+        origins = frozenset[str]().union(*(each.origins for each in parts))
+        alone = len(origins) == sum(len(each.origins) for each in parts)
+        return Reach(
+            reduce(lambda a, b: combine("add", a, b), [each.at for each in parts]),
+            sum(each.pace for each in parts),
+            max(each.kept for each in parts),
+            units[0] if all(each == units[0] for each in units) else None,
+            origins,
+            alone and all(each.tight for each in parts),
+        )
+
+    def _product(self, part: Product, span: Span) -> Reach:
+        first, *others = part.factors
+        if isinstance(first.value, str):
+            begin = self._named(first.value)
+        else:
+            begin = Reach(self._number(first.value), 0.0, MADE, {})
+        reach = self._times(begin, others, span)
+        if part.negative:
+            reach = replace(reach, at=Interval(-reach.at.high, -reach.at.low))
+        return reach
+
+    # --- Sources ---
+
+    def _results(self, axes: Axes, of: Source, count: int) -> list[Reach]:
+        if of.kind in ("error", "reference", "measured"):
+            return [self._port(of)]
+        if of.kind == "lag":
+            return [self._named(of.name)]
+        if of.kind == "rules":
+            made = self._conclusions(of.name) or [Reach()] * count
+        elif of.kind == "table":
+            made = [self._values(axes, of.name)]
+        else:
+            made = [self._port(of) if of.kind == "sum" else self._remembered(of)]
+        own = frozenset({f"{of.kind} {of.name} {of.inputs}"})
+        tight = of.kind in ("rules", "table", "sum", "integral") or self._named(of.name).tight
+        return [replace(each, origins=own, tight=tight) for each in made]
+
+    def _port(self, of: Source) -> Reach:
+        measured, wanted = self._of_port("measured", of.name), self._of_port("reference", of.name)
+        if of.kind == "measured":
+            return measured
+        if of.kind == "reference":
+            return wanted
+        weight = of.option("weight")
+        share = self._number(weight) if isinstance(weight, str | float) else Interval(1.0, 1.0)
+        asked = combine("multiply", wanted.at, share)
+        unit = of_difference(measured.unit)
+        both = wanted.origins | measured.origins
+        error = Reach(combine("subtract", asked, measured.at), measured.pace, FED_BACK, unit, both)
+        if of.kind == "error":
+            return error
+        if of.option("cleared") is None:
+            return replace(error, at=EVERYTHING, pace=math.inf)
+        periods = float(self.text.model.every)
+        whole = combine("multiply", error.at, Interval(periods, periods))
+        return replace(error, at=hull(whole, Interval(0.0, 0.0)), pace=math.inf)
+
+    def _of_port(self, kind: str, name: str) -> Reach:
+        """Return where a measured or reference value of the plant is."""
+        origins = frozenset({f"{kind} {name}"})
+        if self.site is None:
+            return Reach(kept=PORT, origins=origins)
+        outputs = self.site.interface.outputs
+        try:
+            address = self.site.find(self.text.model, kind, (self.axis, name))
+        except SourceError:
+            return Reach(kept=PORT, origins=origins)
+        port = outputs.get(address)
+        if port is None:  # a reference of an acceleration
+            return Reach(kept=FED_BACK, origins=origins)
+        rates = [
+            largest(Interval(other.low, other.high))
+            for (axis, _), other in outputs.items()
+            if axis == address[0] and other.rate_of == address[1]
+        ]
+        kept = FED_BACK if port.rate_of else PORT
+        at, pace = Interval(port.low, port.high), min(rates, default=math.inf)
+        return Reach(at, pace, kept, read_unit(port.unit), origins)
+
+    def _remembered(self, of: Source) -> Reach:
+        reach, period = self._named(of.name), self.text.model.period
+        unit, second = of_difference(reach.unit), {"s": 1}
+        if of.kind == "rate":
+            return Reach(symmetric(reach.pace), math.inf, FED_BACK, product(unit, second, -1))
+        if of.kind == "change":
+            step = min(width(reach.at), reach.pace * period)
+            return Reach(symmetric(step), math.inf, FED_BACK, unit)
+        within, start = of.option("within"), of.option("start")
+        at = Interval(*within) if isinstance(within, tuple) else EVERYTHING
+        if isinstance(start, float):
+            at = hull(at, Interval(start, start))
+        return Reach(at, largest(reach.at), MADE, product(reach.unit, second))
+
+    # --- Rule bases and tables ---
+
+    def _sheet(self, name: str) -> Sheet | None:
+        sheets = self.text.sheets.get(name)
+        return sheets[self.index if len(sheets) > 1 else 0] if sheets else None
+
+    def _conclusions(self, name: str) -> list[Reach]:
+        sheet = self._sheet(name)
+        if not isinstance(sheet, RuleBase):
+            return []
+        found = []
+        for output in sheet.outputs:
+            at = Interval(output.low, output.high)
+            if isinstance(output.no_rule, float):
+                at = hull(at, Interval(output.no_rule, output.no_rule))
+            found.append(Reach(at))
+        return found
+
+    def _values(self, axes: Axes, name: str) -> Reach:
+        table = self._sheet(name)
+        if table is None or isinstance(table, RuleBase):
+            return Reach()
+        try:
+            _, values = of_axis(table, self.index)
+        except SourceError:
+            return Reach()
+        at = Interval(float(values.min()), float(values.max()))
+        for line in axes.lines:
+            if isinstance(line, Learn) and line.table == name:
+                at = hull(at, symmetric(largest(self._number(line.bound))))
+        return Reach(at)
+
+    def _look_up(self, axes: Axes, line: Signal | Learn, name: str, inputs: Sequence[str]) -> None:
+        sheet = self._sheet(name)
+        if sheet is None:
+            return
+        names = [each for each in input_names(sheet) if each != AXIS or each in inputs]
+        if len(names) != len(inputs):
+            return
+        for signal, universe in zip(inputs, _universes(sheet, names), strict=True):
+            if math.isfinite(width(universe)) and width(universe) > 0.0:
+                reach = self._named(signal)
+                self.found.look_ups.append(LookUp(axes, name, signal, reach, universe, line))
+
+
+def _universes(sheet: Sheet, names: Sequence[str]) -> Iterator[Interval]:
+    """Yield what a rule base or a table tells apart, of each input."""
+    for name in names:
+        if isinstance(sheet, RuleBase):
+            variable = sheet.variable(name)
+            beyond = variable.outside == "extend"
+            yield EVERYTHING if beyond else Interval(variable.low, variable.high)
+        else:
+            levels = sheet.axis(name).levels
+            yield Interval(levels[0], levels[-1])
+
+
+def _clipped(at: Interval, limits: Interval) -> Interval:
+    low = min(max(at.low, limits.low), limits.high)
+    return Interval(low, max(low, min(at.high, limits.high)))
