@@ -81,10 +81,17 @@ def draw_plants(wanted: list[str]) -> None:
         animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
 
 
+def draw_phase() -> None:
+    """Draw the phase portrait of the shipped servo."""
+    out = str(PICTURES / "servo-phase.png")
+    main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     words = sys.argv[1:]
     if not words:
         draw_table()
         draw_surface()
+        draw_phase()
     draw_plants([word for word in words if word != "plants"])

@@ -1,6 +1,7 @@
 """Gymnasium environments and FMUs as plants, against the real packages."""
 
 import copy
+import json
 import pickle
 import re
 import shutil
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
+from fuzzyarm.cli import main
 from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.text import with_files
 from fuzzyarm.language import parse
@@ -273,3 +275,17 @@ def test_damaged_units_and_those_of_other_machines_are_errors(unit, tmp_path):
                          words.replace('guid=', 'numberOfEventIndicators="2" guid='))  # fmt: skip
     with pytest.raises(PlantError, match="has events"):
         find_plant(str(eventful))
+
+
+def test_the_command_runs_an_environment_and_says_when_it_ended(gymnasium, capsys):
+    words = ["simulate", str(shipped("cartpole.frb")), "--plant", "gym:CartPole-v1", "--step", "0"]
+    assert main(words) == 0
+    assert "500 samples" in capsys.readouterr().out
+    assert main([*words, "--set", "G_theta=-1"]) == 0
+    assert "ended by the plant at" in capsys.readouterr().out
+    assert main([*words, "--set", "G_theta=-1", "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["ended"] == pytest.approx(0.02 * data["samples"])
+    assert data["diverged"] is None
+    assert main(["simulate", words[1], "--plant", "gym:Nope-v1"]) == 1
+    assert "no environment 'Nope-v1'" in capsys.readouterr().err

@@ -6,6 +6,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -81,6 +82,8 @@ def test_every_console_command_does_what_the_page_shows(page, workplace):
 def test_every_block_of_python_runs(page, workplace):
     write_files(page, workplace)
     for block in blocks(page, "python"):
+        if any(find_spec(name) is None for name in re.findall(r"(?m)^import (\w+)", block)):
+            continue  # an extra that is not installed
         done = subprocess.run(
             [sys.executable, "-c", block],
             cwd=workplace, capture_output=True, text=True, check=False,

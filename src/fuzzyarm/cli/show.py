@@ -107,7 +107,11 @@ A rule base gives the memberships of every variable and the control surface of e
 a line over one input, a surface and its map over two, a slice over two of more with the
 others at the middle of their ranges or where --at says. A table gives its cells.
 
+A rule base or a controller that remembers nothing has a describing function (its gain under a
+sinusoidal error); a rule base of error and rate, or a controller on a plant, a phase portrait.
+
   fuzzyarm plot rulebases/thermostat.frb -o thermostat.svg --at presence=1
+  fuzzyarm plot rulebases/servo.frb -o servo.png --what phase --plant motor
 """
 
 
@@ -115,9 +119,40 @@ def _plot(arguments: argparse.Namespace) -> int:
     from fuzzyarm.show.figures.style import require_figure_suffix, save_figure
 
     require_figure_suffix(arguments.out)
-    save_figure(_figure(load_sheet(arguments.file), arguments), arguments.out)
+    if arguments.what in LOOP_FIGURES:
+        figure = _loop_figure(arguments)
+    elif arguments.plant is not None:
+        raise WordError("--plant goes with --what phase")
+    else:
+        figure = _figure(load_sheet(arguments.file), arguments)
+    save_figure(figure, arguments.out)
     say(f"{arguments.out}: drawn from {arguments.file}")
     return 0
+
+
+LOOP_FIGURES = ("describing-function", "phase")
+"""What is drawn of a rule base or a controller in a loop."""
+
+
+def _loop_figure(arguments: argparse.Namespace) -> Figure:
+    from fuzzyarm.api import load
+    from fuzzyarm.loop import phase_portrait
+    from fuzzyarm.show.figures.analysis import describing_figure, portrait_figure
+    from fuzzyarm.table import LookupTable
+
+    model = load(arguments.file)
+    if isinstance(model, LookupTable) or arguments.at is not None or arguments.output is not None:
+        raise WordError(
+            f"--what {arguments.what} takes a rule base or a controller, without --at and --output"
+        )
+    if arguments.what == "describing-function":
+        if arguments.plant is not None:
+            raise WordError("--plant goes with --what phase")
+        return describing_figure(model)
+    from fuzzyarm.plant import find_plant
+
+    plant = find_plant(arguments.plant) if arguments.plant is not None else None
+    return portrait_figure(phase_portrait(model, plant))
 
 
 def _figure(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Figure:
@@ -211,11 +246,12 @@ COMMANDS = (
         out("FIG", "the figure to write"),
         argument(
             "--what",
-            "part of a rule base to draw",
-            choices=("all", "terms", "surface"),
+            "part of a rule base to draw, or what it does in a loop",
+            choices=("all", "terms", "surface", *LOOP_FIGURES),
             default="all",
         ),
         argument("--output NAME", "the surface of this output only"),
+        argument("--plant PLANT", "of the phase portrait of a controller"),
         at("inputs to hold fixed or to mark"),
     ),
     command(

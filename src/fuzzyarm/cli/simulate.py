@@ -343,6 +343,7 @@ def _as_json(result: Run) -> dict[str, Any]:
         "conventions": result.conventions.name,
         "precision": result.conventions.precision,
         "diverged": result.diverged,
+        "ended": result.ended,
         "compiled": result.compiled,
         "plant": result.plant,
         "outputs": dict(zip(result.labels, result.units, strict=True)),
@@ -368,6 +369,10 @@ def _as_text(result: Run) -> str:
             lines.append(f"{name:<16}{pair[0]:>12.4f}{pair[1]:>12.4f}")
     elif result.samples:
         lines += _metric_lines(result)
+    if result.ended is not None:
+        lines.append(
+            f"ended by the plant at {result.ended:.4f} s; the figures are those until then"
+        )
     if result.diverged is not None:
         until = "the figures are those until then" if result.samples else "before the first sample"
         bound = "an output beyond its bound"

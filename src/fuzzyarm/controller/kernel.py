@@ -24,7 +24,7 @@ nothing yet.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzyarm.kernels import call, kernel
 from fuzzyarm.plant.setting import LAST, PERIOD, SINGLE, stored
@@ -65,16 +65,24 @@ LAGGED, LAG_TIME = range(2)  # of LAG
 LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
 LAST_DRIVE, STEEPEST = range(2)  # of SLEW
 
-REMEMBERS = {
-    CHANGE: (BEFORE,),
-    RATE: (BEFORE, FILTERED),
-    INTEGRATE: (TOTAL,),
-    SUM: (TOTAL,),
-    LAG: (LAGGED,),
-    LIMIT: (OVER,),
-    SLEW: (LAST_DRIVE,),
+
+class Remembered(NamedTuple):
+    """What an instruction remembers: a cell behind its state, and how it is called."""
+
+    offset: int
+    suffix: str
+
+
+REMEMBERED: dict[int, tuple[Remembered, ...]] = {
+    CHANGE: (Remembered(BEFORE, "before"),),
+    RATE: (Remembered(BEFORE, "before"), Remembered(FILTERED, "slope")),
+    INTEGRATE: (Remembered(TOTAL, "total"),),
+    SUM: (Remembered(TOTAL, "total"),),
+    LAG: (Remembered(LAGGED, "lagged"),),
+    LIMIT: (Remembered(OVER, "excess"),),
+    SLEW: (Remembered(LAST_DRIVE, "before_slew"),),
 }
-"""What an instruction leaves for the next period, from its state on."""
+"""By instruction, the cells that change; all others behind its state are numbers."""
 
 # The list of ZOOM: factor, window, whether signals wait at its edge, then the signals. That of
 # LOOK_UP is told in fuzzyarm.table.lookup. Of LEARN: values, visits, the ring (its index in front)

@@ -131,7 +131,7 @@ class Program:
         found: set[int] = set()
         for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
             what, state = code[at], code[at + 3]
-            found |= {state + offset for offset in to.REMEMBERS.get(what, ())}
+            found |= {state + each.offset for each in to.REMEMBERED.get(what, ())}
         for begin, end in self.rings:
             found |= set(range(begin, end))
         for place in self.learned.values():

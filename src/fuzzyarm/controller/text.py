@@ -467,14 +467,12 @@ class ControllerRun:
 
     @property
     def state(self) -> tuple[float, ...]:
-        """What it remembers: how many periods it ran, then what its sources keep.
-
-        To be set to what it was before; a first number of 0 starts it anew, whatever follows.
-        """
+        """What it remembers: how many periods it ran, then what its sources keep."""
         return (float(self._periods), *(float(self._cells[cell]) for cell in self._memory))
 
     @state.setter
     def state(self, values: Sequence[float]) -> None:
+        """Set it to what it was before; a first number of 0 starts it anew, whatever follows."""
         periods, *kept = values
         if len(kept) != len(self._memory):
             count = 1 + len(self._memory)

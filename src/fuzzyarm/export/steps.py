@@ -169,25 +169,6 @@ class Teach(NamedTuple):
 Step = Set | Ask | Find | Pick | Teach
 
 
-class Remembered(NamedTuple):
-    """What an instruction remembers: a cell behind its state, and how it is called."""
-
-    offset: int
-    suffix: str
-
-
-REMEMBERED: dict[int, tuple[Remembered, ...]] = {
-    at.CHANGE: (Remembered(at.BEFORE, "before"),),
-    at.RATE: (Remembered(at.BEFORE, "before"), Remembered(at.FILTERED, "slope")),
-    at.INTEGRATE: (Remembered(at.TOTAL, "total"),),
-    at.SUM: (Remembered(at.TOTAL, "total"),),
-    at.LAG: (Remembered(at.LAGGED, "lagged"),),
-    at.LIMIT: (Remembered(at.OVER, "excess"),),
-    at.SLEW: (Remembered(at.LAST_DRIVE, "before_slew"),),
-}
-"""By instruction, the cells that change; all others behind its state are numbers."""
-
-
 @dataclass
 class Steps:
     """A controller as an exported program.
@@ -353,7 +334,7 @@ class _Walk:
 
     def _state(self, what: int, state: int, begin: int) -> None:
         """Name the cells that an instruction changes, after the signal that it works for."""
-        for offset, suffix in REMEMBERED.get(what, ()):
+        for offset, suffix in at.REMEMBERED.get(what, ()):
             if state + offset in self.symbols:  # the excess of a limit that an integral reads
                 continue
             axis, base = self._works_for(begin)

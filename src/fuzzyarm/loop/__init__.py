@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+from fuzzyarm.loop.analysis import (
+    AnalysisError,
+    Portrait,
+    describing_function,
+    nonlinearity,
+    phase_portrait,
+)
 from fuzzyarm.loop.batch import Batch, simulate_batch
 from fuzzyarm.loop.course import Motion, Options, Sensor
 from fuzzyarm.loop.metrics import Metrics
@@ -9,13 +16,18 @@ from fuzzyarm.loop.reference import Signal, read_signal
 from fuzzyarm.loop.run import Run, simulate
 
 __all__ = [
+    "AnalysisError",
     "Batch",
     "Metrics",
     "Motion",
     "Options",
+    "Portrait",
     "Run",
     "Sensor",
     "Signal",
+    "describing_function",
+    "nonlinearity",
+    "phase_portrait",
     "read_signal",
     "simulate",
     "simulate_batch",

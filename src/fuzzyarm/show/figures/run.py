@@ -76,6 +76,8 @@ def _quantity(label: str, unit: str) -> str:
 
 def _name(run: Run) -> str:
     stopped = f", diverged at {run.diverged:.3g} s" if run.diverged is not None else ""
+    if run.ended is not None:
+        stopped = f", ended at {run.ended:.3g} s"
     return safe(run.controller + stopped)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -223,25 +223,6 @@ def _longest_step(system: Any) -> float:
 # --- To python-control ---
 
 
-class Running(Protocol):
-    """A controller as it runs, see :class:`fuzzyarm.controller.text.ControllerRun`."""
-
-    state: tuple[float, ...]
-    text: Any
-
-    @property
-    def inputs(self) -> tuple[str, ...]: ...  # noqa: D102
-    @property
-    def references(self) -> tuple[str, ...]: ...  # noqa: D102
-    @property
-    def drives(self) -> tuple[str, ...]: ...  # noqa: D102
-
-    def start(self) -> None: ...  # noqa: D102
-    def step(  # noqa: D102
-        self, measured: Mapping[str, float], reference: Mapping[str, float]
-    ) -> dict[str, float]: ...
-
-
 def to_control(thing: Any, period: float | None = None, **options: Any) -> Any:
     """Return a plant or a controller as text as a discrete-time python-control system.
 
@@ -347,7 +328,8 @@ def _labels(interface: Any, kind: str) -> list[str]:
     return [signal_name(interface.label(port)) for port in ports]
 
 
-def _system_of_controller(run: Running, period: float) -> Any:
+def _system_of_controller(run: Any, period: float) -> Any:
+    # `run` is a fuzzyarm.controller.text.ControllerRun, which stands above the plants.
     import control
 
     seen: dict[str, Any] = {}

@@ -5,9 +5,9 @@ Each package is imported when it is used; together they are the extra ``fuzzyarm
 
 from __future__ import annotations
 
-from fuzzyarm.plant.adapters.control_systems import ControlPlant, is_control_system, to_control
-from fuzzyarm.plant.adapters.environments import EnvironmentPlant
-from fuzzyarm.plant.adapters.units import UnitPlant
+from fuzzyarm.plant.control_systems import ControlPlant, is_control_system, to_control
+from fuzzyarm.plant.environments import EnvironmentPlant
+from fuzzyarm.plant.fmu import UnitPlant
 
 __all__ = [
     "ControlPlant",

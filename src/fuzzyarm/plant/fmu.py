@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 
 from fuzzyarm.errors import demand_extra
-from fuzzyarm.plant.adapters.control_systems import rate_of
+from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port, parameter
 
 REAL = ("Real", "Float64", "Float32")
