@@ -1,20 +1,27 @@
 """Draw the pictures of the README and the documentation again.
 
-    python docs/make_pictures.py
+    python docs/make_pictures.py            # all of them
+    python docs/make_pictures.py plants     # runs on the shipped plants alone
+    python docs/make_pictures.py motor      # one of them
 
-Every picture comes from the commands that a reader would use.
+Every picture comes from what a reader would use: commands, or the functions behind them.
 """
 
 from __future__ import annotations
 
 import io
+import sys
 from pathlib import Path
 
 from rich.console import Console
 
-from fuzzyarm import shipped
+from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
 from fuzzyarm.language import load_rulebase
+from fuzzyarm.loop import Options, Sensor, Signal, simulate
+from fuzzyarm.plant import find_plant, pick_and_place
+from fuzzyarm.show.figures.animation import animate
+from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.table import table_view
 from fuzzyarm.table import compile_table
 
@@ -41,6 +48,45 @@ def draw_map() -> None:
     main(["sweep", "pid", *ranges, "--plot", str(PICTURES / "sweep-map.png")])
 
 
+FRAMES = 40
+"""Of an animation; more make the files large."""
+
+RUNS = {
+    "arm": ("stfc.frb", {}, None, Options()),
+    "motor": (
+        "servo.frb",
+        {"position": Signal("step", (1.0, 0.1))},
+        0.6,
+        Options(sensors={"position": Sensor(resolution=0.001)}),
+    ),
+    "cartpole": ("cartpole.frb", {"x": Signal("step", (1.0, 1.0))}, None, Options()),
+    "tanks": ("tanks.frb", {"level2": Signal("step", (0.15, 20.0, 0.05))}, 200.0, Options()),
+    "ball-and-beam": (
+        "ball-and-beam.frb",
+        {"position": Signal("sine", (0.2, 0.1))},
+        None,
+        Options(),
+    ),
+    "room": ("heater.frb", {"temperature": Signal("step", (21.0, 3600.0, 18.0))}, None, Options()),
+}
+"""The run that stands for each shipped plant: controller, references, duration, options."""
+
+
+def draw_plants(wanted: list[str]) -> None:
+    """Draw and animate a run on each shipped plant, or on those that are wanted."""
+    for name, (controller, references, duration, options) in RUNS.items():
+        if wanted and name not in wanted:
+            continue
+        plant = find_plant(name)
+        chosen = load(shipped(controller))
+        if name == "arm":
+            run = simulate(chosen, pick_and_place(), payload=True, options=options)
+        else:
+            run = simulate(chosen, plant, references=references, duration=duration, options=options)
+        draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=80)
+        animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
+
+
 def draw_phase() -> None:
     """Draw the phase portrait of the shipped servo."""
     out = str(PICTURES / "servo-phase.png")
@@ -49,7 +95,10 @@ def draw_phase() -> None:
 
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
-    draw_table()
-    draw_surface()
-    draw_map()
-    draw_phase()
+    words = sys.argv[1:]
+    if not words:
+        draw_table()
+        draw_surface()
+        draw_map()
+        draw_phase()
+    draw_plants([word for word in words if word != "plants"])

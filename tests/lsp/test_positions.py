@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from lsprotocol import types
 from pytest_lsp.client import make_test_lsp_client
 
-from fuzzyarm.cli.command import MissingExtraError, demand_extra
+from fuzzyarm.errors import MissingExtraError, demand_extra
 from fuzzyarm.lsp.session import characters, to_place, to_position, units
 
 CODECS = {"utf-8": ("utf-8", 1), "utf-16": ("utf-16-le", 2), "utf-32": ("utf-32-le", 4)}

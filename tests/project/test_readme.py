@@ -35,9 +35,18 @@ def matches(expected, actual):
     return re.fullmatch(pattern, actual.strip(), re.DOTALL) is not None
 
 
+def write_files(page, folder):
+    """Write the blocks that begin with the name of a file, as in ``# mine.py``."""
+    for text in (*blocks(page, "frb"), *blocks(page, "python")):
+        named = re.match(r"# ([\w-]+\.(?:frb|py))\n", text)
+        if named is not None:
+            (folder / named.group(1)).write_text(text)
+
+
 @pytest.fixture
 def workplace(tmp_path):
     shutil.copytree(ROOT / "rulebases", tmp_path / "rulebases")
+    shutil.copytree(ROOT / "examples" / "controllers", tmp_path / "examples" / "controllers")
     for text in blocks(ROOT / "README.md", "frb"):
         name = re.match(r"rulebase (\w+)", text).group(1)
         (tmp_path / f"{name}.frb").write_text(text)
@@ -57,6 +66,7 @@ def run(command, cwd):
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_console_command_does_what_the_page_shows(page, workplace):
+    write_files(page, workplace)
     for block in blocks(page, "console"):
         for command, expected in console_steps(block):
             if command.startswith("make "):
@@ -70,6 +80,7 @@ def test_every_console_command_does_what_the_page_shows(page, workplace):
 @pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_block_of_python_runs(page, workplace):
+    write_files(page, workplace)
     for block in blocks(page, "python"):
         if any(find_spec(name) is None for name in re.findall(r"(?m)^import (\w+)", block)):
             continue  # an extra that is not installed

@@ -182,7 +182,8 @@ def _redraw(run: Run, home: Any) -> Callable[[int], None]:
     for column, name in enumerate(drives):
         colour = COLOURS[column % len(COLOURS)]
         panels[1].plot(run.time, run.drives[name], color=colour, linewidth=0.9, label=safe(name))
-    panels[1].set_ylabel(safe(run.drive_units[drives[0]]), fontsize=8)
+    units = dict.fromkeys(run.drive_units[name] for name in drives)  # those of the arm: two
+    panels[1].set_ylabel(safe(", ".join(units)), fontsize=8)
     panels[1].set_xlabel("time, s", fontsize=8)
     cursors = []
     for panel in panels:
