@@ -228,13 +228,14 @@ QUICK = ("sampled", "and", "hedge")
 NO_RULE_BASE = {
     "compare",
     "corpus",
-    "learn",
-    "reproduce",
-    "identify",
-    "new",
-    "studio",
-    "lsp",
     "demo",
+    "identify",
+    "learn",
+    "lsp",
+    "new",
+    "reproduce",
+    "studio",
+    "sweep",
 }
 
 
