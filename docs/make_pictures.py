@@ -2,6 +2,7 @@
 
     python docs/make_pictures.py            # all of them
     python docs/make_pictures.py plants     # runs on the shipped plants alone
+    python docs/make_pictures.py structures # runs of each structure alone
     python docs/make_pictures.py motor      # one of them
 
 Every picture comes from what a reader would use: commands, or the functions behind them.
@@ -13,6 +14,7 @@ import io
 import sys
 from pathlib import Path
 
+from PIL import Image
 from rich.console import Console
 
 from fuzzyarm import load, shipped
@@ -40,6 +42,37 @@ def draw_table() -> None:
 def draw_surface() -> None:
     """Draw the terms and the control surface of pd7.frb."""
     main(["plot", str(shipped("pd7.frb")), "-o", str(PICTURES / "pd7.png")])
+
+
+SERVO = "rulebases/servo.frb"
+OWN = "examples/controllers"
+STRUCTURES = {
+    "pd": f"{SERVO} --plant motor --step 1 --for 400ms",
+    "incremental-pi": f"{OWN}/incremental-pi.frb --plant motor --reference velocity=step:20",
+    "pd-plus-i": f"{SERVO} {OWN}/pd-plus-i.frb --plant motor --step 1 --disturb voltage=step:-2,1",
+    "scheduled-pid": f"rulebases/tanks.frb {OWN}/scheduled-pid.frb --plant tanks --step 0.1",
+    "supervisor": f"{OWN}/supervisor.frb --plant tanks --step 0.2",
+    "stfc": "fuzzy-direct stfc --payload",
+    "cfaf": "fuzzy-direct cfaf --payload",
+    "soc": "soc-zero --payload",
+    "hfie": "fuzzy-direct hfie --payload",
+    "hybrid": "cdid cdid+fuzzy --payload",
+    "feed-forward": f"{SERVO} {OWN}/feed-forward.frb --plant motor --reference position=sine:1,1",
+    "model-reference": f"{SERVO} {OWN}/model-reference.frb --plant motor --step 1 --set J=0.03",
+}
+"""What ``fuzzyarm simulate`` is asked for the figure of each structure."""
+
+
+def draw_structures(wanted: list[str]) -> None:
+    """Draw a run of each structure of ``docs/structures.md``, or of those that are wanted."""
+    for name, words in STRUCTURES.items():
+        if wanted and name not in wanted:
+            continue
+        path = PICTURES / f"structure-{name}.png"
+        main(["simulate", *words.split(), "--plot", str(path)])
+        picture = Image.open(path).convert("RGB")
+        picture.thumbnail((900, 900))
+        picture.quantize(64).save(path, optimize=True)
 
 
 def draw_map() -> None:
@@ -101,4 +134,7 @@ if __name__ == "__main__":
         draw_surface()
         draw_map()
         draw_phase()
-    draw_plants([word for word in words if word != "plants"])
+    if not words or words == ["structures"] or set(words) & set(STRUCTURES):
+        draw_structures([word for word in words if word != "structures"])
+    if not words or words == ["plants"] or set(words) & set(RUNS):
+        draw_plants([word for word in words if word != "plants"])
