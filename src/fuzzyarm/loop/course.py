@@ -336,7 +336,8 @@ class Course:
             *map(self._flat, self._sensing(self.options.seed)),
             self._flat(self._pushes()),
         )
-        self._judged = (self._flat(self._checks()[0], np.int64), self._flat(self._checks()[1]))
+        cells, bounds = self._checks()
+        self._judged = (self._flat(cells, np.int64), self._flat(bounds))
         self._setting = Setting(
             motion.step,
             conventions.single,
@@ -377,10 +378,6 @@ class Course:
         """Return the cell of a drive as the plant feels it."""
         outputs = len(self.site.interface.outputs) + self.site.extra
         return self._true + outputs + list(self.site.interface.inputs).index(port)
-
-    def seen_cell(self, port: Address) -> int:
-        """Return the cell of an output as its sensor has it."""
-        return self._seen + list(self.site.interface.outputs).index(port)
 
     # --- Parts ---
 
@@ -498,7 +495,11 @@ class Course:
         setting = self._flat(self._setting._replace(seed=chosen % 2**31))
         links, sensors, noise, pushes = self._fixed
         if len(sensors):
-            sensors, noise = map(self._flat, self._sensing(chosen))
+            # What sensors remember is each run's own; noise is drawn again for another seed only.
+            if chosen == self.options.seed:
+                sensors = self._flat(sensors)
+            else:
+                sensors, noise = map(self._flat, self._sensing(chosen))
         return (
             *self._points,
             *self.plants,

@@ -78,10 +78,6 @@ class Program:
         as_array = self.compiled if as_array is None else as_array
         return flat(laws, np.int64, as_array=as_array), flat(self.numbers, as_array=as_array)
 
-    def law_of(self, law: Law) -> int:
-        """Return where among the laws one is."""
-        return next(index for index, each in enumerate(self._laws) if each is law)
-
     def memory_of(self, law: Law, memory: Any) -> Any:
         """Return the stretch of a memory that belongs to a law."""
         begin = 0

@@ -157,6 +157,7 @@ def ask_watched(
     clock: list[float],
 ) -> None:
     """Do what `ask_plant` does, and add up by how much the torques of the arm change."""
+    # Its first two lines stand here again: bound to that name, this would call itself.
     clock[4] = task
     call(links[0], x, y, u, p, clock)
     if task == ACTUATE:
