@@ -62,7 +62,7 @@ editors:
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate -p 3.11 pyproject.toml -o requirements/run.lock
 	uv pip compile --universal --generate-hashes --no-header --no-annotate -p 3.11 --group build -o requirements/build.lock
-	uv pip compile --universal --generate-hashes --no-header --no-annotate -p 3.11 pyproject.toml --all-extras --group dev -c requirements/run.lock -o requirements/dev.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate -p 3.11 pyproject.toml --all-extras --group dev --group docs -c requirements/run.lock -o requirements/dev.lock
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .hypothesis
