@@ -7,11 +7,12 @@ calls as a user's own (:mod:`~fuzzyarm.expression.kinds`).
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain, product
+from itertools import chain, pairwise, product
 from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
@@ -178,11 +179,59 @@ class Shape(Kind):
         scalar = self.scalar
         return lambda x: scalar(x, *parameters)
 
+    def fault(self, parameters: Sequence[float]) -> tuple[int, str] | None:
+        """Return what is wrong with the numbers of a shape; None if nothing is.
+
+        Parameters
+        ----------
+        parameters : sequence of float
+            As many as the kind takes; of ``points`` x1, y1, x2, y2, ….
+
+        Returns
+        -------
+        tuple of (int, str) or None
+            Index of the number at fault and one sentence.
+        """
+        names = self.parameters or ("",) * len(parameters)
+        for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
+            if math.isnan(value):
+                return i, f"a {self.name} cannot have the number nan"
+            if math.isinf(value) and name not in self.unbounded:
+                return i, f"a {self.name} cannot have an infinite number here"
+        if self.name == "points":
+            return _points_fault(parameters)
+        if self.ordered:
+            for i, (before, number) in enumerate(pairwise(parameters), start=1):
+                if number < before:
+                    return i, f"the numbers of a {self.name} must not decrease"
+        for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
+            if name in self.positive and not value > 0.0:
+                return i, f"{self.number_words(name)} must be above 0"
+            if name in self.nonzero and value == 0.0:
+                return i, f"{self.number_words(name)} must not be 0"
+        return None
+
+    def number_words(self, name: str) -> str:
+        """Return what a message calls one of its numbers: ``the deviation of a gaussian``."""
+        return f"the {name.replace('-', ' ')} of a {self.name}"
+
     def array(self, *arguments: Any) -> Any:
         """Return the degrees over an array: x, then the parameters."""
         if self.function is None and self.corners is not None:
             return degrees_on_polyline(self.corners(*arguments[1:]), arguments[0])
         return super().array(*arguments)
+
+
+def _points_fault(parameters: Sequence[float]) -> tuple[int, str] | None:
+    for i in range(2, len(parameters), 2):
+        if parameters[i] < parameters[i - 2]:
+            return i, "the numbers of a points must not decrease"
+        if i >= 4 and parameters[i] == parameters[i - 4]:
+            return i, "at most two points may share an x"
+    for i in range(1, len(parameters), 2):
+        if not 0.0 <= parameters[i] <= 1.0:
+            return i, "a membership must lie between 0 and 1"
+    return None
 
 
 def degree_on_polyline(corners: Sequence[float], x: float) -> float:

@@ -9,7 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
+from fuzzyarm.text.names import near_hint, shortened
+from fuzzyarm.text.numbers import number_text
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
 """How a sampled defuzzifier spreads N points over the range of an output."""
@@ -31,7 +34,7 @@ POSITION = "x"
 """The name under which a formula that is a membership function knows where it is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Shape:
     """The membership function of a term, or the value of a consequent.
 
@@ -46,12 +49,60 @@ class Shape:
         Factor on the whole function, 1 as a rule.
     formula : str
         The text of a ``formula``; empty otherwise.
+
+    Raises
+    ------
+    RuleBaseError
+        For a kind that does not exist, too many or too few numbers, or numbers that are not
+        those of such a shape; its finding names the argument.
+
+    Examples
+    --------
+    >>> Shape("triangle", (0, 1))
+    Traceback (most recent call last):
+    fuzzyarm.text.diagnostic.RuleBaseError: Shape(parameters): error[wrong-parameter-count]: \
+triangle takes 3 numbers (left, peak, right), found 2
     """
 
     kind: str
     parameters: tuple[float, ...] = ()
     height: float = 1.0
     formula: str = ""
+
+    def __post_init__(self) -> None:
+        if type(self.parameters) is not tuple:
+            object.__setattr__(self, "parameters", tuple(map(float, self.parameters)))
+        fault = _shape_fault(self.kind, self.parameters)
+        if fault is not None:
+            raise fault
+
+    def __repr__(self) -> str:
+        numbers = f", {self.parameters!r}" if self.parameters else ""
+        formula = f", formula={self.formula!r}" if self.formula else ""
+        height = f", height={self.height!r}" if self.height != 1.0 else ""
+        return f"Shape({self.kind!r}{numbers}{height}{formula})"
+
+
+def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | None:
+    """Return what is wrong with the arguments of a shape."""
+    if kind not in SHAPES:
+        hint, near = near_hint(kind, SHAPES)
+        message = f"expected the shape of the term, found '{kind}'"
+        return RuleBaseError.of_argument(
+            "unknown-shape", message, "Shape(kind)", hint=hint, replacement=near
+        )
+    record = SHAPES[kind]
+    if not record.fuzzy:
+        return None
+    wanted = len(record.parameters) or 2 * max(1, len(parameters) // 2)
+    if len(parameters) != wanted:
+        names = ", ".join(name.replace("-", "_") for name in record.parameters) or "x, y, x, y, …"
+        message = f"{kind} takes {wanted} numbers ({names}), found {len(parameters)}"
+        return RuleBaseError.of_argument("wrong-parameter-count", message, "Shape(parameters)")
+    fault = record.fault(parameters)
+    if fault is None:
+        return None
+    return RuleBaseError.of_argument("bad-shape", fault[1], f"Shape(parameters[{fault[0]}])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +139,7 @@ class Defuzzifier:
         return f"{self.method}({self.resolution}, {self.sampling})"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Variable:
     """What inputs and outputs have in common: a name, a range and its terms.
 
@@ -115,6 +166,17 @@ class Variable:
     outside: str = "clamp"
     span: Span = field(default=NOWHERE, compare=False)
 
+    def __post_init__(self) -> None:
+        if not self.low < self.high:
+            message = f"the range of '{self.name}' must go from a lower to a higher number"
+            argument = f"{type(self).__name__}(low, high)"
+            raise RuleBaseError.of_argument("bad-range", message, argument)
+
+    def __repr__(self) -> str:
+        ends = f"{number_text(self.low)} .. {number_text(self.high)}"
+        terms = shortened(" ".join(term.name for term in self.terms)) or "no terms"
+        return f"<{type(self).__name__} {shortened(self.name)} {ends}: {terms}>"
+
     def term(self, name: str) -> Term:
         """Return the term called `name`; raise KeyError where there is none."""
         for term in self.terms:
@@ -123,12 +185,12 @@ class Variable:
         raise KeyError(name)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Input(Variable):
     """An input variable."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Output(Variable):
     """An output variable and the way to its crisp value.
 
