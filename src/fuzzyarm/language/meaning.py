@@ -554,6 +554,32 @@ def elaborate(
     return rulebase, scope.diagnostics
 
 
+def judge_statement(node: StatementNode, scope: Scope) -> None:
+    """Add one statement to `scope`, below those that it has, and report what is wrong with it.
+
+    For a rule base that is written statement by statement: what :func:`elaborate` would say of
+    it at this point, but for what only the whole can tell.
+    """
+    if isinstance(node, VariableNode):
+        declare_variable(node, scope)
+    elif isinstance(node, TermNode):
+        add_term(node, scope)
+    elif isinstance(node, EvenTermsNode):
+        add_even_terms(node, scope)
+    elif isinstance(node, InferenceNode):
+        apply_inference(node, scope, {})
+    elif isinstance(node, BlockNode):
+        block_norms(node, scope, {})
+    elif isinstance(node, RuleNode | GridNode):
+        _rules_of(node, scope, MAX_RULES, ParseMemory())
+    elif isinstance(node, LookupNode):
+        elaborate_lookup(node, scope)
+    elif isinstance(node, ExpectNode):
+        elaborate_expectation(node, scope)
+    elif isinstance(node, ProveNode):
+        elaborate_property(node, scope)
+
+
 def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
     """Return the names that rules use as the inputs or outputs of the file."""
     outputs: set[str] = set()

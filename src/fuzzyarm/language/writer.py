@@ -229,9 +229,10 @@ def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
         )
         for (family, names), variables in shared.items()
     ]
+    names = [variable.name for variable in rulebase.inputs]
     for variable in others:
         yield [
-            TermNode(Word(variable.name), Word(term.name), _shape(term.shape, rulebase))
+            TermNode(Word(variable.name), Word(term.name), shape_node(term.shape, names))
             for term in variable.terms
         ]
 
@@ -250,11 +251,11 @@ def _even_family(variable: Variable) -> str | None:
     return None
 
 
-def _shape(shape: Shape, rulebase: RuleBase) -> ShapeNode:
+def shape_node(shape: Shape, names: Sequence[str]) -> ShapeNode:
+    """Return a shape as it would be written; `names` are those of the inputs, for ``linear``."""
     kind = Word(shape.kind)
     height = None if shape.height == 1.0 else Figure(shape.height)
     if shape.kind == "linear":
-        names = [variable.name for variable in rulebase.inputs]
         *factors, constant = shape.parameters
         parts = [
             LinearPart(factor, Word(name))
