@@ -23,6 +23,7 @@ from fuzzyarm.formats.registry import (
     read,
     same_model,
     suffix_of,
+    text_in,
     write,
 )
 
@@ -42,6 +43,7 @@ __all__ = [
     "read",
     "same_model",
     "suffix_of",
+    "text_in",
     "write",
     "write_fcl",
     "write_fis",

@@ -20,7 +20,7 @@ from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.writing import note_threshold
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
-from fuzzyarm.text.diagnostic import Diagnostic, Span
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
 """Suffixes of other programs' files."""
@@ -214,6 +214,22 @@ def write(
         case ".frb":
             return _write_own(rulebase, lossy=lossy, strict=strict)
     raise FormatError(f"no format has the suffix '{suffix}'")
+
+
+def text_in(rulebase: RuleBase, path: str | os.PathLike[str], *, lossy: bool = False) -> str:
+    """Return `rulebase` in the format that the suffix of `path` names.
+
+    Raises
+    ------
+    FormatError
+        If the suffix is not that of a format of rule bases.
+    RuleBaseError
+        If the format cannot express the rule base, with every finding.
+    """
+    exported = write(rulebase, suffix_of(path), lossy=lossy)
+    if exported.text is None:
+        raise RuleBaseError(exported.diagnostics)
+    return exported.text
 
 
 def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:

@@ -68,6 +68,24 @@ _FEWEST = 4
 """Rules that make a grid worth its lines."""
 
 
+class _Order(dict[tuple[str, str], int]):
+    """The position of each term in its variable, by their names."""
+
+    def __init__(self, rulebase: RuleBase) -> None:
+        super().__init__(
+            ((variable.name, term.name), i)
+            for variable in (*rulebase.inputs, *rulebase.outputs)
+            for i, term in enumerate(variable.terms)
+        )
+        self._rulebase = rulebase
+
+    def __missing__(self, names: tuple[str, str]) -> int:
+        """Say which name of a model that was made in Python does not exist."""
+        variable, term = names
+        self._rulebase.variable(variable).term(term)
+        raise AssertionError(names)
+
+
 class _GridRun:
     """Consecutive rules that fill a grid row by row.
 
@@ -75,7 +93,7 @@ class _GridRun:
     in common beyond row and column (``when …``).
     """
 
-    def __init__(self, rule: Rule, cell: _Cell, order: dict[tuple[str, str], int]) -> None:
+    def __init__(self, rule: Rule, cell: _Cell, order: _Order) -> None:
         row, column, self.rest = cell
         self.output = rule.consequents[0].variable
         self.row, self.column = row.variable, column.variable
@@ -126,11 +144,7 @@ _Cell = tuple[Is, Is, tuple[Expression, ...]]
 
 def _split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | GridNode]:
     """Return `rules` in order, with each run that reads back from a grid as a grid."""
-    order = {
-        (variable.name, term.name): i
-        for variable in (*rulebase.inputs, *rulebase.outputs)
-        for i, term in enumerate(variable.terms)
-    }
+    order = _Order(rulebase)
     pieces: list[Rule | GridNode] = []
     run: _GridRun | None = None
     for rule in rules:

@@ -6,13 +6,16 @@ term stood in a file (its `span`) takes no part in equality.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.shown import Shown
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
 """How a sampled defuzzifier spreads N points over the range of an output."""
@@ -32,6 +35,26 @@ WEIGHTED = TAKAGI_SUGENO | {"tsukamoto"}
 
 POSITION = "x"
 """The name under which a formula that is a membership function knows where it is."""
+
+
+class NotInModelError(FuzzyarmError, KeyError):
+    """A variable or a term that a model does not have.
+
+    Attributes
+    ----------
+    name : str
+        As asked for.
+    known : tuple of str
+        The names there are.
+    """
+
+    def __init__(self, what: str, name: str, known: Sequence[str]) -> None:
+        hint = near_hint(name, known)[0]
+        shown = ", ".join(known[:10]) + (", …" if len(known) > 10 else "")
+        message = f"no {what} is called '{name}'"
+        super().__init__(message, hint=hint or (f"there are {shown}" if known else ""))
+        self.name = name
+        self.known = tuple(known)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -140,7 +163,7 @@ class Defuzzifier:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Variable:
+class Variable(Shown):
     """What inputs and outputs have in common: a name, a range and its terms.
 
     Attributes
@@ -178,11 +201,11 @@ class Variable:
         return f"<{type(self).__name__} {shortened(self.name)} {ends}: {terms}>"
 
     def term(self, name: str) -> Term:
-        """Return the term called `name`; raise KeyError where there is none."""
+        """Return the term called `name`; raise NotInModelError where there is none."""
         for term in self.terms:
             if term.name == name:
                 return term
-        raise KeyError(name)
+        raise NotInModelError(f"term of '{self.name}'", name, [term.name for term in self.terms])
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -414,9 +437,14 @@ class Property:
     span: Span = field(default=NOWHERE, compare=False)
 
 
-@dataclass(frozen=True, slots=True)
-class RuleBase:
-    """A whole fuzzy system: variables, rules, and how the rules are evaluated."""
+@dataclass(frozen=True, slots=True, repr=False)
+class RuleBase(AnyRuleBase):
+    """A whole fuzzy system as a value: variables, rules, and how the rules are evaluated.
+
+    It never changes; two are equal where they mean the same, wherever their rules stood. It is
+    what :func:`fuzzyarm.load` returns and what :class:`fuzzyarm.RuleBase`, which writes one in
+    Python, has as its `model`.
+    """
 
     name: str
     inputs: tuple[Input, ...] = ()
@@ -428,24 +456,43 @@ class RuleBase:
     properties: tuple[Property, ...] = ()
 
     @property
+    def model(self) -> RuleBase:
+        """The value: itself."""
+        return self
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {outline(self)}>"
+
+    @property
     def rules(self) -> tuple[Rule, ...]:
         """The rules of all blocks, in order."""
         return tuple(rule for block in self.blocks for rule in block.rules)
 
     def variable(self, name: str) -> Input | Output:
-        """Return the input or output called `name`; raise KeyError where there is none."""
+        """Return the input or output called `name`; raise NotInModelError where there is none."""
         variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
         for variable in variables:
             if variable.name == name:
                 return variable
-        raise KeyError(name)
+        raise NotInModelError("variable", name, [variable.name for variable in variables])
 
     def output(self, name: str) -> Output:
-        """Return the output called `name`; raise KeyError where there is none."""
+        """Return the output called `name`; raise NotInModelError where there is none."""
         for output in self.outputs:
             if output.name == name:
                 return output
-        raise KeyError(name)
+        raise NotInModelError("output", name, [output.name for output in self.outputs])
+
+
+def outline(rulebase: RuleBase) -> str:
+    """Return a rule base on one line: ``pd7: e, ce → u, 49 rules``."""
+    count = len(rulebase.rules)
+    names = [
+        shortened(", ".join(variable.name for variable in variables)) or "nothing"
+        for variables in (rulebase.inputs, rulebase.outputs)
+    ]
+    words = f"{names[0]} → {names[1]}, {count} rule{'' if count == 1 else 's'}"
+    return f"{shortened(rulebase.name)}: {words}"
 
 
 def propositions(expression: Expression) -> Iterator[Is]:
