@@ -23,12 +23,12 @@ from fuzzyarm.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from fuzzyarm.api import FileWarning, check_file, check_text, load
+    from fuzzyarm.builder import RuleBase
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer
     from fuzzyarm.language import parse, write
     from fuzzyarm.loop import simulate, simulate_many
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.proof import prove
     from fuzzyarm.shipped_files import shipped
     from fuzzyarm.table import (
@@ -68,11 +68,12 @@ __all__ = [
 
 _HOMES = {
     "api": ("FileWarning", "check_file", "check_text", "load"),
+    "builder": ("RuleBase",),
     "errors": ("FuzzyarmError",),
     "expression.kinds": ("kinds",),
     "expression.op": ("op",),
     "inference": ("compiled", "explain", "infer"),
-    "language": ("RuleBase", "RuleBaseError", "parse", "write"),
+    "language": ("RuleBaseError", "parse", "write"),
     "loop": ("simulate", "simulate_many"),
     "proof": ("prove",),
     "shipped_files": ("shipped",),

@@ -36,7 +36,7 @@ from fuzzyarm.language.meaning import elaborate, judge_statement
 from fuzzyarm.language.phrases import ShapeNode
 from fuzzyarm.language.reading import Parsed, parse
 from fuzzyarm.language.slips import as_meant
-from fuzzyarm.language.statements import Heading, VariableNode
+from fuzzyarm.language.statements import Heading
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import shape_node, write
 from fuzzyarm.model.any_rulebase import AnyRuleBase
@@ -101,7 +101,7 @@ class _Lines:
 
     def write(self, text: str, argument: str = "") -> _Lines:
         """Go on with a stretch of the last line."""
-        line, column = len(self._lines), len(self._lines[-1]) + 1
+        line, column = self.count, len(self._lines[-1]) + 1
         self._lines[-1] += text
         if argument:
             self._stretches.append((Span(line, column, line, column + len(text)), argument))
@@ -115,6 +115,10 @@ class _Lines:
     def name(self, value: object, argument: str) -> _Lines:
         """Write a name, in quotes where it needs them."""
         return self.write(name_text(self.words(value, argument)), argument)
+
+    def string(self, value: object, argument: str) -> _Lines:
+        """Write a string in double quotes."""
+        return self.write(quote(self.words(value, argument), '"'), argument)
 
     def number(self, value: object, argument: str) -> _Lines:
         """Write a number without loss."""
@@ -162,7 +166,7 @@ def _write_shape(lines: _Lines, shape: Corners, argument: str, inputs: Sequence[
         lines.write(str(node), argument)
     elif isinstance(shape, str):
         lines.raw(shape, argument)
-    elif isinstance(shape, numbers.Real):
+    elif isinstance(shape, float | int) or not isinstance(shape, Iterable):
         lines.write("singleton ").number(shape, argument)
     else:
         _write_corners(lines, list(shape), argument)
@@ -310,7 +314,7 @@ class RuleBase(AnyRuleBase):
     <RuleBase fan: temp → speed, 3 rules>
     >>> fan.rule("if tmp is hot then speed is fast")
     Traceback (most recent call last):
-    fuzzyarm.text.diagnostic.RuleBaseError: rule('if tmp is hot then speed is fast', text): \
+    fuzzyarm.text.diagnostic.RuleBaseError: rule('if tmp is hot then speed is fast'): \
 error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
     >>> print(fan)
     rulebase fan
@@ -330,7 +334,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         lines = _Lines("RuleBase(")
         lines.write("rulebase ").name(name, "name")
         if description:
-            lines.write(" ").write(quote(lines.words(description, "description"), '"'), "description")
+            lines.write(" ").string(description, "description")
         self._add(lines)
 
     def _start(self) -> None:
@@ -479,11 +483,11 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         lines.write(f"{role} ").name(name, "name").write(" ")
         lines.number(low, "low").write(" .. ").number(high, "high")
         if description:
-            words = quote(lines.words(description, "description"), '"')
-            lines.write(" ").write(words, "description")
+            lines.write(" ").string(description, "description")
         _write_terms(lines, name, terms, self._names("input"))
         if any(value is not None for value in settings.values()):
-            _write_settings(lines.next().write("inference ").name(name, "name").write(":"), settings)
+            lines.next().write("inference ").name(name, "name")
+            _write_settings(lines.write(":"), settings)
         self._add(lines)
         return Variable(self, name)
 
@@ -526,7 +530,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         """
         lines = _Lines(f"rule({shortened(repr(text), 100)}")
         words = lines.words(text, "text").strip()
-        lines.write("rule ").raw(words.removeprefix("rule "), "text")
+        lines.write("rule ").raw(words.removeprefix("rule "), "")
         if weight is not None:
             lines.write(" with ").number(weight, "weight")
         self._add(lines)

@@ -32,6 +32,7 @@ ORDER = (
     "sklearn",
     "study",
     "api",
+    "builder",
     "show",
     "lsp",
     "studio",

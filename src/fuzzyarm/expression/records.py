@@ -192,19 +192,24 @@ class Shape(Kind):
         tuple of (int, str) or None
             Index of the number at fault and one sentence.
         """
+        return self._without_number(parameters) or (
+            _points_fault(parameters) if self.name == "points" else self._out_of_order(parameters)
+        )
+
+    def _without_number(self, parameters: Sequence[float]) -> tuple[int, str] | None:
         names = self.parameters or ("",) * len(parameters)
         for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
             if math.isnan(value):
                 return i, f"a {self.name} cannot have the number nan"
             if math.isinf(value) and name not in self.unbounded:
                 return i, f"a {self.name} cannot have an infinite number here"
-        if self.name == "points":
-            return _points_fault(parameters)
-        if self.ordered:
-            for i, (before, number) in enumerate(pairwise(parameters), start=1):
-                if number < before:
-                    return i, f"the numbers of a {self.name} must not decrease"
-        for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
+        return None
+
+    def _out_of_order(self, parameters: Sequence[float]) -> tuple[int, str] | None:
+        for i, (before, number) in enumerate(pairwise(parameters), start=1):
+            if self.ordered and number < before:
+                return i, f"the numbers of a {self.name} must not decrease"
+        for i, (name, value) in enumerate(zip(self.parameters, parameters, strict=True)):
             if name in self.positive and not value > 0.0:
                 return i, f"{self.number_words(name)} must be above 0"
             if name in self.nonzero and value == 0.0:

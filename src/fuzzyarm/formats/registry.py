@@ -18,6 +18,7 @@ from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.writing import note_threshold
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
@@ -175,7 +176,7 @@ def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
 
 
 def write(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     suffix: str,
     *,
     producer: str | None = None,
@@ -203,6 +204,7 @@ def write(
     FormatError
         If `suffix` or `producer` is not known.
     """
+    rulebase = rulebase.model
     _demand_program(producer, suffix, "reads")
     match suffix:
         case ".fll":

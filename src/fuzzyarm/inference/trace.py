@@ -15,6 +15,7 @@ from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.point import Point, Prepared, bring_into_range, prepare
 from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.inference.weighted import tsukamoto_at_point
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
     And,
     Expression,
@@ -175,7 +176,7 @@ def _finite(value: Any) -> Any:
 
 
 def explain(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     inputs: Mapping[str, float] | None = None,
     /,
     *,
@@ -205,6 +206,7 @@ def explain(
     InferenceError, NoRuleFiredError
         As :func:`fuzzyarm.inference.infer`.
     """
+    rulebase = rulebase.model
     given = {**(inputs or {}), **named}
     prepared = prepare(rulebase)
     point = prepared.run(given, held)

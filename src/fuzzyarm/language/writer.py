@@ -39,6 +39,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import Figure, Trivia, Word
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
     WEIGHTED,
     And,
@@ -185,12 +186,13 @@ def _cell(rule: Rule | None) -> CellNode:
 # --- From the model to the syntax tree ---
 
 
-def write(rulebase: RuleBase) -> str:
+def write(rulebase: AnyRuleBase) -> str:
     """Return canonical text that parses to `rulebase` again.
 
     Rules that fill a grid in order are written as a grid, all others as ``rule`` lines.
     Every setting is written out, so that the text depends on no default.
     """
+    rulebase = rulebase.model
     statements: list[Statement] = []
     for section in _sections(rulebase):
         for i, node in enumerate(section):
@@ -243,10 +245,10 @@ def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
         )
         for (family, names), variables in shared.items()
     ]
-    names = [variable.name for variable in rulebase.inputs]
+    inputs = [variable.name for variable in rulebase.inputs]
     for variable in others:
         yield [
-            TermNode(Word(variable.name), Word(term.name), shape_node(term.shape, names))
+            TermNode(Word(variable.name), Word(term.name), shape_node(term.shape, inputs))
             for term in variable.terms
         ]
 

@@ -258,7 +258,8 @@ def rulebase_samples(
             raise _refused("unbounded-input", f"the range of '{name}' has no end", source)
 
     def value(**inputs: Array) -> ArrayLike:
-        return infer(rulebase, inputs, outputs=(target,))[target]
+        found: Array = infer(rulebase, inputs, outputs=(target,))[target]
+        return found
 
     return replace(function_samples(value, ranges, count, target, seed), source=source)
 

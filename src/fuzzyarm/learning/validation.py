@@ -22,6 +22,7 @@ from fuzzyarm.inference.sets import degrees
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Input, RuleBase
 
 Array = NDArray[np.float64]
@@ -179,7 +180,7 @@ def _without_nan(data: Any) -> Any:
     return None if isinstance(data, float) and math.isnan(data) else data
 
 
-def validate(rulebase: RuleBase, samples: Samples) -> Validation:
+def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
     """Judge a rule base by samples.
 
     Parameters
@@ -195,6 +196,7 @@ def validate(rulebase: RuleBase, samples: Samples) -> Validation:
     ValidationError
         If an output that the target asks for is not there.
     """
+    rulebase = rulebase.model
     wanted = output_names(samples)
     known = [output.name for output in rulebase.outputs]
     has_target = not np.isnan(samples.values).any()

@@ -19,6 +19,7 @@ from fuzzyarm.inference import infer
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import as_controller, simulate, text_of
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.controller import Drive, Learn
 from fuzzyarm.model.controller import Signal as SignalLine
 from fuzzyarm.model.rulebase import RuleBase
@@ -47,7 +48,7 @@ STILL = ("error", "reference", "measured", "rules", "table")
 
 
 def describing_function(
-    thing: RuleBase | ControllerText,
+    thing: AnyRuleBase | ControllerText,
     amplitudes: ArrayLike,
     frequency: float = 0.0,
     *,
@@ -115,10 +116,10 @@ def _fundamental(
     return np.asarray((values * (sine + 1j * cosine)).sum(axis=1) * 2.0 / (points * sizes))
 
 
-def _static(thing: RuleBase | ControllerText) -> Callable[[Vector, Vector], Vector]:
+def _static(thing: AnyRuleBase | ControllerText) -> Callable[[Vector, Vector], Vector]:
     """Return what gives the output of error and rate, arrays of one shape."""
-    if isinstance(thing, RuleBase):
-        return _of_rulebase(thing)
+    if isinstance(thing, AnyRuleBase):
+        return _of_rulebase(thing.model)
     return _of_controller(thing)
 
 
@@ -169,7 +170,7 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
     return answer
 
 
-def nonlinearity(thing: RuleBase | ControllerText) -> Any:
+def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
     """Return a rule base of one input, or a controller without rates, for python-control.
 
     What it returns is the ``F`` of :func:`control.describing_function_plot` and
@@ -242,7 +243,7 @@ INTERVALS = 250
 
 
 def phase_portrait(
-    thing: RuleBase | ControllerText | Controller,
+    thing: AnyRuleBase | ControllerText | Controller,
     plant: Plant | None = None,
     *,
     references: Mapping[str, Signal] | None = None,
@@ -274,7 +275,8 @@ def phase_portrait(
     AnalysisError
         If there is nothing that spans a plane.
     """
-    if isinstance(thing, RuleBase):
+    if isinstance(thing, AnyRuleBase):
+        thing = thing.model
         if plant is not None:
             hint = "a controller says what goes to which port; docs/controllers.md"
             message = f"'{thing.name}' is a rule base, which no plant can be driven by"

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Property, RuleBase
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import Bounds, Claim
@@ -132,7 +133,7 @@ def property_text(claim: Property, rulebase: RuleBase) -> str:
 
 
 def prove(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     statement: str | Property,
     *,
     tolerance: float | None = None,
@@ -175,12 +176,13 @@ def prove(
     >>> fuzzyarm.prove(pd7, "u odd").verdict
     'proved'
     """
+    rulebase = rulebase.model
     claim = read_property(rulebase, statement) if isinstance(statement, str) else statement
     return _Case(rulebase, claim, tolerance, budget, tell, {}, exact=exact).verdict()
 
 
 def prove_all(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     *,
     tolerance: float | None = None,
     budget: float = math.inf,
@@ -196,6 +198,7 @@ def prove_all(
     rulebase, tolerance, exact, tell
         As for :func:`prove`.
     """
+    rulebase = rulebase.model
     provers: dict[str, Prover] = {}
     for claim in rulebase.properties:
         yield _Case(rulebase, claim, tolerance, budget, tell, provers, exact=exact).verdict()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.language.queries.hover import rule_sentence
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import rule_node
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import And, Expression, Is, Output, Rule, RuleBase, RuleBlock
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, number_words, scale_of
@@ -21,8 +22,9 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 
-def rulebase_view(rulebase: RuleBase) -> Group:
+def rulebase_view(rulebase: AnyRuleBase) -> Group:
     """Return everything about a rule base, top to bottom."""
+    rulebase = rulebase.model
     from rich.console import Group
     from rich.text import Text
 

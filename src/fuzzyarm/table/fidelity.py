@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.inference.layout import has_envelope
 from fuzzyarm.inference.plan import plan
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
@@ -83,7 +84,7 @@ Proof = Callable[[LookupTable, str], float | None]
 
 
 def measure_fidelity(
-    table: LookupTable, rulebase: RuleBase, modes: Sequence[str] | None = None
+    table: LookupTable, rulebase: AnyRuleBase, modes: Sequence[str] | None = None
 ) -> tuple[Fidelity, ...]:
     """Compare `table` with the direct inference of `rulebase`.
 
@@ -106,6 +107,7 @@ def measure_fidelity(
     tuple of Fidelity
         One for each mode.
     """
+    rulebase = rulebase.model
     chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
     tallies = {mode: _Tally() for mode in chosen}
     drawn = _drawn_points(table.axes)
@@ -381,7 +383,7 @@ class CompileReport:
 
 
 def compile_with_report(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     output: str | None = None,
     *,
     levels: Levels | Mapping[str, Levels] | None = None,
@@ -420,6 +422,7 @@ def compile_with_report(
     TableError
         As `compile_table`; also if no grid within the limits meets the tolerance.
     """
+    rulebase = rulebase.model
     if tolerance is not None:
         count = smallest_even_grid(rulebase, output, tolerance, progress=progress, proof=proof)
         levels, rounding, mode = count, 0.0, "linear"

@@ -130,7 +130,13 @@ class RuleBaseError(FuzzyarmError, ValueError):
 
     @classmethod
     def of_argument(
-        cls, name: str, message: str, argument: str, *, hint: str = "", replacement: str | None = None
+        cls,
+        name: str,
+        message: str,
+        argument: str,
+        *,
+        hint: str = "",
+        replacement: str | None = None,
     ) -> RuleBaseError:
         """Return the error of one argument of what is made in Python.
 

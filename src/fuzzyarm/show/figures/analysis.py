@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fuzzyarm.loop.analysis import Portrait, describing_function
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.figures.style import COLOURS, label_axes, line_style, new_figure, safe, tidy
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def describing_figure(
-    thing: RuleBase | ControllerText,
+    thing: AnyRuleBase | ControllerText,
     amplitudes: Sequence[float] | None = None,
     frequencies: Sequence[float] | None = None,
 ) -> Figure:
@@ -33,6 +34,8 @@ def describing_figure(
     frequencies : sequence of float, optional
         rad/s, a line for each; by default 0 for one input, otherwise four.
     """
+    if isinstance(thing, AnyRuleBase):
+        thing = thing.model
     one = isinstance(thing, RuleBase) and len(thing.inputs) == 1
     if amplitudes is None:
         reach = max(abs(thing.inputs[0].low), abs(thing.inputs[0].high)) if isinstance(

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import number_words
@@ -34,8 +35,9 @@ if TYPE_CHECKING:
 _POINTS = 401
 
 
-def memberships_figure(rulebase: RuleBase) -> Figure:
+def memberships_figure(rulebase: AnyRuleBase) -> Figure:
     """Return one panel for each variable of `rulebase`, inputs first."""
+    rulebase = rulebase.model
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     figure = new_figure(7.0, 0.6 + 1.9 * len(variables))
     panels = figure.subplots(len(variables), 1, squeeze=False)
@@ -124,7 +126,7 @@ def _name_terms(axes: Axes, variable: Variable, low: float, high: float) -> None
 
 
 def rulebase_figure(
-    rulebase: RuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: AnyRuleBase, output: str | None = None, at: Mapping[str, float] | None = None
 ) -> Figure:
     """Return the memberships of every variable above the surface of every output.
 
@@ -137,6 +139,7 @@ def rulebase_figure(
     at : mapping of str to float, optional
         As for :func:`fuzzyarm.show.figures.surface_figure`.
     """
+    rulebase = rulebase.model
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     variables: list[Variable] = [*rulebase.inputs, *rulebase.outputs]
     columns = 2 if len(variables) in (2, 4) else min(3, len(variables))
@@ -166,7 +169,7 @@ def _panels(part: Any, rows: int, columns: int, count: int) -> list[Axes]:
 # --- One inference as the classic picture: fuzzified inputs, clipped sets, the value ---
 
 
-def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
+def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
     """Return the inputs with their memberships on top, below them the sets of each output.
 
     Parameters
@@ -176,6 +179,7 @@ def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
     trace : Trace
         From :func:`fuzzyarm.inference.explain`.
     """
+    rulebase = rulebase.model
     inputs = [each for each in trace.inputs if rulebase.variable(each.name).terms]
     columns = max(1, min(3, len(inputs)))
     rows = -(-len(inputs) // columns)

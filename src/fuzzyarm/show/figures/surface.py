@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.figures.style import (
@@ -50,7 +51,7 @@ class _Side:
 
 
 def surface_figure(
-    rulebase: RuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: AnyRuleBase, output: str | None = None, at: Mapping[str, float] | None = None
 ) -> Figure:
     """Return the control surface of every output, or of the one named.
 
@@ -65,6 +66,7 @@ def surface_figure(
         the range by default); the first two that are not named are drawn. With two or
         fewer, a point to mark.
     """
+    rulebase = rulebase.model
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     one = len(rulebase.inputs) == 1
     height = 3.6 if one else 4.3
