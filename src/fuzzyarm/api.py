@@ -17,7 +17,8 @@ from fuzzyarm.language.check import CHECKS, check, judged
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
+from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -86,14 +87,15 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     name = os.fspath(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix == ".frb":
-        parsed = parse(read_text(path), name)
+        source = read_text(path)
+        parsed = parse(source, name)
         if parsed.controller is not None:
             from fuzzyarm.controller.text import with_files
 
             text, faults = with_files(parsed.controller, Path(name).parent, name)
             if faults:
                 raise RuleBaseError(faults)
-            return text
+            return replace(text, source=source)
         if parsed.rulebase is None:
             raise RuleBaseError(parsed.diagnostics)
         return parsed.rulebase
@@ -145,6 +147,14 @@ class Review(NamedTuple):
     text: str
     diagnostics: tuple[Diagnostic, ...]
     rulebase: RuleBase | None = None
+
+    def __repr__(self) -> str:
+        what = "no model" if self.rulebase is None else repr(self.rulebase)
+        return one_line(self, f"{self.summary}; {what}")
+
+    def __str__(self) -> str:
+        """Return every finding with its line and a caret below what is at fault."""
+        return render_all(self.diagnostics, self.text) or "no findings"
 
     @property
     def failed(self) -> bool:

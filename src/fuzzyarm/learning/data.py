@@ -30,6 +30,7 @@ from fuzzyarm.text.diagnostic import (
     split_lines,
 )
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
@@ -66,7 +67,7 @@ class ColumnError(FuzzyarmError, LookupError):
         self.name, self.columns = name, tuple(columns)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Samples:
     """Rows of data: inputs, and what belongs to them.
 
@@ -98,6 +99,11 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.values)
+
+    def __repr__(self) -> str:
+        kind = f"{len(self.classes)} classes" if self.classes else "numbers"
+        words = f"{len(self)} rows of {', '.join(self.names)} → {self.target}, {kind}"
+        return one_line(self, words)
 
     @property
     def outputs(self) -> Array:

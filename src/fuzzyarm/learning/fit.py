@@ -52,6 +52,7 @@ from fuzzyarm.learning.written import (
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.names import printable
+from fuzzyarm.text.shown import one_line
 from fuzzyarm.version import __version__
 
 STARTS = ("grid", "fcm", "subtractive")
@@ -130,7 +131,7 @@ class Options:
     description: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fit:
     """A learned rule base and what is known of it.
 
@@ -179,6 +180,10 @@ class Fit:
     support: tuple[float, ...]
     digits: int
     interrupted: bool = False
+
+    def __repr__(self) -> str:
+        words = f"error {self.error:.4g}, of linear regression {self.linear_error:.4g}"
+        return one_line(self, f"{self.structure}: {words}, {len(self.rulebase.rules)} rules")
 
 
 def fit(

@@ -24,6 +24,7 @@ from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
 from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.text.shown import Shown, one_line
 
 Array = NDArray[np.float64]
 
@@ -103,8 +104,8 @@ class Bin(NamedTuple):
     observed: float
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Shown):
     """What samples say of a rule base.
 
     Attributes
@@ -155,6 +156,10 @@ class Validation:
     classes: tuple[str, ...]
     predicted: Array
     observed: Array
+
+    def __repr__(self) -> str:
+        words = f"{self.samples} samples, error {self.error:.4g}, {self.silent} without a rule"
+        return one_line(self, words)
 
     @property
     def never_fired(self) -> tuple[RuleUse, ...]:

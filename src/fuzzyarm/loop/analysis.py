@@ -26,6 +26,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.text.shown import Shown, one_line
 
 Vector = NDArray[np.float64]
 
@@ -208,8 +209,8 @@ def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
 # --- Phase portraits ---
 
 
-@dataclass(frozen=True)
-class Portrait:
+@dataclass(frozen=True, repr=False)
+class Portrait(Shown):
     """Motions from many starts in the plane of two quantities.
 
     Attributes
@@ -233,6 +234,9 @@ class Portrait:
     paths: list[Vector]
     target: tuple[float, float]
     field: tuple[Vector, Vector, Vector, Vector] | None = None
+
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.name}: {len(self.paths)} motions, {self.y} over {self.x}")
 
 
 STARTS = 12

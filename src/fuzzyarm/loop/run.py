@@ -44,6 +44,7 @@ from fuzzyarm.plant.setting import (
     Conventions,
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
+from fuzzyarm.text.shown import Shown, one_line
 
 # --- What came of a run ---
 
@@ -57,8 +58,8 @@ def judged_names(axes: Sequence[str], labels: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(Shown):
     """What came of it; angles are shown in degrees, all else in the units of the plant.
 
     Attributes
@@ -119,6 +120,15 @@ class Run:
     period: float = SET_POINT_PERIOD
     seed: int = 1
     ended: float | None = None
+
+    def __repr__(self) -> str:
+        errors = zip(self.labels, self.rms, self.units, strict=True)
+        words = ", ".join(f"rms {name} {x:.4g} {unit}" for name, x, unit in errors)
+        stopped = "" if self.diverged is None else f", diverged at {self.diverged:.4g} s"
+        seconds = self.samples * self.period
+        return one_line(
+            self, f"{self.controller} on {self.plant}: {seconds:.4g} s, {words}{stopped}"
+        )
 
     @property
     def samples(self) -> int:

@@ -15,7 +15,7 @@ from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.shown import Shown
+from fuzzyarm.text.shown import Shown, one_line
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
 """How a sampled defuzzifier spreads N points over the range of an output."""
@@ -134,7 +134,7 @@ class Term:
 
     name: str
     shape: Shape
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +187,7 @@ class Variable(Shown):
     terms: tuple[Term, ...] = ()
     description: str = ""
     outside: str = "clamp"
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not self.low < self.high:
@@ -256,7 +256,7 @@ class Is:
     variable: str
     term: str
     hedges: tuple[Hedge, ...] = ()
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,7 +291,7 @@ class Consequent:
     variable: str
     term: str
     hedges: tuple[Hedge, ...] = ()
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -315,11 +315,11 @@ class Rule:
     antecedent: Expression
     consequents: tuple[Consequent, ...]
     weight: float = 1.0
-    span: Span = field(default=NOWHERE, compare=False)
-    in_grid: bool = field(default=False, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+    in_grid: bool = field(default=False, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class RuleBlock:
     """Rules that share their norms. Blocks are evaluated in order.
 
@@ -343,6 +343,10 @@ class RuleBlock:
     disjunction: str = "max"
     implication: str = "min"
     threshold: float = 0.0
+
+    def __repr__(self) -> str:
+        norms = f"and {self.conjunction}, or {self.disjunction}, implication {self.implication}"
+        return one_line(self, f"{self.name or '(unnamed)'}: {len(self.rules)} rules, {norms}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -401,7 +405,7 @@ class Expectation:
 
     inputs: tuple[tuple[str, float], ...]
     outcomes: tuple[Outcome, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -434,7 +438,7 @@ class Property:
     low: float = 0.0
     high: float = 0.0
     mode: str = ""
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -461,7 +465,7 @@ class RuleBase(AnyRuleBase):
         return self
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {outline(self)}>"
+        return one_line(self, outline(self))
 
     @property
     def rules(self) -> tuple[Rule, ...]:

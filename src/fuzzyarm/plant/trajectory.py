@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.plant.arm import LOADED, UNLOADED, ArmParameters
 from fuzzyarm.plant.setting import ITERATIONS, SET_POINT_PERIOD, ArmError, Conventions, Pair
+from fuzzyarm.text.shown import one_line
 
 # --- Trajectories: quintic segments from rest to rest, holds, way points (section 4.1) ---
 
@@ -64,7 +65,7 @@ class Segment:
             )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trajectory:
     """Segments, one after the other.
 
@@ -81,6 +82,10 @@ class Trajectory:
     name: str
     segments: tuple[Segment, ...]
     loaded: tuple[bool, ...]
+
+    def __repr__(self) -> str:
+        count = len(self.segments)
+        return one_line(self, f"{self.name}: {self.duration:.4g} s in {count} segments")
 
     @property
     def duration(self) -> float:

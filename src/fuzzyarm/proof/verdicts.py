@@ -25,6 +25,7 @@ from fuzzyarm.proof.bounds import Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.numbers import number_text, outward_text
+from fuzzyarm.text.shown import Shown, one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.language.statements import ProveNode
@@ -40,8 +41,8 @@ Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, repr=False)
+class Verdict(Shown):
     """What is known of one statement.
 
     Attributes
@@ -81,6 +82,10 @@ class Verdict:
     def proved(self) -> bool:
         """Whether it holds at every point."""
         return self.verdict == PROVED
+
+    def __repr__(self) -> str:
+        bound = "" if self.bound is None else f", bound {bound_text(self.bound)}"
+        return one_line(self, f"{self.verdict}: {self.statement}{bound}")
 
     def __str__(self) -> str:
         words = [f"{self.verdict}: {self.statement}"]

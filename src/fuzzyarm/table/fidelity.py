@@ -26,6 +26,7 @@ from fuzzyarm.table.compiler import (
 )
 from fuzzyarm.table.table import LookupTable
 from fuzzyarm.text.numbers import outward_text
+from fuzzyarm.text.shown import one_line
 
 # --- How far a table is from the rule base that it stands for ---
 
@@ -357,7 +358,7 @@ class _Probes:
 # --- Compile and say how good the table is; or find the smallest table that is good enough ---
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class CompileReport:
     """A compiled table and what is known of its quality.
 
@@ -380,6 +381,10 @@ class CompileReport:
     default_levels: bool = False
     tolerance: float | None = None
     few_points: bool = False
+
+    def __repr__(self) -> str:
+        known = "; ".join(f"{each.mode}: {each}" for each in self.fidelities)
+        return one_line(self, f"{self.table!r}: {known}")
 
 
 def compile_with_report(

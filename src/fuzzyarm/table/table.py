@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,7 @@ from fuzzyarm.table.lookup import AT_POINT, Grid, look_up_arrays
 from fuzzyarm.text.names import near_hint
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LookupTable(TableHeader):
     """A grid of values over one or more inputs, with its meaning and its origin.
 
@@ -35,7 +35,7 @@ class LookupTable(TableHeader):
     (3.0, 3.5)
     """
 
-    values: NDArray[np.float64] = field(repr=False)
+    values: NDArray[np.float64]
 
     def __post_init__(self) -> None:
         super().__post_init__()

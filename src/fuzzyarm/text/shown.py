@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+from fuzzyarm.text.names import shortened
+
+
+def one_line(value: object, words: str) -> str:
+    """Return how a value is shown among others: its kind and some words, on one line."""
+    return f"<{type(value).__name__} {shortened(words, 160)}>"
+
 
 class Shown:
     """A value that notebooks draw.
@@ -17,4 +24,17 @@ class Shown:
         from importlib import import_module
 
         drawing: str = import_module("fuzzyarm.show.notebook").html_of(self)
+        return drawing
+
+
+class Drawn(Shown):
+    """A value that ``print`` draws too, as it is drawn in the terminal."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        """Return the drawing as text, without colours."""
+        from importlib import import_module
+
+        drawing: str = import_module("fuzzyarm.show.notebook").text_of(self)
         return drawing
