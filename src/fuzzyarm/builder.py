@@ -284,6 +284,9 @@ def _is_list(value: Any) -> bool:
 
 # --- The builder ---
 
+_OF_THE_WHOLE = ("missing-heading", "no-inputs", "no-outputs", "no-rules")
+"""Findings of what is missing, which no argument has brought."""
+
 
 class RuleBase(AnyRuleBase):
     """A rule base that is being written; what it means by now is its :attr:`model`.
@@ -868,6 +871,8 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return review._replace(diagnostics=tuple(map(self._with_argument, review.diagnostics)))
 
     def _with_argument(self, finding: Diagnostic) -> Diagnostic:
+        if finding.name in _OF_THE_WHOLE:
+            return replace(finding, argument=f"RuleBase({shortened(repr(self.name))})")
         for first, lines in self._calls:
             if first <= finding.line < first + lines.count:
                 return replace(finding, argument=lines.argument_of(_moved(finding.span, 1 - first)))

@@ -28,13 +28,14 @@ def rulebase_view(rulebase: AnyRuleBase) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    parts: list[RenderableType] = [_heading(rulebase), Text()]
+    parts: list[RenderableType] = [heading_view(rulebase), Text()]
     for variable in (*rulebase.inputs, *rulebase.outputs):
         parts += [TermPlots(variable, rulebase), Text()]
-    return Group(*parts, rules_view(rulebase), _inference(rulebase))
+    return Group(*parts, rules_view(rulebase), inference_view(rulebase))
 
 
-def _heading(rulebase: RuleBase) -> Text:
+def heading_view(rulebase: RuleBase) -> Text:
+    """Return the name, what it is for, and how large it is."""
     from rich.text import Text
 
     text = Text(rulebase.name, "bold")
@@ -47,7 +48,8 @@ def _heading(rulebase: RuleBase) -> Text:
     return text
 
 
-def _inference(rulebase: RuleBase) -> Text:
+def inference_view(rulebase: RuleBase) -> Text:
+    """Return how the rules are evaluated."""
     from rich.text import Text
 
     lines = []

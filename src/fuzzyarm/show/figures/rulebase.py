@@ -47,6 +47,13 @@ def memberships_figure(rulebase: AnyRuleBase) -> Figure:
     return figure
 
 
+def variable_figure(variable: Variable) -> Figure:
+    """Return the terms of one variable."""
+    figure = new_figure(7.0, 2.3)
+    _draw_memberships(figure.subplots(), variable)
+    return figure
+
+
 def _draw_memberships(axes: Axes, variable: Variable, rulebase: RuleBase | None = None) -> None:
     """Draw the terms of one variable, each named at its peak."""
     low, high = visible_range(variable)

@@ -6,6 +6,7 @@ Colours by Okabe and Ito, safe for colour-blind eyes.
 from __future__ import annotations
 
 import io
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,9 +30,17 @@ def new_figure(width: float, height: float) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
+    # Outside of pyplot a notebook would show the name of the class.
+    figure._repr_png_ = partial(_png, figure)  # type: ignore[attr-defined]
     FigureCanvasAgg(figure)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04, hspace=0.05)  # type: ignore[union-attr, call-arg]
     return figure
+
+
+def _png(figure: Figure) -> bytes:
+    from fuzzyarm.show.notebook import png_of
+
+    return png_of(figure)
 
 
 def line_style(index: int) -> dict[str, Any]:
