@@ -12,6 +12,7 @@ MODULES = sorted(path for path in SOURCE.rglob("*.py"))
 
 ORDER = (
     "version",
+    "lazy",
     "errors",
     "text",
     "kernels",

@@ -22,6 +22,7 @@ from fuzzyarm.export.write import (
     routines_of,
     write_export,
 )
+from fuzzyarm.lazy import lazily
 
 __all__ = [
     "CONTROLLER_EXPORTS",
@@ -39,3 +40,5 @@ __all__ = [
     "with_tables",
     "write_export",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -26,6 +26,7 @@ from fuzzyarm.formats.registry import (
     text_in,
     write,
 )
+from fuzzyarm.lazy import lazily
 
 __all__ = [
     "FOREIGN",
@@ -49,3 +50,5 @@ __all__ = [
     "write_fis",
     "write_fll",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -5,6 +5,7 @@ rule base of straight terms, min and the exact centroid (or averages of numbers)
 pieces on which the output is a quotient of polynomials; everything else goes by boxes.
 """
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.proof.bounds import Bounds, UnprovableError
 from fuzzyarm.proof.prover import Prover
 from fuzzyarm.proof.tables import table_proof
@@ -21,3 +22,5 @@ __all__ = [
     "read_property",
     "table_proof",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)
