@@ -35,6 +35,7 @@ ORDER = (
     "api",
     "builder",
     "show",
+    "notebook",
     "lsp",
     "studio",
     "cli",

@@ -410,11 +410,11 @@ class ControllerRun:
     >>> from fuzzyarm import load, shipped
     >>> run = load(shipped("fuzzy-direct.frb")).run(compiled=False)
     >>> run.inputs
-    ('joint1.position', 'joint1.velocity', 'joint2.position', 'joint2.velocity')
+    ('joint1.position', 'joint2.position', 'joint1.velocity', 'joint2.velocity')
     >>> still = dict.fromkeys(run.inputs, 0.0)
     >>> drives = run.step(still, still | {"joint1.position": 0.001})
-    >>> round(drives["joint1.voltage"], 3), drives["joint2.voltage"]
-    (0.586, 0.0)
+    >>> round(drives["joint1.voltage"], 3), round(drives["joint2.voltage"], 3)
+    (1.345, 0.0)
     """
 
     def __init__(

@@ -70,7 +70,7 @@ def infer(
     >>> infer(pd7, e=1.3, ce=-2.2)
     {'u': -1.0677966101694918}
     >>> infer(pd7, e=[1.3, 0.0, -1.3], ce=0.0)
-    {'u': array([ 1.39534884,  0.        , -1.39534884])}
+    {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
     rulebase = rulebase.model
     given, labels = gathered(inputs, named, [variable.name for variable in rulebase.inputs])

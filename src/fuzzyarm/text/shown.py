@@ -13,7 +13,7 @@ def one_line(value: object, words: str) -> str:
 class Shown:
     """A value that notebooks draw.
 
-    The drawings are written in :mod:`fuzzyarm.show.notebook`, above everything that is drawn;
+    The drawings are written in :mod:`fuzzyarm.notebook`, above everything that is drawn;
     a value asks for it by name, and only when it is shown.
     """
 
@@ -23,7 +23,7 @@ class Shown:
         """Return what IPython shows: HTML without scripts, the names in it escaped."""
         from importlib import import_module
 
-        drawing: str = import_module("fuzzyarm.show.notebook").html_of(self)
+        drawing: str = import_module("fuzzyarm.notebook").html_of(self)
         return drawing
 
 
@@ -36,5 +36,5 @@ class Drawn(Shown):
         """Return the drawing as text, without colours."""
         from importlib import import_module
 
-        drawing: str = import_module("fuzzyarm.show.notebook").text_of(self)
+        drawing: str = import_module("fuzzyarm.notebook").text_of(self)
         return drawing

@@ -31,16 +31,17 @@ def new_figure(width: float, height: float) -> Figure:
 
     figure = Figure(figsize=(width, height), layout="constrained")
     # Outside of pyplot a notebook would show the name of the class.
-    figure._repr_png_ = partial(_png, figure)  # type: ignore[attr-defined]
+    figure._repr_png_ = partial(png_of, figure)  # type: ignore[attr-defined]
     FigureCanvasAgg(figure)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04, hspace=0.05)  # type: ignore[union-attr, call-arg]
     return figure
 
 
-def _png(figure: Figure) -> bytes:
-    from fuzzyarm.show.notebook import png_of
-
-    return png_of(figure)
+def png_of(figure: Figure) -> bytes:
+    """Return a figure as a picture for a page."""
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=90)
+    return out.getvalue()
 
 
 def line_style(index: int) -> dict[str, Any]:

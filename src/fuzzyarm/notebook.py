@@ -1,4 +1,4 @@
-"""What notebooks show: the drawings of this package as HTML, figures as pictures in it.
+"""What notebooks show: the drawings of :mod:`fuzzyarm.show` as HTML, figures as pictures in it.
 
 A value finds its drawing here by the name of its class (:class:`fuzzyarm.text.shown.Shown`), so
 that nothing is loaded before it is shown. All text that is anybody's own is escaped.
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from fuzzyarm.model.any_rulebase import AnyRuleBase
 
+__all__ = ["html_of", "html_of_drawing", "text_of"]
+
 WIDTH = 100
 """Columns of what the terminal would show."""
 
@@ -42,6 +44,11 @@ def html_of_drawing(drawing: RenderableType) -> str:
     ----------
     drawing : renderable of rich
         What a function of :mod:`fuzzyarm.show` returns.
+
+    Returns
+    -------
+    str
+        HTML without scripts.
     """
     return "".join(_parts(drawing))
 
@@ -111,16 +118,9 @@ def _pre(text: str) -> str:
 # --- Figures ---
 
 
-def png_of(figure: Figure) -> bytes:
-    """Return a figure as a picture for a page."""
-    import io
-
-    out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=90)
-    return out.getvalue()
-
-
 def _picture(figure: Figure, what: str) -> str:
+    from fuzzyarm.show.figures.style import png_of
+
     data = b64encode(png_of(figure)).decode("ascii")
     style = "max-width:100%;height:auto"
     return f'<img alt="{_words(what)}" style="{style}" src="data:image/png;base64,{data}">'
@@ -185,7 +185,7 @@ def _text(value: Any) -> str:
 
 _DRAWINGS: dict[str, Callable[[Any], str]] = {
     "fuzzyarm.api.Review": _text,
-    "fuzzyarm.builder.Variable": _variable,
+    "fuzzyarm.builder.rulebase.Variable": _variable,
     "fuzzyarm.controller.text.ControllerText": _text,
     "fuzzyarm.inference.trace.Trace": _drawn,
     "fuzzyarm.learning.validation.Validation": _validation,

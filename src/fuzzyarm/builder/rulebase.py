@@ -16,14 +16,22 @@ wrong with the line, and is raised by the call that brings it.
 
 from __future__ import annotations
 
-import math
-import numbers
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import Review, check_parsed
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.builder.lines import (
+    ArgumentError,
+    Corners,
+    Grid,
+    Levels,
+    Lines,
+    Terms,
+    write_settings,
+    write_shape,
+    write_terms,
+)
 from fuzzyarm.language.document import (
     Document,
     ParseMemory,
@@ -33,254 +41,32 @@ from fuzzyarm.language.document import (
     print_document,
 )
 from fuzzyarm.language.meaning import elaborate, judge_statement
-from fuzzyarm.language.phrases import ShapeNode
 from fuzzyarm.language.reading import Parsed, parse
 from fuzzyarm.language.slips import as_meant
-from fuzzyarm.language.statements import Heading
-from fuzzyarm.language.tokens import name_text
-from fuzzyarm.language.writer import shape_node, write
+from fuzzyarm.language.statements import (
+    BlockNode,
+    EvenTermsNode,
+    ExpectNode,
+    GridNode,
+    Heading,
+    InferenceNode,
+    LookupNode,
+    ProveNode,
+    RuleNode,
+    TermNode,
+    VariableNode,
+)
+from fuzzyarm.language.writer import write
 from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import Defuzzifier, Input, Output, Shape
+from fuzzyarm.model.rulebase import Defuzzifier, Input, Output
 from fuzzyarm.model.rulebase import RuleBase as Model
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
-from fuzzyarm.text.names import quote, shortened
-from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.names import shortened
 from fuzzyarm.text.shown import Shown
 
 if TYPE_CHECKING:
     from fuzzyarm.language.declarations import Scope
     from fuzzyarm.language.statements import StatementNode
-
-__all__ = ["ArgumentError", "RuleBase", "Variable"]
-
-Corners = float | Sequence[float] | Sequence[tuple[float, float]] | Shape | str
-"""What a term may be given as; see :meth:`RuleBase.input`."""
-
-Terms = str | Sequence[str] | Mapping[str, Corners]
-
-Levels = str | Sequence[float]
-
-
-class ArgumentError(FuzzyarmError, TypeError):
-    """An argument that is not what the builder takes.
-
-    Attributes
-    ----------
-    argument : str
-        The call and the argument.
-    """
-
-    def __init__(self, argument: str, message: str) -> None:
-        super().__init__(f"{argument}: {message}")
-        self.argument = argument
-
-
-# --- The lines of a call, and which argument each stretch of them came from ---
-
-
-class _Lines:
-    """The lines of the language that one call adds.
-
-    Every stretch of them knows its argument, so that a finding can name it.
-    """
-
-    def __init__(self, call: str) -> None:
-        self.call = call
-        self._lines = [""]
-        self._stretches: list[tuple[Span, str]] = []
-
-    @property
-    def text(self) -> str:
-        """The lines, without a line end behind the last."""
-        return "\n".join(self._lines)
-
-    @property
-    def count(self) -> int:
-        """How many lines there are."""
-        return len(self._lines)
-
-    def write(self, text: str, argument: str = "") -> _Lines:
-        """Go on with a stretch of the last line."""
-        line, column = self.count, len(self._lines[-1]) + 1
-        self._lines[-1] += text
-        if argument:
-            self._stretches.append((Span(line, column, line, column + len(text)), argument))
-        return self
-
-    def next(self) -> _Lines:
-        """Begin another line."""
-        self._lines.append("")
-        return self
-
-    def name(self, value: object, argument: str) -> _Lines:
-        """Write a name, in quotes where it needs them."""
-        return self.write(name_text(self.words(value, argument)), argument)
-
-    def string(self, value: object, argument: str) -> _Lines:
-        """Write a string in double quotes."""
-        return self.write(quote(self.words(value, argument), '"'), argument)
-
-    def number(self, value: object, argument: str) -> _Lines:
-        """Write a number without loss."""
-        # NumPy's numbers are registered as numbers, text is not.
-        if not isinstance(value, numbers.Real):
-            shown = shortened(repr(value))
-            raise ArgumentError(self.named(argument), f"expected a number, found {shown}")
-        return self.write(number_text(float(value)), argument)
-
-    def raw(self, value: object, argument: str) -> _Lines:
-        """Write words of the language as they are; a line end in them becomes a space."""
-        words = self.words(value, argument)
-        return self.write(" ".join(words.splitlines()), argument)
-
-    def words(self, value: object, argument: str) -> str:
-        """Return an argument that must be text."""
-        if not isinstance(value, str):
-            shown = shortened(repr(value))
-            raise ArgumentError(self.named(argument), f"expected text, found {shown}")
-        return value
-
-    def named(self, argument: str) -> str:
-        """Return the call with its argument, as ``input('temp', low, high)``."""
-        if not argument:
-            return f"{self.call})"
-        return f"{self.call}{'' if self.call.endswith('(') else ', '}{argument})"
-
-    def argument_of(self, span: Span) -> str:
-        """Return the call with the arguments that a stretch of the lines came from."""
-        found = [
-            argument
-            for stretch, argument in self._stretches
-            if stretch.line <= span.end_line
-            and stretch.end_line >= span.line
-            and (stretch.line != span.line or stretch.end_column > span.column)
-            and (stretch.line != span.end_line or stretch.column < span.end_column)
-        ]
-        return self.named(", ".join(dict.fromkeys(found)))
-
-
-def _write_shape(lines: _Lines, shape: Corners, argument: str, inputs: Sequence[str]) -> None:
-    """Write a shape in whichever way it is given."""
-    if isinstance(shape, Shape):
-        node: ShapeNode = shape_node(shape, inputs)
-        lines.write(str(node), argument)
-    elif isinstance(shape, str):
-        lines.raw(shape, argument)
-    elif isinstance(shape, float | int) or not isinstance(shape, Iterable):
-        lines.write("singleton ").number(shape, argument)
-    else:
-        _write_corners(lines, list(shape), argument)
-
-
-_CORNERS = {1: "singleton", 2: "rectangle", 3: "triangle", 4: "trapezoid"}
-"""The kind of a term that is given by its corners alone, by how many they are."""
-
-
-def _write_corners(lines: _Lines, corners: list[Any], argument: str) -> None:
-    if corners and all(isinstance(each, Sequence) and len(each) == 2 for each in corners):
-        lines.write("points")
-        for i, (x, y) in enumerate(corners):
-            lines.write(" (").number(x, f"{argument}[{i}][0]")
-            lines.write(", ").number(y, f"{argument}[{i}][1]").write(")")
-        return
-    kind = _CORNERS.get(len(corners))
-    if kind is None:
-        message = f"a term has 1 to 4 corners (or pairs x, y), found {len(corners)}"
-        raise ArgumentError(lines.named(argument), message)
-    lines.write(kind)
-    for i, corner in enumerate(corners):
-        lines.write(" ").number(corner, f"{argument}[{i}]")
-
-
-def _write_terms(lines: _Lines, name: str, terms: Terms, inputs: Sequence[str]) -> None:
-    if isinstance(terms, str):
-        lines.next().write("terms ").name(name, "name").write(": ").raw(terms, "terms")
-    elif isinstance(terms, Mapping):
-        for term, shape in terms.items():
-            argument = f"terms[{term!r}]"
-            lines.next().write("term ").name(name, "name").write(" ").name(term, argument)
-            _write_shape(lines.write(": "), shape, argument, inputs)
-    elif terms := list(terms):
-        lines.next().write("terms ").name(name, "name").write(": triangles")
-        for i, term in enumerate(terms):
-            lines.write(" ").name(term, f"terms[{i}]")
-
-
-_SETTINGS = {
-    "conjunction": "and",
-    "disjunction": "or",
-    "implication": "implication",
-    "threshold": "threshold",
-    "aggregation": "aggregation",
-    "defuzzifier": "defuzzifier",
-    "no_rule": "no-rule",
-    "outside": "outside",
-}
-"""What a setting is called as an argument, and in the language."""
-
-
-def _write_settings(lines: _Lines, settings: Mapping[str, object]) -> None:
-    given = {key: value for key, value in settings.items() if value is not None}
-    for i, (key, value) in enumerate(given.items()):
-        lines.write(f"{', ' if i else ' '}{_SETTINGS[key]} ", key)
-        if isinstance(value, Defuzzifier):
-            lines.write(str(value), key)
-        elif isinstance(value, str):
-            lines.raw(value, key)
-        else:
-            lines.number(value, key)
-
-
-# --- Grids ---
-
-
-class _Grid:
-    """The cells of a grid with their labels, from lists, a mapping of rows or a DataFrame."""
-
-    def __init__(self, lines: _Lines, cells: Any) -> None:
-        self.lines = lines
-        self.rows: list[Any] | None = None
-        self.columns: list[Any] | None = None
-        self.names: tuple[Any, Any] = (None, None)
-        if hasattr(cells, "columns") and hasattr(cells, "index"):
-            self.rows, self.columns = list(cells.index), list(cells.columns)
-            self.names = cells.index.name, cells.columns.name
-            self.cells = [list(row) for row in cells.to_numpy().tolist()]
-        elif isinstance(cells, Mapping):
-            self.rows = list(cells)
-            self.cells = [self._listed(row, f"cells[{key!r}]") for key, row in cells.items()]
-        else:
-            flat = self._listed(cells, "cells")
-            if flat and not any(_is_list(each) for each in flat):
-                flat = [flat]  # a grid over one input
-            self.cells = [self._listed(row, f"cells[{i}]") for i, row in enumerate(flat)]
-
-    def _listed(self, value: Any, argument: str) -> list[Any]:
-        if not _is_list(value):
-            message = f"expected a list of term names, found {shortened(repr(value))}"
-            raise ArgumentError(self.lines.named(argument), message)
-        return list(value)
-
-    def write_row(self, i: int, label: str, argument: str) -> None:
-        """Write a row with its label."""
-        self.lines.next().write("  ").name(label, argument)
-        for j, cell in enumerate(self.cells[i]):
-            self._write_cell(cell, f"cells[{i}][{j}]")
-
-    def _write_cell(self, cell: Any, argument: str) -> None:
-        self.lines.write("  ")
-        if cell is None or cell in ("", ".") or (isinstance(cell, float) and math.isnan(cell)):
-            self.lines.write(".", argument)
-        elif isinstance(cell, tuple) and len(cell) == 2:
-            self.lines.name(cell[0], argument).write("*").number(cell[1], argument)
-        else:
-            self.lines.name(cell, argument)
-
-
-def _is_list(value: Any) -> bool:
-    """Whether a value is a list of cells; a tuple is one cell with its weight."""
-    return not isinstance(value, str | tuple | Mapping) and isinstance(value, Iterable)
-
 
 # --- The builder ---
 
@@ -321,6 +107,7 @@ class RuleBase(AnyRuleBase):
 error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
     >>> print(fan)
     rulebase fan
+    <BLANKLINE>
     input  temp   0 .. 40   "°C"
     terms temp: triangles cold warm hot
     output speed  0 .. 100  "%"
@@ -334,14 +121,14 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     def __init__(self, name: str, description: str = "") -> None:
         self._start()
-        lines = _Lines("RuleBase(")
+        lines = Lines("RuleBase(")
         lines.write("rulebase ").name(name, "name")
         if description:
             lines.write(" ").string(description, "description")
         self._add(lines)
 
     def _start(self) -> None:
-        self._calls: list[tuple[int, _Lines]] = []  # each with the number of its first line
+        self._calls: list[tuple[int, Lines]] = []  # each with the number of its first line
         self._line = 1
         self._statements: list[Statement] = []
         self._ending: tuple[str, ...] = ()
@@ -482,15 +269,15 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         terms: Terms,
         settings: Mapping[str, object],
     ) -> Variable:
-        lines = _Lines(f"{role}({shortened(repr(name))}")
+        lines = Lines(f"{role}({shortened(repr(name))}")
         lines.write(f"{role} ").name(name, "name").write(" ")
         lines.number(low, "low").write(" .. ").number(high, "high")
         if description:
             lines.write(" ").string(description, "description")
-        _write_terms(lines, name, terms, self._names("input"))
+        write_terms(lines, name, terms, self._names("input"))
         if any(value is not None for value in settings.values()):
             lines.next().write("inference ").name(name, "name")
-            _write_settings(lines.write(":"), settings)
+            write_settings(lines.write(":"), settings)
         self._add(lines)
         return Variable(self, name)
 
@@ -511,9 +298,9 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError, ArgumentError
             As :meth:`input`.
         """
-        lines = _Lines(f"term({shortened(repr(_name_of(variable)))}, {shortened(repr(name))}")
+        lines = Lines(f"term({shortened(repr(_name_of(variable)))}, {shortened(repr(name))}")
         lines.write("term ").name(_name_of(variable), "variable").write(" ").name(name, "name")
-        _write_shape(lines.write(": "), shape, "shape", self._names("input"))
+        write_shape(lines.write(": "), shape, "shape", self._names("input"))
         self._add(lines)
 
     def rule(self, text: str, weight: float | None = None) -> None:
@@ -531,7 +318,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError, ArgumentError
             As :meth:`input`.
         """
-        lines = _Lines(f"rule({shortened(repr(text), 100)}")
+        lines = Lines(f"rule({shortened(repr(text), 100)}")
         words = lines.words(text, "text").strip()
         lines.write("rule ").raw(words.removeprefix("rule "), "")
         if weight is not None:
@@ -570,11 +357,11 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError, ArgumentError
             As :meth:`input`; the finding names the cell.
         """
-        lines = _Lines(f"grid({shortened(repr(_name_of(output)))}")
+        lines = Lines(f"grid({shortened(repr(_name_of(output)))}")
         lines.write("rules ").name(_name_of(output), "output")
         if when:
             lines.write(" when ").raw(when, "when")
-        grid = _Grid(lines, cells)
+        grid = Grid(lines, cells)
         down, across = self._sides(grid, rows, columns)
         lines.next().write("  ")
         if down is not None:
@@ -587,7 +374,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._add(lines)
 
     def _sides(
-        self, grid: _Grid, rows: str | Variable | None, columns: str | Variable | None
+        self, grid: Grid, rows: str | Variable | None, columns: str | Variable | None
     ) -> tuple[str | None, str]:
         """Return the variables that go down and across; none goes down over one input."""
         down, across = _name_of(rows) or grid.names[0], _name_of(columns) or grid.names[1]
@@ -605,7 +392,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             down = others[0]
         return down, across
 
-    def _labels(self, grid: _Grid, down: str | None, output: str) -> list[str]:
+    def _labels(self, grid: Grid, down: str | None, output: str) -> list[str]:
         if down is None:
             return [output] * len(grid.cells)
         labels = grid.rows if grid.rows is not None else self._terms_of(down)
@@ -652,8 +439,8 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             "no_rule": no_rule,
             "outside": outside,
         }
-        lines = _Lines("inference(").write("inference")
-        _write_settings(lines, settings)
+        lines = Lines("inference(").write("inference")
+        write_settings(lines, settings)
         self._add(lines)
 
     def block(
@@ -685,10 +472,10 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             "implication": implication,
             "threshold": threshold,
         }
-        lines = _Lines(f"block({shortened(repr(name))}")
+        lines = Lines(f"block({shortened(repr(name))}")
         lines.write("block ").name(name, "name")
         if any(value is not None for value in settings.values()):
-            _write_settings(lines.write(":"), settings)
+            write_settings(lines.write(":"), settings)
         self._add(lines)
 
     def lookup(
@@ -715,7 +502,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError, ArgumentError
             As :meth:`input`.
         """
-        lines = _Lines("lookup(").write("lookup")
+        lines = Lines("lookup(").write("lookup")
         for key, given in (("levels", levels), ("bins", bins)):
             for name, values in _by_input(given):
                 argument = key if name is None else f"{key}[{name!r}]"
@@ -744,7 +531,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError, ArgumentError
             As :meth:`input`.
         """
-        lines = _Lines("expect(").write("expect ")
+        lines = Lines("expect(").write("expect ")
         self._add(lines.raw(text, "text"))
 
     def add(self, text: str) -> None:
@@ -760,18 +547,18 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         RuleBaseError, ArgumentError
             As :meth:`input`; nothing is added then.
         """
-        lines = _Lines("add(")
+        lines = Lines("add(")
         for i, line in enumerate(lines.words(text, "text").splitlines(), 1):
             (lines.next() if i > 1 else lines).write(line, f"line {i} of text")
         self._add(lines)
 
     # -- how it grows --
 
-    def _add(self, lines: _Lines) -> None:
+    def _add(self, lines: Lines) -> None:
         """Read the lines of a call; add what they say, or raise what is wrong with them."""
         document = parse_statements(lines.text, self._line)
         scope = self._known()
-        before = len(scope.diagnostics)
+        known = len(scope.diagnostics)
         found = list(document.diagnostics)
         if not found:
             for statement in document.statements:
@@ -780,7 +567,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
                     found.append(Diagnostic("not-a-rule-base", message, statement.node.span))
                     break
                 judge_statement(statement.node, scope)
-            found += scope.diagnostics[before:]
+            found += scope.diagnostics[known:]
         if any(finding.is_error for finding in found):
             self._scope = None  # it has parts of what is not added
             raise RuleBaseError(self._in_call(lines, document, found))
@@ -788,7 +575,11 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         self._line += lines.count
         first, *rest = document.statements or (None,)
         if first is not None:
-            around = first.trivia._replace(before=(*self._ending, *first.trivia.before))
+            before = (*self._ending, *first.trivia.before)
+            last = self._statements[-1].node if self._statements else first.node
+            if not before and lines.call != "add(" and _section(last) != _section(first.node):
+                before = ("",)
+            around = first.trivia._replace(before=before)
             self._statements += [first._replace(trivia=around), *rest]
             self._ending = ()
         self._ending += document.ending
@@ -806,7 +597,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
         return self._scope
 
     def _in_call(
-        self, lines: _Lines, document: Document, found: Sequence[Diagnostic]
+        self, lines: Lines, document: Document, found: Sequence[Diagnostic]
     ) -> list[Diagnostic]:
         """Return what is wrong with the lines of a call, by its arguments."""
         moved = 1 - self._line
@@ -892,6 +683,23 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
 
     def __reduce__(self) -> tuple[Any, tuple[str]]:
         return type(self).from_text, (str(self),)
+
+
+_SECTIONS = (
+    (Heading,),
+    (VariableNode, TermNode, EvenTermsNode),
+    (InferenceNode,),
+    (RuleNode, GridNode, BlockNode),
+    (LookupNode,),
+    (ExpectNode, ProveNode),
+)
+"""Statements between which a file has no blank line."""
+
+
+def _section(node: StatementNode) -> int:
+    if isinstance(node, InferenceNode) and node.target is not None:
+        return 1  # it goes with its variable
+    return next((i for i, kinds in enumerate(_SECTIONS) if isinstance(node, kinds)), -1)
 
 
 def _moved(span: Span, lines: int) -> Span:
