@@ -59,6 +59,8 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
                     yield Segment("\n".join(map(printable, text.split("\n"))), style)
 
     settings: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
+    if file is not None:
+        settings["force_jupyter"] = False  # else a notebook would show it as well
     return PrintableConsole(file=file, **(settings | options))
 
 
