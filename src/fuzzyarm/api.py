@@ -27,6 +27,19 @@ if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
 
+__all__ = [
+    "FileWarning",
+    "Judgement",
+    "PlantOf",
+    "Review",
+    "UnknownKindError",
+    "check_file",
+    "check_parsed",
+    "check_text",
+    "judge",
+    "load",
+]
+
 RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
 """Those of :data:`fuzzyarm.formats.READABLE`; that module would load every reader."""
 
@@ -147,6 +160,13 @@ class Review(NamedTuple):
     text: str
     diagnostics: tuple[Diagnostic, ...]
     rulebase: RuleBase | None = None
+
+    def _repr_html_(self) -> str:
+        # A tuple has no other base: what Shown has for the others.
+        from importlib import import_module
+
+        drawing: str = import_module("fuzzyarm.notebook").html_of(self)
+        return drawing
 
     def __repr__(self) -> str:
         what = "no model" if self.rulebase is None else repr(self.rulebase)

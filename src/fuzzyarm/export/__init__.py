@@ -9,6 +9,7 @@ controller is a :class:`~fuzzyarm.export.controllers.ControllerProgram`.
 """
 
 from fuzzyarm.export.controllers import ControllerProgram, with_tables
+from fuzzyarm.export.cost import StepCost, step_cost
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable
@@ -34,9 +35,11 @@ __all__ = [
     "ExportedController",
     "FixedTable",
     "FloatTable",
+    "StepCost",
     "export_controller",
     "export_files",
     "routines_of",
+    "step_cost",
     "with_tables",
     "write_export",
 ]

@@ -6,6 +6,8 @@ every finding with its position. Writing gives an :class:`Exported` in the same 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
 from fuzzyarm.formats.findings import Exported, Imported
@@ -28,6 +30,9 @@ from fuzzyarm.formats.registry import (
 )
 from fuzzyarm.lazy import lazily
 
+if TYPE_CHECKING:
+    from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy
+
 __all__ = [
     "FOREIGN",
     "PRODUCERS",
@@ -36,6 +41,7 @@ __all__ = [
     "Exported",
     "FormatError",
     "Imported",
+    "from_skfuzzy",
     "parse",
     "parse_fcl",
     "parse_fis",
@@ -45,10 +51,11 @@ __all__ = [
     "same_model",
     "suffix_of",
     "text_in",
+    "to_skfuzzy",
     "write",
     "write_fcl",
     "write_fis",
     "write_fll",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+__getattr__, __dir__ = lazily(__name__, {"skfuzzy": ("from_skfuzzy", "to_skfuzzy")}, __all__)

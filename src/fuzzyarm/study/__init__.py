@@ -21,7 +21,7 @@ from fuzzyarm.study.reproduce import (
 if TYPE_CHECKING:
     from fuzzyarm.study.beyond import NAMES, Beyond, run_beyond
     from fuzzyarm.study.comparison import Compared, compare, compared_names, cost_of
-    from fuzzyarm.study.figures import draw_chapter, draw_overview, draw_profiles
+    from fuzzyarm.study.figures import draw_chapter, draw_overview, draw_profiles, save_figure
 
 __all__ = [
     "NAMES",
@@ -48,6 +48,7 @@ __all__ = [
     "reproduce",
     "reproduce_row",
     "run_beyond",
+    "save_figure",
     "variants",
 ]
 
@@ -56,7 +57,7 @@ __getattr__, __dir__ = lazily(
     {
         "beyond": ("NAMES", "Beyond", "run_beyond"),
         "comparison": ("Compared", "compare", "compared_names", "cost_of"),
-        "figures": ("draw_chapter", "draw_overview", "draw_profiles"),
+        "figures": ("draw_chapter", "draw_overview", "draw_profiles", "save_figure"),
     },
     __all__,
 )
