@@ -198,6 +198,20 @@ def check_text(text: str, path: str = "<text>", on: PlantOf | None = None) -> Re
 
     Never raises, whatever the text. A controller is checked on a plant, if one is given;
     otherwise on the shipped one that has its axes.
+
+    Parameters
+    ----------
+    text : str
+        Of a rule base, a controller or both.
+    path : str
+        Its name, for the findings.
+    on : PlantOf, optional
+        The plant of a controller.
+
+    Returns
+    -------
+    Review
+        Every finding, in the order of the text.
     """
     return check_parsed(parse(text, path), text, path, on=on)
 
@@ -328,7 +342,20 @@ PROOF_SECONDS = 1.0
 
 
 def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Judgement:
-    """Evaluate the ``expect`` lines of a rule base, and prove what it says in ``prove`` lines."""
+    """Evaluate the ``expect`` lines of a rule base, and prove what it says in ``prove`` lines.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        With its lines.
+    on_step : callable
+        Called now and then; what it raises ends it.
+
+    Returns
+    -------
+    Judgement
+        What does not hold, and the verdicts on the ``prove`` lines.
+    """
     findings: list[Diagnostic] = []
     if rulebase.expectations:
         from fuzzyarm.inference import check_expectations

@@ -150,6 +150,15 @@ def write_export(
 ) -> Exported:
     """Write exported files, each whole or not at all, and return them.
 
+    Parameters
+    ----------
+    routines : sequence of Routine
+        What the files hold, in order.
+    path : path-like
+        Its suffix says which language.
+    name : str, optional
+        Of the module; by default that of the file.
+
     Raises
     ------
     ExportError

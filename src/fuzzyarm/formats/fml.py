@@ -155,7 +155,24 @@ _VARIABLES = {
 def parse_fml(
     text: str, path: str = "<text>", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Read a fuzzy system: :func:`~fuzzyarm.formats.registry.parse` of ``.fml``."""
+    """Read a fuzzy system: :func:`~fuzzyarm.formats.registry.parse` of ``.fml``.
+
+    Parameters
+    ----------
+    text : str
+        The file.
+    path : str
+        Its name, for the findings.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Imported
+        The rule base, if there is no error, and every finding.
+    """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
         try:

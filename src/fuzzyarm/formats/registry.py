@@ -44,6 +44,13 @@ class FormatError(FuzzyarmError, ValueError):
 def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -> str:
     """Return the suffix of `path`, one of `known`, in small letters.
 
+    Parameters
+    ----------
+    path : path-like
+        A name of a file.
+    known : tuple of str
+        The suffixes there are.
+
     Raises
     ------
     FormatError
@@ -221,6 +228,15 @@ def write(
 def text_in(rulebase: RuleBase, path: str | os.PathLike[str], *, lossy: bool = False) -> str:
     """Return `rulebase` in the format that the suffix of `path` names.
 
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to write.
+    path : path-like
+        Its suffix is the format.
+    lossy : bool
+        Whether to go on where numbers would change.
+
     Raises
     ------
     FormatError
@@ -255,7 +271,13 @@ def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
 
 
 def same_model(one: RuleBase, other: RuleBase) -> bool:
-    """Whether two rule bases are equal, a NaN being equal to a NaN."""
+    """Whether two rule bases are equal, a NaN being equal to a NaN.
+
+    Parameters
+    ----------
+    one, other : RuleBase
+        Values.
+    """
     return _without_nan(one) == _without_nan(other)
 
 

@@ -191,6 +191,16 @@ def write(rulebase: AnyRuleBase) -> str:
 
     Rules that fill a grid in order are written as a grid, all others as ``rule`` lines.
     Every setting is written out, so that the text depends on no default.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The value, or one that is being written.
+
+    Returns
+    -------
+    str
+        In the form of ``fuzzyarm fmt``.
     """
     rulebase = rulebase.model
     statements: list[Statement] = []

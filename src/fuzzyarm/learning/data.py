@@ -210,6 +210,15 @@ def as_samples(
 def frame_samples(frame: Any, columns: Columns = LAST, source: str = "") -> Samples:
     """Return samples in a data frame of pandas.
 
+    Parameters
+    ----------
+    frame : DataFrame
+        A row for each sample.
+    columns : Columns, optional
+        Which are inputs, which the target; by default the last is the target.
+    source : str
+        Where it comes from, for comments.
+
     Raises
     ------
     DataError
@@ -232,7 +241,15 @@ def _cell_text(cell: Any) -> str:
 
 
 def table_samples(table: LookupTable, source: str = "") -> Samples:
-    """Return every cell of a lookup table as a sample: its levels, and its value."""
+    """Return every cell of a lookup table as a sample: its levels, and its value.
+
+    Parameters
+    ----------
+    table : LookupTable
+        What is sampled.
+    source : str
+        Where it comes from, for comments.
+    """
     mesh = np.meshgrid(*(np.array(axis.levels) for axis in table.axes), indexing="ij")
     inputs = np.stack([each.ravel() for each in mesh], axis=1)
     return as_samples(inputs, table.values.ravel(), table.names, table.output, source)
@@ -246,6 +263,19 @@ def rulebase_samples(
     source: str = "",
 ) -> Samples:
     """Return samples of an output of a rule base, spread over the ranges of its inputs.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What is sampled.
+    target : str, optional
+        The output, where there are several.
+    count : int
+        Of samples.
+    seed : int
+        Of their positions.
+    source : str
+        Where it comes from, for comments.
 
     Raises
     ------

@@ -177,6 +177,11 @@ def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
     What it returns is the ``F`` of :func:`control.describing_function_plot` and
     :func:`control.describing_function`.
 
+    Parameters
+    ----------
+    thing : RuleBase or ControllerText
+        As of :func:`describing_function`.
+
     Raises
     ------
     AnalysisError

@@ -71,6 +71,17 @@ class Signal:
 def read_signal(text: str) -> Signal:
     """Read a reference as a user writes it: ``step:1``, ``sine:0.5,2`` or ``FILE.csv``.
 
+    Parameters
+    ----------
+    text : str
+        A kind and its numbers behind a colon, in the unit of the reference and s; or a file of
+        times and values.
+
+    Returns
+    -------
+    Signal
+        A function of time.
+
     Raises
     ------
     PlantError

@@ -109,6 +109,13 @@ def bound_text(bound: tuple[float, float] | float) -> str:
 def read_property(rulebase: RuleBase, text: str) -> Property:
     """Return the statement in a text such as ``u rises with e``.
 
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What the statement is about.
+    text : str
+        The statement, with or without ``prove`` in front.
+
     Raises
     ------
     RuleBaseError
@@ -132,7 +139,15 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
 
 
 def property_text(claim: Property, rulebase: RuleBase) -> str:
-    """Return a statement as it stands behind ``prove``."""
+    """Return a statement as it stands behind ``prove``.
+
+    Parameters
+    ----------
+    claim : Property
+        The statement.
+    rulebase : RuleBase
+        What it is about.
+    """
     node: ProveNode = property_node(claim, rulebase)
     return str(node).removeprefix("prove ")
 

@@ -23,7 +23,13 @@ if TYPE_CHECKING:
 
 
 def rulebase_view(rulebase: AnyRuleBase) -> Group:
-    """Return everything about a rule base, top to bottom."""
+    """Return everything about a rule base, top to bottom.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The value, or one that is being written.
+    """
     rulebase = rulebase.model
     from rich.console import Group
     from rich.text import Text
@@ -110,7 +116,13 @@ class RuleGrid:
 
 
 def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
-    """Return the grids of a block in the order of their first rules, and the other rules."""
+    """Return the grids of a block in the order of their first rules, and the other rules.
+
+    Parameters
+    ----------
+    block : RuleBlock
+        Its rules, whatever way they were written.
+    """
     grids: dict[tuple[object, ...], RuleGrid] = {}
     others: list[Rule] = []
     for rule in block.rules:
@@ -193,6 +205,17 @@ def rule_grid(
 
     A dot is a missing rule, ``*0.5`` a weight, ``/`` stands between contradicting rules.
     `strengths` and `chosen` as for :func:`rules_view`.
+
+    Parameters
+    ----------
+    grid : RuleGrid
+        Rules that share row, column and conditions.
+    rulebase : RuleBase
+        Theirs.
+    strengths : mapping of Span to float, optional
+        How strongly the rules fire.
+    chosen : tuple of (str, str), optional
+        Row and column of the cell that is highlighted.
     """
     columns = _terms(rulebase, grid.column, [column for _, column in grid.cells])
     rows = _terms(rulebase, grid.row, [row for row, _ in grid.cells]) if grid.row else [""]

@@ -232,7 +232,18 @@ class Cost:
 
 
 def cost_of(name: str) -> Cost:
-    """Count the operations of a controller and measure its time."""
+    """Count the operations of a controller and measure its time.
+
+    Parameters
+    ----------
+    name : str
+        Of the catalogue.
+
+    Returns
+    -------
+    Cost
+        Operations of a control step, and its time in s.
+    """
     made = find_controller(name)
     seconds = measure_time(made, conventions=study_conventions(name))
     return Cost(made.name, count_operations(made), seconds)

@@ -50,6 +50,11 @@ class TableFileError(RuleBaseError):
 def read_table(path: str | Path) -> LookupTable:
     """Return the table in a ``.lut``, ``.csv``, ``.npz`` or ``.json`` file.
 
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
     Raises
     ------
     TableFileError
@@ -90,6 +95,13 @@ def parse_table(data: bytes, path: str) -> ParsedTable:
 
 def write_table(table: LookupTable, path: str | Path) -> None:
     """Write `table` whole or not at all; :func:`read_table` gives back an equal table.
+
+    Parameters
+    ----------
+    table : LookupTable
+        What to write.
+    path : path-like
+        Its suffix is the format.
 
     Raises
     ------

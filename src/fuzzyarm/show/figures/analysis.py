@@ -62,7 +62,13 @@ def describing_figure(
 
 
 def portrait_figure(portrait: Portrait) -> Figure:
-    """Return motions in the plane, each with its start, and the field behind them."""
+    """Return motions in the plane, each with its start, and the field behind them.
+
+    Parameters
+    ----------
+    portrait : Portrait
+        From :func:`fuzzyarm.loop.phase_portrait`.
+    """
     figure = new_figure(6.4, 5.2)
     axes = figure.subplots()
     if portrait.field is not None:

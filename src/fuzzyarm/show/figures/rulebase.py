@@ -36,7 +36,13 @@ _POINTS = 401
 
 
 def memberships_figure(rulebase: AnyRuleBase) -> Figure:
-    """Return one panel for each variable of `rulebase`, inputs first."""
+    """Return one panel for each variable of `rulebase`, inputs first.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to draw.
+    """
     rulebase = rulebase.model
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     figure = new_figure(7.0, 0.6 + 1.9 * len(variables))
@@ -48,7 +54,13 @@ def memberships_figure(rulebase: AnyRuleBase) -> Figure:
 
 
 def variable_figure(variable: Variable) -> Figure:
-    """Return the terms of one variable."""
+    """Return the terms of one variable.
+
+    Parameters
+    ----------
+    variable : Variable
+        What to draw.
+    """
     figure = new_figure(7.0, 2.3)
     _draw_memberships(figure.subplots(), variable)
     return figure

@@ -130,6 +130,15 @@ def require_figure_suffix(path: str | Path) -> None:
 def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
     """Write `figure` to a ``.png``, ``.svg`` or ``.pdf`` file; the same figure, the same bytes.
 
+    Parameters
+    ----------
+    figure : Figure
+        Any of matplotlib.
+    path : path-like
+        Its suffix is the format.
+    dpi : int
+        Dots per inch of a ``.png``.
+
     Raises
     ------
     FigureFileError
