@@ -152,7 +152,7 @@ def test_notebooks_draw_what_is_drawn(values):
         assert tags.open == [], name
         assert tags.names <= ALLOWED, name
         assert ("img" in tags.names) == (name in pictures), name
-    assert "table" in Tags(values["builder"]._repr_html_()).names
+    assert "table" in Tags(values["table"]._repr_html_()).names
 
 
 HOSTILE = [
