@@ -145,7 +145,10 @@ class Program:
         """Return the results of an inference that hold where no rule fires."""
         count = self.code[at + to.COUNT_RESULTS]
         first = at + to.INFER_CELLS + self.code[at + to.COUNT_INPUTS]
-        cells, holds = self.code[first : first + count], self.code[first + count : first + 2 * count]
+        cells, holds = (
+            self.code[first : first + count],
+            self.code[first + count : first + 2 * count],
+        )
         return {cell for cell, held in zip(cells, holds, strict=True) if held}
 
 
