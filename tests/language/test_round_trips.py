@@ -13,7 +13,7 @@ from fuzzyarm.text.names import is_plain_name
 from fuzzyarm.text.numbers import number_text
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_what_is_written_reads_back_to_the_same_model(rulebase):
     text = write(rulebase)
