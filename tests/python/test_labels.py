@@ -130,6 +130,15 @@ def test_inputs_that_are_not_by_name(evaluate, way):
         evaluate[way](FRAME, e=3)
 
 
+def test_a_table_keeps_labels_too(pd7):
+    table = pd7.table(levels=5)
+    found = table.lookup(FRAME["e"], 0.5, mode="linear")
+    plain = table.lookup(FRAME["e"].to_numpy(), 0.5, mode="linear")
+    pd.testing.assert_series_equal(found, pd.Series(plain, FRAME.index, name="u"))
+    grid = xr.Dataset(coords={"e": [0.0, 1.0], "ce": [0.0, 2.0, 3.0]})
+    assert table.lookup(ce=grid["ce"], e=grid["e"]).sizes == {"e": 2, "ce": 3}
+
+
 def test_a_list_is_not_a_mapping(pd7):
     with pytest.raises(InferenceError, match="given by name"):
         fuzzyarm.infer(pd7, [1, 2])

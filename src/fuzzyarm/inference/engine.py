@@ -162,7 +162,7 @@ class Compiled:
                     if self._only is not None:
                         return {self._only: found[0]}
                     return dict(zip(self._outputs, found, strict=True))
-        given, labels = gathered(self._mapping(values), named, self._names)
+        given, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
         general = self._general(given, held)
         return general if labels is None else labels.on(general)
 

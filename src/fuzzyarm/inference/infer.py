@@ -73,7 +73,7 @@ def infer(
     {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
     rulebase = rulebase.model
-    given, labels = gathered(inputs, named, [variable.name for variable in rulebase.inputs])
+    given, labels = gathered(inputs, named, rulebase.inputs)
     found = _outputs(rulebase, given, held, None if outputs is None else tuple(outputs))
     return found if labels is None else labels.on(found)
 

@@ -10,12 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.model.rulebase import Variable
 
 # --- One mapping of inputs by name ---
 
 
 def gathered(
-    inputs: Any, named: Mapping[str, Any], names: Sequence[str]
+    inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
 ) -> tuple[dict[str, Any], Labels | None]:
     """Put inputs from both ways of giving them together.
 
@@ -26,8 +27,8 @@ def gathered(
         passed over.
     named : mapping of str to object
         Further inputs.
-    names : sequence of str
-        Of the inputs.
+    variables : sequence of Variable
+        The inputs.
 
     Returns
     -------
@@ -41,11 +42,27 @@ def gathered(
     InferenceError
         If an input is given twice, or the labels of two inputs differ.
     """
-    container = _library(inputs)
-    if container:
+    given = dict(named) if inputs is None else _by_name(inputs, named, variables)
+    for value in given.values():
+        if type(value) is not float and _library(value):  # floats are most, and this is quick
+            break
+    else:
+        return given, None
+    labelled = {name: value for name, value in given.items() if _library(value)}
+    libraries = {_library(value) for value in labelled.values()}
+    if len(libraries) > 1:
+        raise InferenceError("inputs are labelled by pandas or by xarray, not by both")
+    make = _of_pandas if libraries == {"pandas"} else _of_xarray
+    plain, wrap = make(labelled, given)
+    return {**given, **plain}, Labels(wrap, type(inputs) if _library(inputs) else None)
+
+
+def _by_name(
+    inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
+) -> dict[str, Any]:
+    names = [variable.name for variable in variables]
+    if _library(inputs):
         given = {name: inputs[name] for name in names if name in inputs}
-    elif inputs is None:
-        given = {}
     elif isinstance(inputs, Mapping):
         given = dict(inputs)
     else:
@@ -56,16 +73,7 @@ def gathered(
         if name in given:
             raise InferenceError(f"input '{name}' is given twice")
         given[name] = value
-    labelled = {name: value for name, value in given.items() if _library(value)}
-    if not labelled:
-        return given, None
-    libraries = {_library(value) for value in labelled.values()}
-    if len(libraries) > 1:
-        raise InferenceError("inputs are labelled by pandas or by xarray, not by both")
-    make = _of_pandas if libraries == {"pandas"} else _of_xarray
-    plain, wrap = make(labelled, given)
-    whole = type(inputs) if container else None
-    return {**given, **plain}, Labels(wrap, whole, inputs)
+    return given
 
 
 def _library(value: Any) -> str:
@@ -79,12 +87,9 @@ def _library(value: Any) -> str:
 class Labels:
     """What puts the labels of the inputs on the outputs."""
 
-    def __init__(
-        self, wrap: Callable[[str, Any], Any], container: type | None, inputs: Any
-    ) -> None:
+    def __init__(self, wrap: Callable[[str, Any], Any], container: type | None) -> None:
         self._wrap = wrap
         self._container = container
-        self._inputs = inputs
 
     def on(self, results: Mapping[str, Any]) -> Any:
         """Return the outputs with the labels, and in the container that the inputs came in."""

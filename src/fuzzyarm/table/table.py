@@ -80,7 +80,8 @@ class LookupTable(TableHeader):
         Returns
         -------
         float or ndarray of float64
-            A float if every input is a number, else an array of the broadcast shape.
+            A float if every input is a number, else an array of the broadcast shape; a Series, a
+            DataFrame or a DataArray where inputs are, with their labels.
             Inputs outside the levels take the value at the border.
 
         Raises
@@ -96,6 +97,12 @@ class LookupTable(TableHeader):
                 break
         else:
             return self._at_point(inputs, chosen)  # type: ignore[arg-type]
+        from fuzzyarm.inference.labelled import gathered
+
+        given, labels = gathered(None, dict(zip(self.names, inputs, strict=True)), ())
+        if labels is not None:
+            found = self.lookup(*given.values(), mode=chosen)
+            return labels.on({self.output: found})[self.output]
         arrays = [np.asarray(x, dtype=np.float64) for x in inputs]
         if all(array.ndim == 0 for array in arrays):
             return self._at_point(tuple(array.item() for array in arrays), chosen)
