@@ -6,9 +6,12 @@ is imported here.
 
 from __future__ import annotations
 
+import math
 import sys
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import islice, product
 from typing import Any
 
 from fuzzyarm.formats.findings import Imported
@@ -16,9 +19,18 @@ from fuzzyarm.formats.fll import parse_fll
 from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, numbers_of_fuzzylogic
 from fuzzyarm.formats.simpful import from_simpful, numbers_of_simpful
 from fuzzyarm.formats.skfuzzy import from_skfuzzy, numbers_of_skfuzzy
+from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE
 
-__all__ = ["LIBRARIES", "Library", "library_of", "numbers_of", "read_object"]
+__all__ = [
+    "LIBRARIES",
+    "Library",
+    "comparison_points",
+    "library_of",
+    "measured",
+    "numbers_of",
+    "read_object",
+]
 
 
 @dataclass(frozen=True)
@@ -156,3 +168,76 @@ def numbers_of(found: object, values: Mapping[str, float]) -> dict[str, float]:
     library = library_of(found)
     assert library is not None
     return library.numbers(found, values)
+
+
+# --- Its numbers at points that stand for all ---
+
+POINTS = 300
+"""Points at which numbers are compared."""
+
+_SECONDS = 4.0
+"""Time for the numbers of one object; fewer points are compared where it is slow."""
+
+_BEYOND = 0.1
+"""How far beyond its range an input is tried, of the width."""
+
+
+def comparison_points(rulebase: RuleBase) -> list[dict[str, float]]:
+    """Return points of the inputs: corners, the centre, then all over the ranges and beside.
+
+    Evenly and in no order, so that the first of them are a fair choice too. They follow the
+    additive recurrence of the generalised golden ratio (M. Roberts, *The Unreasonable
+    Effectiveness of Quasirandom Sequences*, 2018).
+    """
+    inputs = rulebase.inputs
+    count = len(inputs)
+    shares = [tuple(map(float, corner)) for corner in islice(product((0, 1), repeat=count), 16)]
+    shares.append((0.5,) * count)
+    ratio = 2.0
+    for _ in range(50):
+        ratio = (1.0 + ratio) ** (1.0 / (count + 1))
+    while len(shares) < POINTS:
+        number = len(shares)
+        beyond = 2 * _BEYOND * (number % 8 == 0)
+        row = ((0.5 + number * ratio ** -(k + 1)) % 1.0 for k in range(count))
+        shares.append(tuple(share * (1.0 + beyond) - 0.5 * beyond for share in row))
+    return [
+        {v.name: _between(v, share) for v, share in zip(inputs, row, strict=True)}
+        for row in shares
+    ]  # fmt: skip
+
+
+def _between(variable: Input, share: float) -> float:
+    if variable.outside == "error":
+        share = min(1.0, max(0.0, share))
+    if share in (0.0, 1.0):
+        return variable.high if share else variable.low
+    return variable.low + share * (variable.high - variable.low)
+
+
+def measured(
+    found: object, rulebase: RuleBase, deadline: float = math.inf
+) -> list[tuple[dict[str, float], dict[str, float] | None]]:
+    """Return points and what a live object computes there itself, None where it raises.
+
+    Parameters
+    ----------
+    found : object
+        A system of one of the :data:`LIBRARIES`.
+    rulebase : RuleBase
+        What it was read as.
+    deadline : float
+        On the monotonic clock: no further point is taken behind it.
+    """
+    if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
+        return []
+    until = min(deadline, time.monotonic() + _SECONDS)
+    results: list[tuple[dict[str, float], dict[str, float] | None]] = []
+    for point in comparison_points(rulebase):
+        if time.monotonic() > until:
+            break
+        try:
+            results.append((point, numbers_of(found, point)))
+        except Exception:  # whatever the library, or a function of the user's in it, raises
+            results.append((point, None))
+    return results
