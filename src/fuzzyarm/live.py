@@ -128,7 +128,9 @@ def compare(
     findings = Findings(lossy=lossy, strict=strict)
     kept = [(point, numbers) for point, numbers in results if numbers is not None]
     if len(kept) < len(results):
-        message = f"{library} raises an error at {len(results) - len(kept)} of {len(results)} points"
+        message = (
+            f"{library} raises an error at {len(results) - len(kept)} of {len(results)} points"
+        )
         findings.info("not-compared", message)
     if not kept:
         findings.warn("not-compared", f"the numbers were not compared with those of {library}")
@@ -208,7 +210,9 @@ class ScriptError(FuzzyarmError, ValueError):
         Why, with the line of the script where there is one.
     """
 
-    def __init__(self, message: str, hint: str = "", diagnostics: Sequence[Diagnostic] = ()) -> None:
+    def __init__(
+        self, message: str, hint: str = "", diagnostics: Sequence[Diagnostic] = ()
+    ) -> None:
         super().__init__(message, hint=hint)
         self.diagnostics = tuple(diagnostics)
 
@@ -293,8 +297,8 @@ def read_script(
     if not systems:
         raise ScriptError(
             f"{os.fspath(path)}: no fuzzy system found",
-            "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful or "
-            "a Rule of fuzzylogic must be there when the script has run",
+            "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful "
+            "or a Rule of fuzzylogic must be there when the script has run",
             diagnostics,
         )
     return systems, diagnostics

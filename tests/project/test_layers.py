@@ -32,6 +32,7 @@ ORDER = (
     "sklearn",
     "study",
     "api",
+    "live",
     "show",
     "lsp",
     "studio",

@@ -201,7 +201,9 @@ def _convert_script(arguments: argparse.Namespace) -> int:
             _say_findings(error.diagnostics, source, to_errors=True)
         raise
     targets = _targets(arguments, systems)
-    written = [_write_system(arguments, each, to) for each, to in zip(systems, targets, strict=True)]
+    written = [
+        _write_system(arguments, each, to) for each, to in zip(systems, targets, strict=True)
+    ]
     if arguments.json:
         _print_systems(arguments, systems, targets, written, diagnostics)
         return int(not all(written))
@@ -380,8 +382,10 @@ COMMANDS = (
             argument("-o --out DIR", "where the rule bases go; here by default"),
             flag("--run", "run the script without asking"),
             argument(
-                "--seconds S", "time for the script (default: %(default)g)",
-                type=float, default=SECONDS,
+                "--seconds S",
+                "time for the script (default: %(default)g)",
+                type=float,
+                default=SECONDS,
             ),
             argument("--python PATH", "run it by another Python, 3.11 or newer"),
             flag("--points", "keep scikit-fuzzy's straight lines between points"),

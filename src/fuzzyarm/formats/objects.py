@@ -20,7 +20,7 @@ from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, numbers_of_fuzzylogic
 from fuzzyarm.formats.simpful import from_simpful, numbers_of_simpful
 from fuzzyarm.formats.skfuzzy import from_skfuzzy, numbers_of_skfuzzy
 from fuzzyarm.model.rulebase import Input, RuleBase
-from fuzzyarm.text.diagnostic import NOWHERE
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 
 __all__ = [
     "LIBRARIES",
@@ -91,7 +91,7 @@ def _numbers_of_pyfuzzylite(engine: Any, values: Mapping[str, float]) -> dict[st
         variable.value = values[variable.name]
     engine.process()
     found = {each.name: float(each.value) for each in engine.output_variables if each.enabled}
-    return {name: value for name, value in found.items() if value == value}
+    return {name: value for name, value in found.items() if not math.isnan(value)}
 
 
 # --- The libraries ---
@@ -157,7 +157,11 @@ def read_object(
             f"{', '.join(each.name for each in LIBRARIES)}"
         )
     options = {"points": points} if library.module == "skfuzzy" else {}
-    return library.read(found, name, lossy=lossy, strict=strict, **options)
+    try:
+        return library.read(found, name, lossy=lossy, strict=strict, **options)
+    except Exception as error:  # whatever the library raises over an object that is half made
+        message = f"the object cannot be read: {type(error).__name__}: {error}"
+        return Imported(None, (Diagnostic("unreadable-object", message[:500]),), library.name)
 
 
 def numbers_of(found: object, values: Mapping[str, float]) -> dict[str, float]:

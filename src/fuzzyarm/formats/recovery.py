@@ -379,7 +379,7 @@ def _bells(samples: _Samples) -> Iterator[Candidate]:
 
 def _bell(y: float, slope: float) -> float:
     """Return the distance from the centre, in widths, at which a bell has a degree."""
-    return (1.0 / y - 1.0) ** (0.5 / slope)
+    return math.pow(1.0 / y - 1.0, 0.5 / slope)
 
 
 def _bell_slope(samples: _Samples, side: int) -> float | None:
@@ -395,13 +395,14 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
         return (b - a) / (c - a) - (x1 - x0) / (x2 - x0)
 
     grid = [0.25 * 2.0 ** (k / 4.0) for k in range(29)]  # 1/4 to 32
-    for low, high in pairwise(grid):
-        if bent(low) * bent(high) <= 0.0:
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                low, high = (low, middle) if bent(low) * bent(middle) <= 0.0 else (middle, high)
-            return 0.5 * (low + high)
-    return None
+    found = next(((a, b) for a, b in pairwise(grid) if bent(a) * bent(b) <= 0.0), None)
+    if found is None:
+        return None
+    low, high = found
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if bent(low) * bent(middle) <= 0.0 else (middle, high)
+    return 0.5 * (low + high)
 
 
 # --- The numbers as somebody wrote them, and whether they are right ---

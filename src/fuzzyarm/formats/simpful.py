@@ -110,8 +110,8 @@ class _Reader:
         for name in concluded:
             if name in inputs:
                 message = (
-                    f"'{name}' is concluded and asked for: simpful asks for the value that was set, "
-                    "not for the one it computes"
+                    f"'{name}' is concluded and asked for: simpful asks for the value that was "
+                    "set, not for the one it computes"
                 )
                 self.findings.error("chained-output", message)
             if name in self.system._constants:
@@ -253,7 +253,9 @@ class _Reader:
         if shape is None and not known and function is None:
             return _polygon(each)
         if shape is None:
-            message = f"'{each._term}' of '{variable}' is a function of its own, taken at 1001 points"
+            message = (
+                f"'{each._term}' of '{variable}' is a function of its own, taken at 1001 points"
+            )
             self.findings.loss("unsupported-shape", message, slight=True)
             xs = [low + (high - low) * i / 1000 for i in range(1001)]
             return joined(xs, [float(each.get_value(x)) for x in xs])

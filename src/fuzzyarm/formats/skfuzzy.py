@@ -142,8 +142,33 @@ def _output(variable: Any, terms: tuple[Term, ...], findings: Findings) -> Outpu
         high,
         terms,
         outside="extend",
-        defuzzifier=Defuzzifier(method or "centroid"),
+        defuzzifier=_defuzzifier(variable, method or "centroid", findings),
     )
+
+
+def _defuzzifier(variable: Any, method: str, findings: Findings) -> Defuzzifier:
+    """Return the joined samples of an even universe, the exact integral of any other."""
+    xs = [float(x) for x in variable.universe]
+    if len(xs) < 2 or "maximum" in method:
+        return Defuzzifier(method)
+    if _are_even(xs):
+        return Defuzzifier(method, len(xs), "joined")
+    message = (
+        f"the points of '{variable.label}' are not even: its {method} is exact here, while "
+        "scikit-fuzzy joins its sets by straight lines between them"
+    )
+    findings.info("between-samples", message)
+    return Defuzzifier(method)
+
+
+def _are_even(xs: list[float]) -> bool:
+    step = (xs[-1] - xs[0]) / (len(xs) - 1)
+    near = 1e-12 * (xs[-1] - xs[0])
+    return all(abs(x - (xs[0] + step * i)) <= near for i, x in enumerate(xs))
+
+
+def _is_output(variable: Any) -> bool:
+    return hasattr(variable, "accumulation_method")
 
 
 def _range(variable: Any) -> tuple[float, float]:
@@ -171,7 +196,8 @@ def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ..
     changed = [
         label for label, shape in zip(degrees, shapes, strict=True) if not is_joined(shape, xs)
     ]
-    if changed:
+    # An output is joined by its defuzzifier, which takes no notice of a shape between the points.
+    if changed and not (_is_output(variable) and _are_even(xs)):
         message = (
             f"{', '.join(changed)} of '{name}' between its {len(xs)} points: the whole shape here, "
             "straight lines to scikit-fuzzy"
@@ -196,7 +222,7 @@ def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
 
 def _note_intermediates(rule: Any, findings: Findings) -> None:
     for term in rule.antecedent_terms:
-        if hasattr(term.parent, "accumulation_method"):
+        if _is_output(term.parent):
             message = (
                 f"'{term.parent.label}' is an output; scikit-fuzzy takes the activation of its "
                 f"term '{term.label}' in the conditions of '{rule.label}', not its value"

@@ -11,8 +11,12 @@ from dataclasses import dataclass, field
 
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 
-SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
-"""How a sampled defuzzifier spreads N points over the range of an output."""
+SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
+"""How a sampled defuzzifier spreads N points over the range of an output.
+
+``joined`` is of the centroid and the bisector: they are integrals of straight lines between the
+samples rather than sums.
+"""
 
 DEFUZZIFIERS = (
     "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
@@ -80,6 +84,11 @@ class Defuzzifier:
     method: str = "centroid"
     resolution: int | None = None
     sampling: str = "endpoints"
+
+    @property
+    def joined(self) -> bool:
+        """Whether straight lines between samples are integrated."""
+        return self.resolution is not None and self.sampling == "joined"
 
     def __str__(self) -> str:
         """Return the words of the language."""
