@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer
     from fuzzyarm.language import parse, write
+    from fuzzyarm.live import from_live
     from fuzzyarm.loop import simulate, simulate_many
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.proof import prove
@@ -52,6 +53,7 @@ __all__ = [
     "compile_with_report",
     "compiled",
     "explain",
+    "from_live",
     "infer",
     "kinds",
     "load",
@@ -73,6 +75,7 @@ _HOMES = {
     "expression.op": ("op",),
     "inference": ("compiled", "explain", "infer"),
     "language": ("RuleBase", "RuleBaseError", "parse", "write"),
+    "live": ("from_live",),
     "loop": ("simulate", "simulate_many"),
     "proof": ("prove",),
     "shipped_files": ("shipped",),

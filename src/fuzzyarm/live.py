@@ -1,7 +1,7 @@
 """Systems of other fuzzy libraries, live: rule bases of them, and how far their numbers differ.
 
 :func:`from_live` takes an object, :func:`read_script` a script that makes some. Either way the
-library's own object is asked for its numbers at a few hundred points and the rule base beside it.
+library's own object is asked for its numbers at a hundred points and the rule base beside it.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def from_live(
     Warns
     -----
     FileWarning
-        For what differs, with the greatest difference at 300 points where the library's own
+        For what differs, with the greatest difference at 100 points where the library's own
         object was asked; its `diagnostic` has name and message.
 
     Raises
@@ -184,8 +184,8 @@ def _compare_output(
         )
         findings.loss("numbers-differ", message, slight=len(alone) <= SLIGHT * len(points))
     if share <= SAME:
-        message = f"'{output.name}': the numbers of {library} at {len(points)} points"
-        findings.info("same-numbers", f"{message}, to {share:.1g} of the range")
+        message = f"'{output.name}' is that of {library} at {len(points)} points"
+        findings.info("same-numbers", f"{message}, within {SAME:g} of its range")
         return
     message = (
         f"'{output.name}' differs by up to {share:.2g} of its range at {len(points)} points: "

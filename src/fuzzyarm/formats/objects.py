@@ -176,10 +176,10 @@ def numbers_of(found: object, values: Mapping[str, float]) -> dict[str, float]:
 
 # --- Its numbers at points that stand for all ---
 
-POINTS = 300
+POINTS = 100
 """Points at which numbers are compared."""
 
-_SECONDS = 4.0
+_SECONDS = 15.0
 """Time for the numbers of one object; fewer points are compared where it is slow."""
 
 _BEYOND = 0.1

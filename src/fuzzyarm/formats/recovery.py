@@ -394,7 +394,7 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
         a, b, c = (_bell(y, slope) for y in ys)
         return (b - a) / (c - a) - (x1 - x0) / (x2 - x0)
 
-    grid = [0.25 * 2.0 ** (k / 4.0) for k in range(29)]  # 1/4 to 32
+    grid = [0.25 * math.pow(2.0, k / 4.0) for k in range(29)]  # 1/4 to 32
     found = next(((a, b) for a, b in pairwise(grid) if bent(a) * bent(b) <= 0.0), None)
     if found is None:
         return None
