@@ -18,7 +18,10 @@ tipping.add_linguistic_variable(
 tipping.add_linguistic_variable(
     "food",
     sf.LinguisticVariable(
-        [sf.TriangleFuzzySet(0, 0, 10, term="rancid"), sf.GaussianFuzzySet(10, 3, term="delicious")],
+        [
+            sf.TriangleFuzzySet(0, 0, 10, term="rancid"),
+            sf.GaussianFuzzySet(10, 3, term="delicious"),
+        ],
         concept="quality of the food",
         universe_of_discourse=[0, 10],
     ),

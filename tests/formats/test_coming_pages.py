@@ -1,4 +1,4 @@
-"""The pages for those who come from elsewhere: every command is run, every number is the program's."""
+"""The pages for those who come from elsewhere: commands are run, numbers are the program's."""
 
 from __future__ import annotations
 

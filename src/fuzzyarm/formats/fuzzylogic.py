@@ -9,7 +9,7 @@ attributes; fuzzylogic itself is not imported.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from fuzzyarm.formats.findings import Findings, Imported, unique_name
@@ -31,15 +31,19 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.model.shapes import apply_hedges
 
-__all__ = ["from_fuzzylogic", "numbers_of_fuzzylogic"]
+__all__ = ["from_fuzzylogic", "fuzzylogic_numbers"]
 
 
-def numbers_of_fuzzylogic(rule: Any, values: Mapping[str, float]) -> dict[str, float]:
-    """Return what the rule itself computes."""
+def fuzzylogic_numbers(rule: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks a rule for its own numbers."""
     domains = _domains(rule)
-    found = rule({domains[name]: value for name, value in values.items()})
-    target = next(iter(rule.conditions.values())).domain
-    return {} if found is None else {str(target._name): float(found)}
+    target = str(next(iter(rule.conditions.values())).domain._name)
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        found = rule({domains[name]: value for name, value in values.items()})
+        return {} if found is None else {target: float(found)}
+
+    return numbers
 
 
 def from_fuzzylogic(

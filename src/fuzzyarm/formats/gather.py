@@ -171,7 +171,12 @@ def _as_data(error: BaseException, script: str) -> dict[str, Any]:
             if frame.filename == script:
                 line = frame.lineno or 0
     text = error.msg if isinstance(error, SyntaxError) else str(error)
-    return {"kind": type(error).__name__, "message": " ".join(text.split())[:200], "line": line, "column": column}
+    return {
+        "kind": type(error).__name__,
+        "message": " ".join(text.split())[:200],
+        "line": line,
+        "column": column,
+    }
 
 
 # --- What it has made, and what that is called ---

@@ -16,9 +16,9 @@ from typing import Any
 
 from fuzzyarm.formats.findings import Imported
 from fuzzyarm.formats.fll import parse_fll
-from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, numbers_of_fuzzylogic
-from fuzzyarm.formats.simpful import from_simpful, numbers_of_simpful
-from fuzzyarm.formats.skfuzzy import from_skfuzzy, numbers_of_skfuzzy
+from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
+from fuzzyarm.formats.simpful import from_simpful, simpful_numbers
+from fuzzyarm.formats.skfuzzy import from_skfuzzy, skfuzzy_numbers
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 
@@ -28,7 +28,6 @@ __all__ = [
     "comparison_points",
     "library_of",
     "measured",
-    "numbers_of",
     "read_object",
 ]
 
@@ -48,15 +47,15 @@ class Library:
     read : callable
         ``read(object, name, lossy=…, strict=…)`` gives an :class:`Imported`.
     numbers : callable
-        ``numbers(object, values)`` gives the value of each output that has one, as the library
-        computes it.
+        ``numbers(object)`` gives a function from the inputs by name to the outputs that have a
+        value, as the library computes them.
     """
 
     name: str
     module: str
     classes: tuple[str, ...]
     read: Callable[..., Imported]
-    numbers: Callable[[Any, Mapping[str, float]], dict[str, float]]
+    numbers: Callable[[Any], Callable[[Mapping[str, float]], dict[str, float]]]
 
 
 # --- pyfuzzylite: it writes its engine as FLL, which is read like any file ---
@@ -85,13 +84,18 @@ def _from_pyfuzzylite(
     return Imported(rulebase, found, "pyfuzzylite")
 
 
-def _numbers_of_pyfuzzylite(engine: Any, values: Mapping[str, float]) -> dict[str, float]:
-    engine.restart()
-    for variable in engine.input_variables:
-        variable.value = values[variable.name]
-    engine.process()
-    found = {each.name: float(each.value) for each in engine.output_variables if each.enabled}
-    return {name: value for name, value in found.items() if not math.isnan(value)}
+def _pyfuzzylite_numbers(engine: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks an engine for its own numbers."""
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        engine.restart()
+        for variable in engine.input_variables:
+            variable.value = values[variable.name]
+        engine.process()
+        found = {each.name: float(each.value) for each in engine.output_variables if each.enabled}
+        return {name: value for name, value in found.items() if not math.isnan(value)}
+
+    return numbers
 
 
 # --- The libraries ---
@@ -102,13 +106,13 @@ LIBRARIES = (
         "skfuzzy",
         ("ControlSystem", "ControlSystemSimulation"),
         from_skfuzzy,
-        numbers_of_skfuzzy,
+        skfuzzy_numbers,
     ),
     Library(
-        "pyfuzzylite", "fuzzylite", ("Engine",), _from_pyfuzzylite, _numbers_of_pyfuzzylite
+        "pyfuzzylite", "fuzzylite", ("Engine",), _from_pyfuzzylite, _pyfuzzylite_numbers
     ),
-    Library("simpful", "simpful", ("FuzzySystem",), from_simpful, numbers_of_simpful),
-    Library("fuzzylogic", "fuzzylogic", ("Rule",), from_fuzzylogic, numbers_of_fuzzylogic),
+    Library("simpful", "simpful", ("FuzzySystem",), from_simpful, simpful_numbers),
+    Library("fuzzylogic", "fuzzylogic", ("Rule",), from_fuzzylogic, fuzzylogic_numbers),
 )  # fmt: skip
 """Libraries whose live objects are read."""
 
@@ -162,16 +166,6 @@ def read_object(
     except Exception as error:  # whatever the library raises over an object that is half made
         message = f"the object cannot be read: {type(error).__name__}: {error}"
         return Imported(None, (Diagnostic("unreadable-object", message[:500]),), library.name)
-
-
-def numbers_of(found: object, values: Mapping[str, float]) -> dict[str, float]:
-    """Return the outputs of a live object at one point, as its library computes them.
-
-    An output without a value is left out.
-    """
-    library = library_of(found)
-    assert library is not None
-    return library.numbers(found, values)
 
 
 # --- Its numbers at points that stand for all ---
@@ -235,13 +229,16 @@ def measured(
     """
     if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
         return []
+    library = library_of(found)
+    assert library is not None
+    numbers = library.numbers(found)
     until = min(deadline, time.monotonic() + _SECONDS)
     results: list[tuple[dict[str, float], dict[str, float] | None]] = []
     for point in comparison_points(rulebase):
         if time.monotonic() > until:
             break
         try:
-            results.append((point, numbers_of(found, point)))
+            results.append((point, numbers(point)))
         except Exception:  # whatever the library, or a function of the user's in it, raises
             results.append((point, None))
     return results

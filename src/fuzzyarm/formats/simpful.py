@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from itertools import product
 from typing import Any
 
@@ -37,7 +38,7 @@ from fuzzyarm.model.rulebase import (
     propositions,
 )
 
-__all__ = ["from_simpful", "numbers_of_simpful"]
+__all__ = ["from_simpful", "simpful_numbers"]
 
 SUBDIVISIONS = 1000
 """Points over which ``inference()`` sums, unless it is called with another number."""
@@ -45,11 +46,18 @@ SUBDIVISIONS = 1000
 _NORMS = {"AND": "min", "AND_p": "product", "OR": "max", "OR_p": "probor"}
 
 
-def numbers_of_simpful(system: Any, values: Mapping[str, float]) -> dict[str, float]:
-    """Return what the system itself computes."""
-    for name, value in values.items():
-        system.set_variable(name, value)
-    return {name: float(value) for name, value in system.inference(ignore_warnings=True).items()}
+def simpful_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks a system for its own numbers; it keeps the values that it had."""
+    system = copy(system)
+    system._variables = dict(system._variables)
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        for name, value in values.items():
+            system.set_variable(name, value)
+        found = system.inference(ignore_warnings=True)
+        return {name: float(value) for name, value in found.items()}
+
+    return numbers
 
 
 def from_simpful(
@@ -133,8 +141,8 @@ class _Reader:
             return None
         variable, term, *weight = consequent
         expression = self._expression(antecedent, used, number)
-        self._known_conclusion(variable, term, number)
-        if expression is None:
+        known = self._known_conclusion(variable, term, number)
+        if expression is None or not known:
             return None
         if len(used & {"AND", "AND_p"}) > 1 or len(used & {"OR", "OR_p"}) > 1:
             message = f"rule {number} mixes norms, which one rule cannot do here"
@@ -153,14 +161,14 @@ class _Reader:
         inverse = (each for each in self.variables[variable]._FSlist if each._term == term)
         return (_complement(term), (NOT,)) if any(map(_is_inverse, inverse)) else (term, ())
 
-    def _known_conclusion(self, variable: str, term: str, number: int) -> None:
+    def _known_conclusion(self, variable: str, term: str, number: int) -> bool:
         if self.sugeno:
             known = [*self.system._crispvalues, *self.system._outputfunctions]
             if term not in known:
                 what = f"in rule {number}, the value"
                 self.findings.unknown("undefined-term", what, Word(term), known)
-            return
-        self._known(variable, term, number)
+            return term in known
+        return self._known(variable, term, number)
 
     def _known(self, variable: str, term: str, number: int) -> bool:
         if variable not in self.variables:

@@ -17,6 +17,7 @@ import math
 from collections.abc import Callable, Mapping
 from functools import reduce
 from itertools import chain, pairwise, product
+from types import SimpleNamespace
 from typing import Any
 
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
@@ -44,7 +45,7 @@ from fuzzyarm.model.rulebase import (
 from fuzzyarm.model.shapes import membership
 from fuzzyarm.text.diagnostic import Diagnostic
 
-__all__ = ["from_skfuzzy", "numbers_of_skfuzzy", "to_skfuzzy"]
+__all__ = ["from_skfuzzy", "skfuzzy_numbers", "to_skfuzzy"]
 
 # --- From a control system of scikit-fuzzy to a rule base ---
 
@@ -114,16 +115,30 @@ def from_skfuzzy(
     return Imported(rulebase, findings.all(), "scikit-fuzzy")
 
 
-def numbers_of_skfuzzy(system: Any, values: Mapping[str, float]) -> dict[str, float]:
-    """Return what a control system or a simulation of it computes itself."""
+def skfuzzy_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks a control system, or a simulation of it, for its own numbers.
+
+    The order of the rules is found once: scikit-fuzzy finds it again at each computation, which
+    takes longer than all the rest.
+    """
     from skfuzzy.control import ControlSystemSimulation
 
     clips = getattr(system, "clip_to_bounds", True)
     system = getattr(system, "ctrl", system)
     simulation = ControlSystemSimulation(system, clip_to_bounds=clips, cache=False)
-    simulation.inputs(dict(values))
-    simulation.compute()
-    return {str(name): float(value) for name, value in simulation.output.items()}
+    simulation.ctrl = SimpleNamespace(
+        graph=system.graph,
+        rules=list(system.rules),
+        antecedents=list(system.antecedents),
+        consequents=list(system.consequents),
+    )
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        simulation.inputs(dict(values))
+        simulation.compute()
+        return {str(name): float(value) for name, value in simulation.output.items()}
+
+    return numbers
 
 
 def _output(variable: Any, terms: tuple[Term, ...], findings: Findings) -> Output:
