@@ -29,7 +29,7 @@ from fuzzyarm.formats.objects import library_of, measured, read_object
 from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Output, RuleBase
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, Span
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity, Span
 
 __all__ = ["ScriptError", "System", "compare", "from_live", "read_script"]
 
@@ -304,6 +304,13 @@ def read_script(
     return systems, diagnostics
 
 
+_HINTS = {
+    "EOFError": "input() has nobody to ask: write the value down",
+    "ModuleNotFoundError": "--python names an interpreter that has it",
+}
+"""What helps against some exceptions of a script."""
+
+
 def _about_script(
     data: Mapping[str, Any], path: str, seconds: float, last_words: str, *, lossy: bool
 ) -> tuple[Diagnostic, ...]:
@@ -314,13 +321,11 @@ def _about_script(
         message = f"the script has not ended within {seconds:g} s"
         findings.loss("endless-script", message, hint="" if lossy else "--seconds gives it more")
     elif raised:
-        at = Span(raised["line"], max(1, raised["column"]), raised["line"], raised["column"] + 1)
+        line, column = max(1, raised["line"]), max(1, raised["column"])
+        at = Span(line, column, line, column + 1) if raised["line"] else NOWHERE
         detail = f": {raised['message']}" if raised["message"] else ""
         message = f"the script ends with {raised['kind']}{detail}"
-        hint = "input() has nobody to ask: write the value down" if (
-            raised["kind"] == "EOFError"
-        ) else ""  # fmt: skip
-        findings.loss("failed-script", message, at if raised["line"] else Span(1, 1, 1, 1), hint)
+        findings.loss("failed-script", message, at, _HINTS.get(raised["kind"], ""))
     elif data.get("refused"):
         raise ScriptError(f"{path}: {data['refused']}", last_words)
     found = findings.all()

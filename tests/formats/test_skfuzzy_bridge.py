@@ -168,6 +168,20 @@ def test_a_rule_base_becomes_a_control_system_with_its_numbers() -> None:
         assert computed(made, t=t, d=d)["p"] == pytest.approx(expected, abs=1e-3)
 
 
+def test_joined_samples_go_there_and_back() -> None:
+    text = LANGUAGE.replace("centroid exact", "centroid(31, joined)")
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    made, diagnostics = to_skfuzzy(rulebase, samples=401)
+    assert not [d for d in diagnostics if d.is_error]
+    for t, d in ((0.0, -1.0), (12.5, 0.25), (20.0, 0.0), (27.0, -0.5), (40.0, 1.0)):
+        expected = infer(rulebase, t=t, d=d)["p"]
+        assert computed(made, t=t, d=d)["p"] == pytest.approx(expected, abs=1e-10)
+    again = good(made)
+    assert again.outputs[0].defuzzifier == Defuzzifier("centroid", 31, "joined")
+    assert again.outputs[0].terms == rulebase.outputs[0].terms
+
+
 def test_there_and_back_is_the_same_rules() -> None:
     rulebase = parse(LANGUAGE).rulebase
     assert rulebase is not None

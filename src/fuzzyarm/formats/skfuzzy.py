@@ -294,7 +294,8 @@ def to_skfuzzy(
     rulebase : RuleBase
         Mamdani with min (or product) and max, clipped by min.
     samples : int
-        Even points of every universe; the corners of straight terms are added to them.
+        Even points of every universe; the corners of straight terms are added to them. An
+        output with joined samples has these.
     lossy : bool
         Whether to go on where scikit-fuzzy gives other numbers.
 
@@ -350,7 +351,7 @@ def _check_output(output: Output, findings: Findings) -> None:
     if output.defuzzifier.method not in _BACK:
         message = f"scikit-fuzzy has no {output.defuzzifier.method} for '{output.name}'"
         findings.error("unsupported-defuzzifier", message)
-    if output.defuzzifier.resolution is not None:
+    if output.defuzzifier.resolution is not None and not output.defuzzifier.joined:
         message = f"'{output.name}' is sampled; scikit-fuzzy integrates between its points"
         findings.loss("sampling", message)
     if output.aggregation != "max":
@@ -402,6 +403,8 @@ def _system(rulebase: RuleBase, samples: int) -> Any:
 def _universe(variable: Input | Output, samples: int) -> Any:
     import numpy as np
 
+    if isinstance(variable, Output) and variable.defuzzifier.joined:
+        return np.linspace(variable.low, variable.high, variable.defuzzifier.resolution or 2)
     corners = [c for term in variable.terms for c in _corners(term.shape)]
     inside = [c for c in corners if variable.low <= c <= variable.high]
     return np.union1d(np.linspace(variable.low, variable.high, samples), inside)
