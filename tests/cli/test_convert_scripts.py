@@ -188,7 +188,6 @@ def test_a_slight_difference_is_refused_when_strict(
         (["project.py", "x.fll", "--run"], "written as .frb only"),
         (["project.py", "x.frb", "--run"], "makes 2: a, b"),
         (["project.py", "--run", "--python", "none/python"], "none/python: No such file"),
-        (["pd7.frb"], "which file to write is not said"),
     ],
 )
 def test_calls_that_are_refused(

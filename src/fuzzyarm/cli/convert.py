@@ -74,8 +74,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if Path(arguments.source).suffix.lower() == SCRIPT:
         return _convert_script(arguments)
     if arguments.target is None:
-        hint = f"fuzzyarm convert {arguments.source} NAME.frb"
-        raise WordError("which file to write is not said", hint=hint)
+        COMMANDS[0].parser().error("the file to write, OUT, is missing")
     target = suffix_of(arguments.target)
     if _same_file(arguments.source, arguments.target):
         print_error(f"{arguments.target}: the file to read and the file to write are the same")
