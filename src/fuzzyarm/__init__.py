@@ -90,6 +90,7 @@ if TYPE_CHECKING:
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer
     from fuzzyarm.language import parse, write
+    from fuzzyarm.live import from_live
     from fuzzyarm.loop import simulate, simulate_many
     from fuzzyarm.model import Shape
     from fuzzyarm.proof import prove
@@ -116,6 +117,7 @@ __all__ = [
     "compile_with_report",
     "compiled",
     "explain",
+    "from_live",
     "infer",
     "kinds",
     "load",
@@ -139,6 +141,7 @@ PACKAGES = (
     "inference",
     "language",
     "learning",
+    "live",
     "loop",
     "model",
     "plant",
@@ -160,6 +163,7 @@ __getattr__, __dir__ = lazily(
         "expression.op": ("op",),
         "inference": ("compiled", "explain", "infer"),
         "language": ("RuleBaseError", "Shape", "parse", "write"),
+        "live": ("from_live",),
         "loop": ("simulate", "simulate_many"),
         "proof": ("prove",),
         "shipped_files": ("shipped",),

@@ -35,6 +35,7 @@ ORDER = (
     "study",
     "api",
     "builder",
+    "live",
     "show",
     "notebook",
     "lsp",

@@ -478,4 +478,7 @@ def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
         )
         return Defuzzifier(method)
     sampling = setting.sampling.text if setting.sampling else "endpoints"
+    if setting.sampling is not None and sampling == "joined" and "maximum" in method:
+        message = f"{method} does not know joined samples"
+        scope.report("misplaced-setting", message, setting.sampling.span)
     return Defuzzifier(method, int(samples), sampling)

@@ -17,8 +17,12 @@ from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.text.shown import Shown, one_line
 
-SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
-"""How a sampled defuzzifier spreads N points over the range of an output."""
+SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
+"""How a sampled defuzzifier spreads N points over the range of an output.
+
+``joined`` is of the centroid and the bisector: they are integrals of straight lines between the
+samples rather than sums.
+"""
 
 DEFUZZIFIERS = (
     "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
@@ -154,6 +158,11 @@ class Defuzzifier:
     method: str = "centroid"
     resolution: int | None = None
     sampling: str = "endpoints"
+
+    @property
+    def joined(self) -> bool:
+        """Whether straight lines between samples are integrated."""
+        return self.resolution is not None and self.sampling == "joined"
 
     def __str__(self) -> str:
         """Return the words of the language."""

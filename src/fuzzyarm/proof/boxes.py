@@ -425,6 +425,8 @@ class Boxes:
             raise UnprovableError(f"no rule concludes '{output.name}'")
         if way not in {"centroid", "weighted-average", "weighted-sum"}:
             raise UnprovableError(f"nothing is proved of the defuzzifier {way}")
+        if output.defuzzifier.joined and not self.output.discrete:
+            raise UnprovableError(f"nothing is proved of joined samples ('{output.name}')")
         kinds: list[Any] = [SNORMS[output.aggregation]]
         for _, index in self.output.contributions:
             planned = self.plan.rules[index]
