@@ -77,8 +77,9 @@ def steps_of(page):
 
 def matches(expected, actual):
     """Whether `actual` is what the page shows; three dots stand for anything."""
-    pattern = re.escape(expected.strip()).replace(r"\.\.\.", ".*")
-    return re.fullmatch(pattern, actual.strip(), re.DOTALL) is not None
+    expected, actual = (re.sub(r"(?m) +$", "", text.strip()) for text in (expected, actual))
+    pattern = re.escape(expected).replace(r"\.\.\.", ".*")
+    return re.fullmatch(pattern, actual, re.DOTALL) is not None
 
 
 @pytest.fixture
