@@ -20,7 +20,7 @@ from fuzzyarm.version import __version__  # noqa: E402
 
 project = "fuzzyarm"
 author = "The fuzzyarm developers"
-copyright = author
+project_copyright = author
 version = release = __version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]

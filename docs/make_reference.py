@@ -31,12 +31,12 @@ HERE = Path(__file__).parent
 _HEAD = """\
 # Commands
 
-`fuzzyarm --help` lists them, `fuzzyarm COMMAND --help` prints what stands here. This page is written from the
-parser of the commands by `docs/make_reference.py`.
+`fuzzyarm --help` lists them, `fuzzyarm COMMAND --help` prints what stands here. This page is
+written from the parser of the commands by `docs/make_reference.py`.
 
-Exit status: 0 fine, 1 the input is at fault, 2 wrong usage, 3 a run diverged, 4 a proof stayed undecided,
-130 interrupted. `fuzzyarm --version` prints the version, `fuzzyarm --print-completion bash` (or `zsh`, `tcsh`) a
-script for [completion](install.md#completion).
+Exit status: 0 fine, 1 the input is at fault, 2 wrong usage, 3 a run diverged, 4 a proof stayed
+undecided, 130 interrupted. `fuzzyarm --version` prints the version, `fuzzyarm --print-completion
+bash` (or `zsh`, `tcsh`) a script for [completion](install.md#completion).
 """
 
 
@@ -150,10 +150,11 @@ def write_api_pages(folder: Path) -> None:
     told: dict[int, str] = {}
     for package in public_packages():
         module = importlib.import_module(package)
-        write_atomically(folder / f"{package}.rst", _api_page(module, told))
+        write_atomically(folder / f"{package}.rst", api_page(module, told))
 
 
-def _api_page(module: ModuleType, told: dict[int, str]) -> str:
+def api_page(module: ModuleType, told: dict[int, str]) -> str:
+    """Return the page of a package; `told` has the page of each object so far."""
     package = module.__name__
     lines = [package, "=" * len(package), "", f".. automodule:: {package}", "   :no-members:", ""]
     elsewhere = []

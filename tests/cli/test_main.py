@@ -115,7 +115,9 @@ def test_check_says_what_the_kernel_does_not_cover(tmp_path, capsys):
 
 
 def test_a_check_loads_only_what_it_uses():
-    unused = ("numpy", "difflib", "heapq", "json", "shutil", "shtab", "fuzzyarm.expression.formulas")
+    unused = (
+        "numpy", "difflib", "heapq", "json", "shutil", "shtab", "fuzzyarm.expression.formulas",
+    )  # fmt: skip
     code = (
         f"import sys; from fuzzyarm.cli import main; main(['check', {GOOD!r}])\n"
         f"print([name for name in {unused} if name in sys.modules])"

@@ -38,6 +38,8 @@ def run_python(text: str) -> tuple[int, str, str]:
     try:
         with contextlib.redirect_stdout(out):
             exec(compile(text, "<block>", "exec"), {"__name__": "__main__"})
+    except SystemExit as stop:
+        return int(stop.code or 0), out.getvalue(), ""
     except Exception:
         return 1, out.getvalue(), traceback.format_exc()
     return 0, out.getvalue(), ""

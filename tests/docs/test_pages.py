@@ -69,6 +69,9 @@ def steps_of(page):
             steps.append(Step("file", body, named[1]))
         elif kind == "python":
             steps.append(Step("python", body))
+        elif kind == "yaml":
+            lines = re.findall(r"(?m)^ *- run: (fuzzyarm .*)$", body)
+            steps += [Step("command", line, expected="...") for line in lines]
         elif kind == "pycon":
             steps.append(Step("session", body))
     files = {step.path: step for step in reversed(steps) if step.kind == "file"}
