@@ -25,7 +25,6 @@ version = release = __version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
 exclude_patterns = ["pictures"]
-suppress_warnings = ["toc.empty_glob"]  # a group may have no page of a kind yet
 
 # Links between pages: files of the repository, with anchors of headings as on a code forge.
 myst_heading_anchors = 4

@@ -171,6 +171,8 @@ def api_page(module: ModuleType, told: dict[int, str]) -> str:
 
 
 def _directive(name: str, thing: object) -> list[str]:
+    if hasattr(thing, "__origin__"):  # another name for a type
+        return [f".. py:type:: {name}", f"   :canonical: {thing}", ""]
     if inspect.isclass(thing):
         kind = "autoexception" if issubclass(thing, BaseException) else "autoclass"
         return [f".. {kind}:: {name}", "   :members:", ""]
