@@ -366,7 +366,7 @@ def test_what_cannot_be_exported_is_named(tmp_path):
         steps_of(text_of(held))
     with pytest.raises(ExportError, match="has no suffix of an export"):
         export_controller(ControllerProgram(shipped_text("stfc")), tmp_path / "x.py")
-    with pytest.raises(ExportError, match="cannot begin the identifiers"):
+    with pytest.raises(ExportError, match="cannot begin an identifier"):
         export_controller(ControllerProgram(shipped_text("stfc")), tmp_path / "x.h", "int")
 
 

@@ -121,7 +121,7 @@ def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
 
 MODEL = argument("file FILE", "a rule base or a table")
 MODE = argument("--mode", "how to look a table up", choices=("bins", "nearest", "linear"))
-JSON = flag("--json")
+JSON = flag("--json", "print the result as JSON")
 SET = argument("--set GAIN=V[,V]", "override a gain", action="append", default=[])
 
 
@@ -233,7 +233,7 @@ def require_suffix(path: str, known: Iterable[str]) -> str:
     name = os.path.basename(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix not in known:
-        raise WordError(f"'{name}' does not tell a format", hint=f"known: {', '.join(known)}")
+        raise WordError(f"cannot tell the format of '{name}'", hint=f"known: {', '.join(known)}")
     return suffix
 
 

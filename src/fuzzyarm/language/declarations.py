@@ -209,7 +209,7 @@ def _magnitude_fault(
 def _points_fault(parameters: tuple[float, ...]) -> tuple[int, str] | None:
     for i in range(2, len(parameters), 2):
         if parameters[i] < parameters[i - 2]:
-            return i, "the numbers of a points must not decrease"
+            return i, "the x of points must not decrease"
         if i >= 4 and parameters[i] == parameters[i - 4]:
             return i, "at most two points may share an x"
     for i in range(1, len(parameters), 2):
@@ -342,7 +342,7 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
             continue
         if len(node.names) < 2 and node.family.text != "singletons":
             scope.report(
-                "too-few-terms", "evenly spaced terms need two names at least", node.names[0].span
+                "too-few-terms", "evenly spaced terms need at least two names", node.names[0].span
             )
             continue
         if node.family.text == "singletons" and draft.is_input:
