@@ -24,6 +24,7 @@ project_copyright = author
 version = release = __version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+smartquotes = False  # a command in a sentence can be copied
 exclude_patterns = ["pictures"]
 
 # Links between pages: files of the repository, with anchors of headings as on a code forge.

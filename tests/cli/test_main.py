@@ -75,6 +75,7 @@ def test_every_command_explains_itself(command, capsys):
     status, out, _ = run(command, "--help", capsys=capsys)
     assert status == 0
     assert out.startswith(f"usage: fuzzyarm {command}")
+    assert run("help", command, capsys=capsys)[:2] == (0, out)
 
 
 def test_version(capsys):

@@ -3,6 +3,7 @@
 ``pytest tests/docs --update-golden`` writes what the program prints today into the pages.
 """
 
+import argparse
 import json
 import os
 import re
@@ -13,6 +14,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+
+from fuzzyarm.cli.main import COMMANDS, find_command
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -160,6 +163,27 @@ def updated(page, step, shown):
     new = re.sub(f"({command}){re.escape(before)}", lambda found: found[1] + after, text, count=1)
     page.write_text(new, "utf-8")
     return new != text
+
+
+def mentioned(page):
+    """Yield the words of each command that a page mentions, in a block or within a line."""
+    text = page.read_text("utf-8")
+    lines = re.findall(r"(?m)(?:^ {4,}|`)(fuzzyarm [a-z][^`\n]*)", text)
+    for _, _, body in all_blocks(text):
+        lines += re.findall(r"(?m)^(?:\$ |.*run: )?(fuzzyarm [a-z].*)", body)
+    for line in lines:
+        yield re.split(r" +#| {3,}", line)[0].split()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_every_command_that_is_mentioned_has_its_options(page):
+    for _, name, *words in mentioned(page):
+        assert name in COMMANDS, name
+        parser = argparse.ArgumentParser()
+        find_command(name).add_to(parser)
+        known = set(parser._option_string_actions)
+        options = {word.partition("=")[0] for word in words if re.match("--[a-z]", word)}
+        assert options <= known, (name, options - known)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_id)

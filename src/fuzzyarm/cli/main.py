@@ -147,6 +147,8 @@ def _warning_text(
 
 
 def _run(words: list[str]) -> int:
+    if len(words) == 2 and words[0] == "help" and words[1] in COMMANDS:
+        words = [words[1], "--help"]
     name = next((word for word in words if not word.startswith("-")), None)
     if name not in COMMANDS or words[0] != name:
         return _overview(words, name)
