@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable
 
-from fuzzyarm.cli.command import print_error
-from fuzzyarm.cli.main import COMMANDS, EXIT_USAGE, find_command
+from fuzzyarm.cli.command import Command
 
 SHELLS = ("bash", "zsh", "tcsh")
 
@@ -14,7 +13,23 @@ _FILES = {"FILE", "OUT", "FIG", "DATA", "MODEL", "IN", "A", "B", "PLANT", "CONTR
 """What values are called on the help pages that are files, up to a dot, as in ``FILE.frb``."""
 
 
-def whole_parser() -> argparse.ArgumentParser:
+def completion_script(shell: str, commands: Iterable[tuple[Command, str]]) -> str:
+    """Return the script that a shell completes with.
+
+    Parameters
+    ----------
+    shell : str
+        One of `SHELLS`.
+    commands : iterable of (Command, str)
+        The records of all commands with their lines on the help page.
+    """
+    import shtab
+
+    script: str = shtab.complete(_whole_parser(commands), shell=shell)
+    return script
+
+
+def _whole_parser(records: Iterable[tuple[Command, str]]) -> argparse.ArgumentParser:
     """Return one parser of all commands; to run one takes only its own."""
     import shtab
 
@@ -22,23 +37,12 @@ def whole_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", "-V", action="store_true", help="print the version")
     parser.add_argument("--print-completion", choices=SHELLS, help="print a script for a shell")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    for name, (_, summary) in COMMANDS.items():
-        own = commands.add_parser(name, help=summary)
-        for action in find_command(name).add_to(own):
+    for command, summary in records:
+        own = commands.add_parser(command.name, help=summary)
+        for action in command.add_to(own):
             values = str(action.metavar).partition(".")[0]
             if values == "DIR":
                 action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
             elif values in _FILES:
                 action.complete = shtab.FILE  # type: ignore[attr-defined]
     return parser
-
-
-def print_completion(words: Sequence[str]) -> int:
-    """Print the script that a shell completes with; return the exit status."""
-    if len(words) != 1 or words[0] not in SHELLS:
-        print_error(f"--print-completion takes a shell: {', '.join(SHELLS)}")
-        return EXIT_USAGE
-    import shtab
-
-    print(shtab.complete(whole_parser(), shell=words[0]))
-    return 0

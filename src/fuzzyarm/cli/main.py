@@ -204,15 +204,24 @@ def _overview(words: list[str], name: str | None) -> int:
         print(_help_page())
         return 0 if words else EXIT_USAGE
     if words[0] == "--print-completion":
-        from fuzzyarm.cli.completion import print_completion
-
-        return print_completion(words[1:])
+        return _print_completion(words[1:])
     import difflib
 
     near = difflib.get_close_matches(name or words[0], COMMANDS, n=1)
     hint = f"did you mean '{near[0]}'?" if near else "see fuzzyarm --help"
     print_error(f"no command '{name or words[0]}'; {hint}")
     return EXIT_USAGE
+
+
+def _print_completion(shells: list[str]) -> int:
+    from fuzzyarm.cli.completion import SHELLS, completion_script
+
+    if len(shells) != 1 or shells[0] not in SHELLS:
+        print_error(f"--print-completion takes a shell: {', '.join(SHELLS)}")
+        return EXIT_USAGE
+    records = [(find_command(name), summary) for name, (_, summary) in COMMANDS.items()]
+    print(completion_script(shells[0], records))
+    return 0
 
 
 def _help_page() -> str:
