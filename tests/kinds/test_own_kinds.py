@@ -439,7 +439,7 @@ def test_a_range_is_proved_left_open_or_refused_by_name(tmp_path, capsys):
         assert status in (0, 4), (name, err)
         found = json.loads(out)
         outputs = [fuzzyarm.infer(model(name), e=e, ce=ce)["u"] for e, ce in POINTS]
-        if found["low"] is None:  # the time was over before there was a bound
+        if found["low"] is None:  # time ran out before there was a bound
             assert status == 4, name
             continue
         assert found["low"] <= min(outputs), name

@@ -212,7 +212,7 @@ def test_the_command(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> No
     assert {"property", "verdict", "bound", "evidence", "pieces", "seconds"} <= set(data[0])
     path.write_text(f"{PD7}prove u <= 5.34\n")
     assert main(["prove", str(path), "--budget", "1e-9"]) == 4
-    assert "the time is over" in capsys.readouterr().out
+    assert "time ran out" in capsys.readouterr().out
     for words, keys in ((["--range"], {"low", "high"}), (["--table", "linear"], {"worst"})):
         assert main(["prove", str(path), *words, "--json"]) == 0
         assert keys <= set(json.loads(capsys.readouterr().out))

@@ -373,7 +373,7 @@ COMMANDS = (
         argument("--from", "the program IN was written for", dest="producer", choices=_PROGRAMS),
         argument("--for", "the program OUT is written for", dest="consumer", choices=_PROGRAMS),
         argument("--block NAME", "which function block of an .fcl to take"),
-        argument("--terms N", "of a table: terms of the output", type=int),
+        argument("--terms N", "number of terms of the output, where IN is a table", type=int),
         flag("--quiet -q", "print errors only"),
         json_of("what was found"),
         *group(

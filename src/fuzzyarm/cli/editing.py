@@ -47,9 +47,7 @@ def _studio(arguments: argparse.Namespace) -> int:
     demand_extra("textual", "studio", "the studio")
     if not Path(arguments.file).exists():
         name = Path(arguments.file).with_suffix("")
-        raise StudioError(
-            f"there is no file {arguments.file}", hint=f"fuzzyarm new {name} writes one"
-        )
+        raise StudioError(f"no such file: {arguments.file}", hint=f"fuzzyarm new {name} writes one")
     from fuzzyarm.studio.document import StudioDocument
 
     document = StudioDocument(arguments.file)

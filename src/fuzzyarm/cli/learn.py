@@ -127,7 +127,7 @@ def _check(arguments: argparse.Namespace) -> None:
         require_suffix(arguments.out, SUFFIXES)
         out = Path(arguments.out)
         if not out.parent.is_dir():
-            raise WordError(f"there is no folder '{out.parent}'")
+            raise WordError(f"no such folder: '{out.parent}'")
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:

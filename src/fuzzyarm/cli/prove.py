@@ -237,7 +237,7 @@ def _single_lines(output: str, key: str, bounds: Bounds) -> list[str]:
 
     work = f"{bounds.pieces:,} pieces, {_WAYS[bounds.way]}"
     if not bounds.complete:
-        work += "; the time was over before the bounds were tight"
+        work += "; time ran out before the bounds were tight"
     if key == "worst":
         facts = _single_data(key, bounds)
         first = f"worst {bound_text(facts['worst'])} (proved)"

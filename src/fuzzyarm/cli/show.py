@@ -251,7 +251,7 @@ COMMANDS = (
             default="all",
         ),
         argument("--output NAME", "the surface of this output only"),
-        argument("--plant PLANT", "of the phase portrait of a controller"),
+        argument("--plant PLANT", "plant for the phase portrait of a controller"),
         at("inputs to hold fixed or to mark"),
     ),
     command(

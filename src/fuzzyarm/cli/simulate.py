@@ -114,7 +114,7 @@ def _print_notes(name: str) -> None:
 
 def _sweep(arguments: argparse.Namespace) -> int:
     if len(arguments.controller) > 1 or arguments.csv or arguments.show_gains or arguments.animate:
-        raise WordError("--sweep takes one controller, no --csv, --animate or --show-gains")
+        raise WordError("--sweep takes one controller, not --csv, --animate or --show-gains")
     arguments.controller = arguments.controller[0]
     return sweep(arguments)
 

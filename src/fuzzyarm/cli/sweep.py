@@ -76,7 +76,9 @@ SWEEP = group(
         default=[],
     ),
     argument("--random N", "N runs with values drawn from ranges NAME=A..B", type=int),
-    argument("--metric NAME", "of summary and figure: rms, max, overshoot, …", default="rms"),
+    argument(
+        "--metric NAME", "metric of summary and figure: rms, max, overshoot, …", default="rms"
+    ),
     argument("--map X,Y", "draw the metric over these two with --plot"),
     argument("-o --out FILE.csv", "write a line for each run"),
     flag("--resume", "go on with the file of -o"),

@@ -184,7 +184,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
     reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
     if identifier(name) != name or reserved:
         raise ExportError(
-            f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
+            f"'{name}' cannot begin an identifier", hint=f"for instance {identifier(name)}_x"
         )
     return suffix, name
 

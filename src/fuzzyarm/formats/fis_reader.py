@@ -184,7 +184,7 @@ class _Reader:
         for line in section.lines:
             parts = line.around("=")
             if parts is None:
-                message = f"'{line.text[:40]}' is not 'key=value'"
+                message = f"'{line.text[:40]}' is not of the form 'key=value'"
                 self.findings.error("syntax", message, line)
             elif is_open(parts[1].text):
                 self.findings.error("syntax", "a quote or bracket is not closed", parts[1])

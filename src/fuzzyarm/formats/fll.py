@@ -67,7 +67,7 @@ def _lines(text: str, findings: Findings) -> Iterator[_Line]:
     for line in lines_of(text, lambda raw: raw.partition("#")[0]):
         parts = line.around(":")
         if parts is None:
-            findings.error("syntax", f"'{line.text[:40]}' is no 'key: value'", line)
+            findings.error("syntax", f"'{line.text[:40]}' is not of the form 'key: value'", line)
         else:
             yield _Line(*parts)
 

@@ -94,7 +94,7 @@ def _parsed(text: str) -> _Element:
     def start(tag: str, attributes: dict[str, str]) -> None:
         name = tag.rpartition("}")[2]
         if len(stack) > MAX_NESTING:
-            message = f"elements may nest {MAX_NESTING} deep at most"
+            message = f"elements may nest at most {MAX_NESTING} deep"
             raise FaultError(message, Word(name, here(len(name) + 1)), "too-deep")
         element = _Element(Word(name, here(len(name) + 1)), attributes)
         stack[-1].children.append(element)

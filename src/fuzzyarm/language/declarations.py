@@ -295,7 +295,7 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
             continue
         if len(node.names) < 2 and node.family.text != "singletons":
             scope.report(
-                "too-few-terms", "evenly spaced terms need two names at least", node.names[0].span
+                "too-few-terms", "evenly spaced terms need at least two names", node.names[0].span
             )
             continue
         if node.family.text == "singletons" and draft.is_input:

@@ -289,7 +289,7 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
     if missing and len(scope.diagnostics) == before and not scope.broken_variables:
         scope.report(
             "incomplete-expectation",
-            f"an expectation names every input; missing: {', '.join(missing)}",
+            f"an expectation must name every input; missing: {', '.join(missing)}",
             node.span,
         )
     outcomes = tuple(_outcome(outcome, scope) for outcome in node.outcomes)
@@ -345,7 +345,7 @@ def elaborate_property(node: ProveNode, scope: Scope) -> Property | None:
     if node.verb == "slope" and node.low is not None and node.high is not None:
         _demand_stretch(node.high.span, node.low.value, node.high.value, scope)
     if node.verb == "table" and node.high is not None and not node.high.value > 0.0:
-        scope.report("bad-tolerance", "the worst error of a table is above 0", node.high.span)
+        scope.report("bad-tolerance", "the worst error of a table must be above 0", node.high.span)
     if node.verb == "odd":
         _demand_symmetry(node, region, scope)
     if len(scope.diagnostics) > before or output is None:
@@ -447,7 +447,7 @@ def _levels(item: LookupItem, scope: Scope) -> tuple[float, ...] | None:
     span = item.figures[0].span.to(item.figures[-1].span)
     if item.form == "list":
         if len(figures) < 2 or any(b <= a for a, b in itertools.pairwise(figures)):
-            scope.report("bad-levels", "levels are two or more increasing numbers", span)
+            scope.report("bad-levels", "levels must be two or more increasing numbers", span)
             return None
         return tuple(figures)
     low, high, third = figures
@@ -692,7 +692,7 @@ def _single(nodes: list[StatementNode], kind: type[_Node], what: str, scope: Sco
     for extra in found[1:MAX_DIAGNOSTICS]:
         scope.report(
             "duplicate-statement",
-            f"a file has one {what} only",
+            f"a file has only one {what}",
             extra.span,
             related=(Related("first here", found[0].span),),
         )
@@ -782,5 +782,5 @@ def _judge_chain(rulebase: RuleBase, scope: Scope) -> None:
                         f"the output '{name}' is asked for here, but rules set it in this block"
                         " or a later one",
                         proposition.span,
-                        hint="rules that use an output stand in a block after those that set it",
+                        hint="put the rule into a block after those that set the output",
                     )

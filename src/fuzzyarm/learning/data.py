@@ -408,7 +408,7 @@ def _cells(text: str, path: str) -> tuple[_Cells, tuple[str, ...]]:
     notes: tuple[str, ...] = ()
     if all(_number(cell, comma=comma) is not None for cell in first):
         names = [*(f"x{k + 1}" for k in range(len(first) - 1)), "y"]
-        notes = (f"no line of names: the columns are called {_listed(names)}",)
+        notes = (f"the file has no line of names: the columns are called {_listed(names)}",)
     else:
         names = [cell or f"x{k + 1}" for k, cell in enumerate(first)]
         del filled[0]
@@ -509,7 +509,7 @@ class _Cells:
             message = f"two columns are called '{twice[0]}'"
             raise _refused("duplicate-column", message, self.path)
         if len(self.names) < 2:
-            message = "one column only: an input and a target are needed"
+            message = "only one column: an input and a target are needed"
             raise _refused("no-inputs", message, self.path)
 
     def _check_lengths(self) -> None:

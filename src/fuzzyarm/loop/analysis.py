@@ -352,7 +352,7 @@ def _on_plant(
     options: Options | None,
 ) -> Portrait:
     if isinstance(plant, EnvironmentPlant | UnitPlant):
-        message = f"{plant.name} keeps its states to itself: it cannot be started anywhere"
+        message = f"{plant.name} does not expose its states: it cannot be started from others"
         raise AnalysisError(message, name=plant.name)
     site = site_of(plant)
     interface = site.interface

@@ -162,7 +162,7 @@ def _from_file(path: str, time: Vector) -> Derivatives:
             hint = "a line is TIME,VALUE"
             raise PlantError(f"{path}:{number}: '{line}' is not two numbers", hint=hint) from None
         if rows and not first > rows[-1][0]:
-            raise PlantError(f"{path}:{number}: the times do not rise", name=path)
+            raise PlantError(f"{path}:{number}: the times must increase", name=path)
         if not (math.isfinite(first) and math.isfinite(second)):
             raise PlantError(f"{path}:{number}: '{line}' is not finite", name=path)
         rows.append((first, second))

@@ -277,7 +277,7 @@ def _reference(outputs: Mapping[Address, Port], address: Address) -> Reference:
         address = (axis, outputs[address].rate_of)
         order += 1
         if address not in outputs or order > 2:
-            message = f"'{address[1]}' is not an output of which there can be a rate"
+            message = f"'{address[1]}' is not an output that has a rate"
             raise PlantError(message, name=address[1])
     return Reference(address, order)
 

@@ -89,7 +89,7 @@ class TimeOverError(FuzzyarmError, TimeoutError):
     """The time for a proof is over."""
 
     def __init__(self) -> None:
-        super().__init__("the time is over")
+        super().__init__("time ran out")
 
 
 class Stop:

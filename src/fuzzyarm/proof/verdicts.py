@@ -281,7 +281,7 @@ class _Case:
             facts.setdefault("pieces", bounds.pieces)
             facts.setdefault("way", bounds.way)
         if verdict == UNDECIDED and not facts.get("reason"):
-            over = "the time is over" if self.stop.now else "the bounds do not tell"
+            over = "time ran out" if self.stop.now else "the bounds do not decide it"
             facts["reason"] = over + self._because_of_boxes(" (boxes: ", ")")
         elif facts.get("way") == "boxes" and not facts.get("reason"):
             facts["reason"] = self._because_of_boxes("by boxes: ", "")

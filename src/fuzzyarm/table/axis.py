@@ -189,7 +189,7 @@ class TableHeader(Drawn):
 
     def _check_numbers(self) -> None:
         if (self.low is None) != (self.high is None):
-            raise TableError(f"the range of '{self.output}' has one end only")
+            raise TableError(f"the range of '{self.output}' has only one end")
         if self.low is not None and self.high is not None:
             low, high = float(self.low) + 0.0, float(self.high) + 0.0
             if not low <= high:

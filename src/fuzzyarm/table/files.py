@@ -294,7 +294,7 @@ def _parse_json(text: str, path: str = "<text>") -> ParsedTable:
         span = Span(error.lineno, error.colno, error.lineno, error.colno + 1)
         return _fault("bad-json", f"not JSON: {error.msg}", path, span)
     except (RecursionError, ValueError) as error:
-        return _fault("bad-json", f"this JSON is not read: {error}", path)
+        return _fault("bad-json", f"cannot read this JSON: {error}", path)
     try:
         head = _header_from(data)
         values = _flat(data["values"], head.shape)
@@ -359,7 +359,7 @@ def _number(value: Any) -> float:
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise TableError(f"{value!r:.40} is not a text")
+        raise TableError(f"{value!r:.40} is not text")
     return value
 
 

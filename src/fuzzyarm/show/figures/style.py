@@ -117,7 +117,8 @@ class FigureFileError(FuzzyarmError, ValueError):
     def __init__(self, path: Path) -> None:
         self.path = path
         super().__init__(
-            f"'{path.name}' does not tell a figure format", hint=f"known: {', '.join(SUFFIXES)}"
+            f"'{path.name}' does not have the suffix of a figure",
+            hint=f"known: {', '.join(SUFFIXES)}",
         )
 
 
