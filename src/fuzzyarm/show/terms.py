@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -31,26 +31,26 @@ def shape_words(
     """Return a shape with its numbers, in full or to a few `digits`."""
     if shape.kind == "formula":
         return f"formula {shape.formula}"
-    if shape.kind == "linear":
-        return _linear_words(shape, rulebase)
     spell = number_text if digits is None else partial(number_words, digits=digits)
+    if shape.kind == "linear":
+        return _linear_words(shape, rulebase, spell)
     numbers = " ".join(spell(x) for x in shape.parameters)
     height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
     return f"{shape.kind} {numbers}{height}"
 
 
-def _linear_words(shape: Shape, rulebase: RuleBase | None) -> str:
+def _linear_words(shape: Shape, rulebase: RuleBase | None, spell: Callable[[float], str]) -> str:
     *factors, constant = shape.parameters
     names = (
         [v.name for v in rulebase.inputs] if rulebase else [f"x{k}" for k in range(len(factors))]
     )
     parts = [
-        f"{number_text(factor)}*{name_text(name)}"
+        f"{spell(factor)}*{name_text(name)}"
         for factor, name in zip(factors, names, strict=False)
         if factor
     ]
     if constant or not parts:
-        parts.append(number_text(constant))
+        parts.append(spell(constant))
     return "linear " + " + ".join(parts)
 
 
