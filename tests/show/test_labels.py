@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,8 +12,8 @@ from fuzzyarm.api import load
 from fuzzyarm.inference import explain
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.shipped_files import shipped, shipped_names
-from fuzzyarm.show.drawing import plain_text
+from fuzzyarm.shipped_files import shipped
+from fuzzyarm.show.drawing import HeatGrid, plain_text, ruler
 from fuzzyarm.show.figures import (
     inference_figure,
     memberships_figure,
@@ -19,8 +21,7 @@ from fuzzyarm.show.figures import (
     table_figure,
 )
 from fuzzyarm.show.figures.labels import shortened, spread, text_width, thinned, wrapped
-from fuzzyarm.show.rulebase import rulebase_view
-from fuzzyarm.show.table import table_view
+from fuzzyarm.studio.scene import RulebaseScene
 from fuzzyarm.table import LookupTable, compile_table
 from tests.show.boxes import faults
 
@@ -36,7 +37,8 @@ def one_input(count):
 def long_names():
     """Return a rule base whose names and descriptions are as long as they come."""
     sizes = ("very_small", "small", "medium", "rather_large", "large", "enormous")
-    terms = [f"position_error_that_is_{side}_{size}" for side in ("below", "above") for size in sizes]  # fmt: skip
+    sides = ("below", "above")
+    terms = [f"position_error_that_is_{side}_{size}" for side in sides for size in sizes]
     error, rate, torque = (
         f"the_{what}_of_the_position_of_the_first_joint" for what in ("error", "rate", "torque")
     )
@@ -96,8 +98,7 @@ def test_no_two_texts_of_a_figure_overlap(make):
     assert faults(make()) == []
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in shipped_names() if sheet(name)])
+@pytest.mark.parametrize("name", ["slide7.frb", "thesis-6.1.lut"])
 def test_no_two_texts_of_the_figures_of_a_shipped_file_overlap(name):
     for figure in pictures(sheet(name)):
         assert faults(figure) == []
@@ -132,11 +133,12 @@ def test_labels_in_a_row_stand_apart_and_near(data, widths):
         assert places is None
         return
     ends = [(x - 0.5 * w, x + 0.5 * w) for x, w in zip(places, widths, strict=True)]
-    assert ends[0][0] >= -1e-9 and ends[-1][1] <= 4.0 + 1e-9
-    assert all(b[0] >= a[1] - 1e-9 for a, b in zip(ends, ends[1:], strict=False))
+    assert ends[0][0] >= -1e-9
+    assert ends[-1][1] <= 4.0 + 1e-9
+    assert all(b[0] >= a[1] - 1e-9 for a, b in pairwise(ends))
     # Nothing moves where nothing is in the way.
     free = [(x - 0.5 * w, x + 0.5 * w) for x, w in zip(wanted, widths, strict=True)]
-    apart = all(b[0] >= a[1] for a, b in zip(free, free[1:], strict=False))
+    apart = all(b[0] >= a[1] for a, b in pairwise(free))
     if apart and free[0][0] >= 0.0 and free[-1][1] <= 4.0:
         assert places == pytest.approx(wanted)
 
@@ -146,22 +148,59 @@ def test_texts_fit_the_room_they_are_given():
     assert all(text_width(line, 9) <= 1.5 for line in wrapped(text, 9, 1.5).split("\n"))
     short = shortened("a_long_name_that_ends_in_small", 8, 1.0)
     assert text_width(short, 8) <= 1.0
-    assert short.startswith("a_") and short.endswith("small"[-2:])
+    assert (short[:2], short[-2:]) == ("a_", "ll")
     assert thinned(range(100), 5) == [0, 25, 50, 74, 99]
     assert thinned("ab", 5) == ["a", "b"]
 
 
 # --- In the terminal ---
 
+words = st.text("abcdefgh_", min_size=1, max_size=24)
 
-@pytest.mark.parametrize("width", [40, 80, 132])
-@pytest.mark.parametrize("make", [lambda: one_input(59), long_names, lambda: sheet("fine7.frb")])
-def test_columns_in_the_terminal_stay_apart(make, width):
-    rulebase = make()
-    drawn = plain_text(rulebase_view(rulebase), width)
-    assert max(map(len, drawn.splitlines())) <= max(width, 90)
-    table = compile_table(rulebase, levels=59 if len(rulebase.inputs) == 1 else 7)
-    words = plain_text(table_view(table, all_levels=True), width).split()
-    shown = [word for word in words if word in {repr(x) for x in table.values.ravel().tolist()}]
-    assert len(words) > table.values.size
-    assert shown or table.values.size
+
+def same(shown, name):
+    """Whether a label is a name, or both ends of it."""
+    start, dots, end = shown.partition("…")
+    return shown == name or (bool(dots) and name.startswith(start) and name.endswith(end))
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(words, min_size=1, max_size=30),
+    st.lists(words, min_size=1, max_size=4),
+    st.integers(32, 140),
+)
+def test_the_columns_of_a_grid_in_the_terminal_stay_apart(columns, rows, width):
+    cells = [[(f"{i}.{j}", "") for j in range(len(columns))] for i in range(len(rows))]
+    lines = plain_text(HeatGrid("x", columns, rows, cells), width).splitlines()
+    bands = [lines[k : k + len(rows) + 1] for k in range(0, len(lines), len(rows) + 2)]
+    heads = [name for band in bands for name in band[0].split()[1:]]
+    assert [same(*pair) for pair in zip(heads, columns, strict=True)].count(False) == 0
+    for i, row in enumerate(rows):
+        found = [band[i + 1].split() for band in bands]
+        assert all(same(each[0], row) for each in found)
+        assert [cell for each in found for cell in each[1:]] == [text for text, _ in cells[i]]
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.floats(-1e6, 1e6), st.floats(1e-6, 1e6), st.integers(8, 80), st.one_of(st.just(""), words)
+)
+def test_the_words_below_a_plot_stay_apart(low, span, width, name):
+    line = ruler(low, low + span, width, name)
+    assert len(line) in (0, width)
+    parts = line.split()
+    assert len(parts) <= 3
+    # Whatever stands there is a number of its own, or the name or its ends.
+    for part in (parts[0], parts[-1]) if line else ():
+        assert float(part) == pytest.approx(low + span * (part is parts[-1]), abs=0.6 * 10**6)
+    if name and len(parts) == 3:
+        assert parts[1] == name or "…" in parts[1]
+
+
+@pytest.mark.parametrize("width", [30, 46])
+def test_long_names_leave_no_line_of_a_pane_longer_than_the_pane(width):
+    scene = RulebaseScene(long_names())
+    for view in ("surface", "terms"):
+        lines = plain_text(scene.draw(view, width, 14), width).splitlines()
+        assert max(map(len, lines)) <= width

@@ -12,7 +12,7 @@ from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.model.shapes import corner_points, membership
-from fuzzyarm.show.drawing import block, marker, number_words, ruler
+from fuzzyarm.show.drawing import block, fitted, marker, number_words, ruler
 from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
@@ -130,7 +130,7 @@ class TermPlots:
         line = partial(Text, no_wrap=True, overflow="ellipsis")
         variable = self.variable
         yield line(f"{name_text(variable.name)}  {variable.description}", "bold")
-        names = [name_text(term.name) for term in variable.terms]
+        names = [fitted(name_text(term.name), width // 3) for term in variable.terms]
         left = max(map(len, names), default=0)
         width = max(11, width - left - 10)
         width -= 1 - width % 2
