@@ -51,7 +51,7 @@ def table_view(
         )
         lines = [Text(f"{inputs} falls into the marked cell [ ].\n")]
         mark = cell.__eq__
-    grids = table_grids(table, mark=mark, all_levels=all_levels)
+    grids = table_grids(table, mark=mark, all_levels=all_levels, more="; --all shows all")
     return Group(_header(table), Text(), *lines, *grids)
 
 
@@ -85,6 +85,7 @@ def table_grids(
     mark: Mark | None = None,
     all_levels: bool = False,
     text: Callable[[float], str] | None = None,
+    more: str = "",
 ) -> list[RenderableType]:
     """Return one heat grid for each combination of page levels.
 
@@ -103,6 +104,8 @@ def table_grids(
         Draw every level of a large table.
     text : callable, optional
         How a number is written; by default all alike and without loss.
+    more : str, optional
+        Behind the words that say what of a large table is shown: how to see the rest.
     """
     import numpy as np
     from rich.text import Text
@@ -118,7 +121,7 @@ def table_grids(
     texts = [text(x) for x in flat] if text else _readable(flat)
     drawings: list[RenderableType] = []
     if shown.size < array.size:
-        drawings.append(Text(_thinned_words(table, drawn), "dim"))
+        drawings.append(Text(_thinned_words(table, drawn) + more, "dim"))
     size = shown.shape[-1] * (shown.shape[-2] if shown.ndim > 1 else 1)
     pages = list(product(*drawn[:-2]))
     for k, page in enumerate(pages):
