@@ -135,8 +135,8 @@ class LinePlot:
                 style = "bold red" if j == marked else "cyan"
                 line.append(chr(0x2800 + bits) if bits or j != marked else "┊", style)
             yield line
-        variable, start, end = self.across
-        axis = ruler(start, end, width, variable)
+        variable, first, last = self.across
+        axis = ruler(first, last, width, variable)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
 
 

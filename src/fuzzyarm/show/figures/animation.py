@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -65,23 +65,80 @@ def animate(
     AnimationError
         If the suffix is another, there is nothing to show, or there is no ffmpeg.
     """
-    from matplotlib.animation import FuncAnimation
-
     name = os.fspath(path)
-    suffix = require_animation(name)
+    require_animation(name)
     if not run.samples:
         raise AnimationError("the run has no samples to show", path=name)
     shown = np.unique(np.linspace(0, run.samples - 1, min(frames, run.samples)).round().astype(int))
     figure, draw = _scene(run, plant)
     seconds = min(8.0, max(1.0, float(run.time[-1])))
-    film = FuncAnimation(figure, draw, frames=shown, interval=1000 * seconds / len(shown))
-    rate = max(1, round(len(shown) / seconds))
+    write_film(figure, draw, shown, seconds, name, watch=watch)
 
-    def told(_frame: int, _count: int) -> None:
+
+def write_film(
+    figure: Figure,
+    draw: Callable[[int], list[Any]],
+    frames: Any,
+    seconds: float,
+    path: str | os.PathLike[str],
+    *,
+    watch: Callable[[int], None] | None = None,
+) -> None:
+    """Write the pictures that a figure goes through, whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+        Where they are drawn.
+    draw : callable
+        Draws the frame of a number.
+    frames : sequence of int
+        The numbers.
+    seconds : float
+        How long the film is.
+    path : path-like
+        ``.gif``, ``.html`` or ``.mp4``.
+    watch : callable, optional
+        Called with 1 for each picture; for progress bars.
+
+    Raises
+    ------
+    AnimationError
+        If the suffix is another, or there is no ffmpeg.
+    """
+    name = os.fspath(path)
+    suffix = require_animation(name)
+    # Laid out once: the places of axes are most of the work of a picture, and stay.
+    draw(int(frames[-1]))
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    figure.set_dpi(_DPI)
+    pictures = _pictures(figure, draw, frames, watch)
+    rate = max(1, round(len(frames) / seconds))
+    if suffix == ".gif":
+        content = _gif(figure, pictures, rate)
+    else:
+        content = _film(figure, pictures, suffix, rate)
+    write_atomically(Path(name), content)
+
+
+_DPI = 72
+
+
+def _pictures(
+    figure: Figure,
+    draw: Callable[[int], list[Any]],
+    frames: Any,
+    watch: Callable[[int], None] | None,
+) -> Iterator[None]:
+    """Draw one frame after the other into a figure."""
+    for frame in frames:
+        draw(int(frame))
+        yield
         if watch is not None:
             watch(1)
-
-    write_atomically(Path(name), _film(film, suffix, rate, told))
 
 
 def require_animation(path: str) -> str:
@@ -105,38 +162,41 @@ def require_animation(path: str) -> str:
     return suffix
 
 
-def _film(film: Any, suffix: str, rate: int, told: Callable[[int, int], None]) -> bytes:
+def _film(figure: Figure, pictures: Iterator[None], suffix: str, rate: int) -> bytes:
+    """Return a film that matplotlib writes, to a file of its own."""
     import tempfile
 
-    from matplotlib.animation import FFMpegWriter, HTMLWriter, PillowWriter
+    from matplotlib.animation import FFMpegWriter, HTMLWriter
 
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"film{suffix}"
-        writer: Any = {
-            ".gif": lambda: PillowWriter(fps=rate),
-            ".mp4": lambda: FFMpegWriter(fps=rate),
-            ".html": lambda: HTMLWriter(fps=rate, embed_frames=True),  # type: ignore[no-untyped-call]
-        }[suffix]()
-        film.save(place, writer=writer, dpi=72, progress_callback=told)
-        content = place.read_bytes()
-    return _smaller(content) if suffix == ".gif" else content
+        writer: Any = (
+            FFMpegWriter(fps=rate) if suffix == ".mp4" else HTMLWriter(fps=rate, embed_frames=True)  # type: ignore[no-untyped-call]
+        )
+        with writer.saving(figure, place, _DPI):
+            for _ in pictures:
+                writer.grab_frame()
+        return place.read_bytes()
 
 
-def _smaller(content: bytes) -> bytes:
-    """Give a GIF one palette of 64 colours: a quarter of its size, and no flicker."""
-    from PIL import Image, ImageSequence
+def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
+    """Return a GIF with one palette of 64 colours: a quarter of its size, and no flicker."""
+    from PIL import Image
 
-    film = Image.open(io.BytesIO(content))
-    pictures = [frame.convert("RGB") for frame in ImageSequence.Iterator(film)]
-    palette = pictures[len(pictures) // 2].quantize(64)
-    reduced = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
+    canvas: Any = figure.canvas
+    drawn = []
+    for _ in pictures:
+        canvas.draw()
+        drawn.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    palette = drawn[-1].quantize(64)
+    reduced = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in drawn]
     buffer = io.BytesIO()
     reduced[0].save(
         buffer,
         "GIF",
         save_all=True,
         append_images=reduced[1:],
-        duration=film.info.get("duration", 80),
+        duration=1000 // rate,
         loop=0,
         optimize=True,
     )
