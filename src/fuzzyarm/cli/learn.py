@@ -26,7 +26,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
     JSON,
@@ -233,11 +233,12 @@ class _Training:
     def _every(self, points: int) -> int | None:
         """Return after how many set points a table is looked at; for a film often enough."""
         arguments = self.arguments
-        if arguments.every or not arguments.animate:
-            return cast("int | None", arguments.every)
+        asked: int | None = arguments.every
+        if asked or not arguments.animate:
+            return asked
         from fuzzyarm.show.figures.learning import MOST_FRAMES
 
-        return max(1, -(-points * arguments.passes // MOST_FRAMES))
+        return max(1, -(-points * int(arguments.passes) // MOST_FRAMES))
 
     def draw(self, finished: list[Snapshot], film: list[Snapshot]) -> None:
         """Write the figure and the film that were asked for."""

@@ -179,7 +179,8 @@ def read_axes(axes: Any, canvas: Canvas) -> None:
             for x, y in points:
                 canvas.blob(x, y, line.get_markersize(), colour)
     for text in axes.texts:
-        canvas.words(*text.get_position(), text.get_text().replace(r"\$", "$"))
+        x, y = text.get_position()
+        canvas.words(x, y, text.get_text().replace(r"\$", "$"))
 
 
 # --- A picture of a run ---
@@ -231,7 +232,8 @@ class LiveView:
         assert self._picture is not None
         self._axes.clear()
         self._picture.draw(self._axes, Scene(self.run, self.plant, index))
-        canvas = Canvas(columns, rows, *self._axes.get_xlim(), *self._axes.get_ylim(), self.unicode)
+        (left, right), (bottom, top) = self._axes.get_xlim(), self._axes.get_ylim()
+        canvas = Canvas(columns, rows, left, right, bottom, top, self.unicode)
         read_axes(self._axes, canvas)
         return canvas.lines()
 

@@ -168,7 +168,7 @@ def _film(figure: Figure, pictures: Iterator[None], suffix: str, rate: int) -> b
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / f"film{suffix}"
         writer: Any = (
-            FFMpegWriter(fps=rate) if suffix == ".mp4" else HTMLWriter(fps=rate, embed_frames=True)  # type: ignore[no-untyped-call]
+            FFMpegWriter(fps=rate) if suffix == ".mp4" else HTMLWriter(fps=rate, embed_frames=True)
         )
         with writer.saving(figure, place, _DPI):
             for _ in pictures:

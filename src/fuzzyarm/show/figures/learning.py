@@ -186,7 +186,7 @@ def _draw_cells(axes: Axes, training: Training, limits: dict[str, Any]) -> Any:
     from matplotlib.patches import Rectangle
 
     axes.add_patch(Rectangle((-0.5, -0.5), shape[1], shape[0], zorder=0, **_NEVER))  # type: ignore[arg-type]
-    image = axes.imshow(np.ma.masked_all(shape), aspect="auto", zorder=1, **limits)
+    image = axes.imshow(np.full(shape, np.nan), aspect="auto", zorder=1, **limits)
     thin_ticks(axes.yaxis, levels[0], _ROOM[1], 8)
     thin_ticks(axes.xaxis, levels[1], _ROOM[0], 8)
     axes.tick_params(labelsize=8, length=0)
