@@ -20,7 +20,6 @@ from fuzzyarm.cli.command import (
     out,
     print_json,
     say,
-    typed,
     write_text,
 )
 from fuzzyarm.errors import FuzzyarmError
@@ -29,6 +28,7 @@ from fuzzyarm.language.queries import apply_edits, fixes
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.names import typed
 from fuzzyarm.text.numbers import number_text
 
 _NEW = r"""A commented rule base to start from, which passes `check`.
@@ -281,9 +281,7 @@ taken. To change one, copy it first.
   fuzzyarm shipped pd7.frb -o .      a copy in this folder
 """
 
-_HEAD = re.compile(
-    r'^(rulebase|controller|output)\s+(?:\S+|\'[^\']*\')[^"\n]*"([^"]*)"', re.MULTILINE
-)
+_HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)
 """The line of a file that says what it is: of a table that of its output."""
 
 
@@ -321,7 +319,10 @@ def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
     if there:
         listed = ", ".join(map(str, there))
         are = "is" if len(there) == 1 else "are"
-        raise ShippedCopyError(f"{listed} {are} there already", hint="--force replaces what is")
+        raise ShippedCopyError(
+            f"{listed} {are} there already",
+            hint=f"--force replaces {'it' if len(there) == 1 else 'them'}",
+        )
     for path, target in zip(paths, targets, strict=True):
         write_atomically(target, path.read_text(encoding="utf-8"))
         say(f"{target}: a copy of the shipped {path.name}")
