@@ -12,10 +12,10 @@ from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
 from fuzzyarm.loop import Signal, simulate
 from fuzzyarm.plant import find_plant
-from fuzzyarm.show import live
 from fuzzyarm.show.drawing import make_console, plain_text
+from fuzzyarm.show.figures import live
+from fuzzyarm.show.figures.live import Canvas, LiveView, frames_of, play
 from fuzzyarm.show.figures.plants import DRAWN
-from fuzzyarm.show.live import Canvas, LiveView, frames_of, play
 
 STEPS = {
     "motor": ("servo.frb", "position", 0.1),

@@ -142,7 +142,7 @@ def _require_pictures(arguments: argparse.Namespace) -> None:
 def _watch(results: list[Run], plant: Plant) -> None:
     """Show runs in the terminal, one after the other; Ctrl-C ends the showing."""
     from fuzzyarm.show.drawing import make_console
-    from fuzzyarm.show.live import play
+    from fuzzyarm.show.figures.live import play
 
     console = make_console()
     for result in results:

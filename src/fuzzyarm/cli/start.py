@@ -317,12 +317,9 @@ def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
     targets = [out / path.name if out.is_dir() else out for path in paths]
     there = [target for target in targets if target.exists() and not force]
     if there:
+        are, what = ("is", "it") if len(there) == 1 else ("are", "them")
         listed = ", ".join(map(str, there))
-        are = "is" if len(there) == 1 else "are"
-        raise ShippedCopyError(
-            f"{listed} {are} there already",
-            hint=f"--force replaces {'it' if len(there) == 1 else 'them'}",
-        )
+        raise ShippedCopyError(f"{listed} {are} there already", hint=f"--force replaces {what}")
     for path, target in zip(paths, targets, strict=True):
         write_atomically(target, path.read_text(encoding="utf-8"))
         say(f"{target}: a copy of the shipped {path.name}")

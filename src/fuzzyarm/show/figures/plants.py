@@ -1,6 +1,6 @@
 """The plants, to scale: one sample of a run, drawn into axes.
 
-The drawings are lines, patches and words of matplotlib; :mod:`fuzzyarm.show.live` reads them from
+The drawings are lines, patches and words of matplotlib; :mod:`fuzzyarm.show.figures.live` reads them from
 the axes and draws the same in a terminal.
 """
 
