@@ -1,7 +1,7 @@
 """The plants, to scale: one sample of a run, drawn into axes.
 
-The drawings are lines, patches and words of matplotlib; :mod:`fuzzyarm.show.figures.live` reads them from
-the axes and draws the same in a terminal.
+The drawings are lines, patches and words of matplotlib; :mod:`fuzzyarm.show.figures.live` reads
+them from the axes and draws the same in a terminal.
 """
 
 from __future__ import annotations
