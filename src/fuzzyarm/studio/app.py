@@ -50,8 +50,8 @@ class Studio(App[int]):
         Binding("f3", "show_view(1)", "rules"),
         Binding("f4", "show_view(2)", "terms"),
         Binding("f5", "show_view(3)", "firing"),
-        Binding("f6", "run", "run"),
-        Binding("f7,ctrl+@,ctrl+space", "complete", "complete", show=False),
+        Binding("f6", "run", "run", priority=True),
+        Binding("f7,ctrl+@,ctrl+space", "complete", "complete", show=False, priority=True),
         Binding("f8", "next_finding", "next"),
         Binding("f9", "repair", "fix"),
         Binding("ctrl+f", "find", "find", show=False, priority=True),
@@ -69,7 +69,7 @@ class Studio(App[int]):
         self._waiting: Timer | None = None
         self._warned_of = ""
         self._sought = ""
-        self._running = False
+        self._run_is_made = False
 
     def compose(self) -> ComposeResult:
         """Return the parts, top to bottom."""
@@ -120,6 +120,7 @@ class Studio(App[int]):
             tabs.append(f" {index + 1} {name} ", style)
         self.query_one("#views", Static).update(tabs)
         view = self.query_one(View)
+        view.findings = self.document.findings
         view.show(scene, names[self.view_index], is_current=self.document.is_current)
         view.set_class(not self.document.is_current, "stale")
         self._show_point()
@@ -164,8 +165,10 @@ class Studio(App[int]):
             self._waiting.stop()
             self._waiting = None
         text = self.query_one(Editor).text
-        if text != self.document.text:
-            self.document.update(text)
+        if text == self.document.text:  # a run that is shown goes on
+            self._show_title()
+            return
+        self.document.update(text)
         self.show_everything()
 
     # ── keys ─────────────────────────────────────────────────────────────────────────
@@ -247,9 +250,9 @@ class Studio(App[int]):
     def action_run(self) -> None:
         """Run the controller, and show the run beside the text."""
         self.read_text()
-        if self._running:
+        if self._run_is_made:
             return
-        self._running = True
+        self._run_is_made = True
         self.notify("Running; the first run on a machine compiles for some seconds.", timeout=3)
         self.run_worker(self._run_text, thread=True, exit_on_error=False)
 
@@ -262,11 +265,11 @@ class Studio(App[int]):
         self.call_from_thread(self._show_run, run, plant)
 
     def _run_failed(self, why: str) -> None:
-        self._running = False
+        self._run_is_made = False
         self.notify(f"Not run: {why}", severity="warning")
 
     def _show_run(self, run: Run, plant: Plant) -> None:
-        self._running = False
+        self._run_is_made = False
         if not run.samples:
             self.notify("The run diverged before its first sample.", severity="warning")
             return

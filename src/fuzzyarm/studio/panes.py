@@ -105,6 +105,8 @@ class Editor(TextArea):
         """Put the cursor at a position that counts from 1, and look at it."""
         row = min(line, self.document.line_count) - 1
         self.move_cursor((row, min(column - 1, len(self.document.get_line(row)))), center=True)
+        if column < self.content_size.width - 1:  # what fits is seen from its beginning
+            self.scroll_to(x=0, animate=False)
 
     def replace_all(self, text: str) -> None:
         """Put another text in place of this one; undo brings it back, the cursor stays about."""
@@ -154,6 +156,7 @@ class View(VerticalScroll, can_focus=True):
         self.scene: Scene | None = None
         self.view = ""
         self.is_current = True
+        self.findings: tuple[Diagnostic, ...] = ()
         self._film: Timer | None = None
 
     def compose(self) -> ComposeResult:
@@ -191,7 +194,9 @@ class View(VerticalScroll, can_focus=True):
         """Draw again, in the room there is."""
         drawing = self.query_one("#drawing", Static)
         if self.scene is None:
-            drawing.update(Text("There is nothing to show yet: the text has mistakes.", "dim"))
+            broken = any(found.is_error for found in self.findings)
+            words = "the text has mistakes" if broken else "F6 runs the controller"
+            drawing.update(Text(f"There is nothing to show yet: {words}.", "dim"))
             return
         width = max(20, self.scrollable_content_region.width)
         height = max(6, self.scrollable_content_region.height)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-from rich.table import Table
 from rich.text import Text
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -19,7 +18,7 @@ from fuzzyarm.language.queries import Candidate
 KEYS = (
     ("everywhere", (
         ("F2 to F5", "surface, rules, terms, firing (of a table: map, numbers)"),
-        ("F6", "run the controller, on the arm or its plant, beside the text"),
+        ("F6", "run it beside the text, on the arm or its plant"),
         ("F8, F9", "next finding; repair what is certain at the cursor"),
         ("Ctrl+S, Ctrl+Q", "format and save; leave"),
         ("Tab, Shift+Tab", "text, drawing, findings"),
@@ -45,16 +44,15 @@ class KeysScreen(ModalScreen[None]):
 
     def compose(self) -> ComposeResult:
         """Return the one text."""
-        table = Table.grid(padding=(0, 2, 0, 0))
-        table.add_column(no_wrap=True, style="bold cyan")
-        table.add_column()
+        text = Text()
         for place, keys in KEYS:
-            table.add_row(Text(place, "bold underline"), "")
+            text.append(f"{place}\n", "bold underline")
             for key, what in keys:
-                table.add_row(f"  {key}", what)
+                text.append(f"  {key:<17}", "bold cyan")
+                text.append(f"{what}\n")
+        text.append("any key closes this", "dim")
         with Vertical(id="keys", classes="box"):
-            yield Static(table, markup=False)
-            yield Static(Text("any key closes this", "dim"), markup=False)
+            yield Static(text, markup=False)
 
     def on_key(self) -> None:
         """Close it."""
@@ -112,6 +110,7 @@ class CompletionScreen(ModalScreen[Candidate | None]):
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Take the one that was chosen."""
+        event.stop()
         self.dismiss(self.candidates[event.option_index])
 
     def action_take(self) -> None:
@@ -145,6 +144,7 @@ class FindScreen(ModalScreen[str]):
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Look for what was typed."""
+        event.stop()
         self.dismiss(event.value)
 
     def action_close(self) -> None:
