@@ -96,6 +96,7 @@ def of_every_command(name="x" + HOSTILE):
         ["watch", "--once", "broken.frb"],
         ["lsp", "--tcp", "nothing"],
         ["demo"],
+        ["shipped"],
         ["--help"],
         ["--version"],
     ]  # fmt: skip

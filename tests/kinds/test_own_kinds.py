@@ -234,6 +234,7 @@ NO_RULE_BASE = {
     "lsp",
     "new",
     "reproduce",
+    "shipped",
     "studio",
     "sweep",
 }

@@ -13,13 +13,14 @@ import sys
 import warnings
 from collections.abc import Sequence
 
-from fuzzyarm.cli.command import Command, print_error, print_findings, print_os_error
+from fuzzyarm.cli.command import Command, CompilingBar, print_error, print_findings, print_os_error
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import RuleBaseError
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "new": ("start", "a commented rule base to start from"),
     "demo": ("start", "the whole story on a shipped rule base"),
+    "shipped": ("start", "the files that come with fuzzyarm: list and copy them"),
     "check": ("check", "find mistakes and doubts in rule bases and tables"),
     "fmt": ("check", "rewrite rule bases in canonical form"),
     "studio": ("editing", "write a rule base and see what it means, as you type"),
@@ -88,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if sys.stderr.isatty():
         from fuzzyarm.kernels import watch_compiling
 
-        watch_compiling(_show_compiling)
+        watch_compiling(CompilingBar().show)
     try:
         status = _run(words)
         sys.stdout.flush()
@@ -171,16 +172,6 @@ def find_command(name: str) -> Command:
     module = importlib.import_module(f"fuzzyarm.cli.{COMMANDS[name][0]}")
     commands: Sequence[Command] = module.COMMANDS
     return next(command for command in commands if command.name == name)
-
-
-def _show_compiling(name: str | None) -> None:
-    """Say in one line of the terminal what is being compiled; wipe the line afterwards."""
-    untouched = sys.stderr is sys.__stderr__
-    if not untouched:  # a live display has taken over and shows that something happens
-        return
-    told = f"compiling machine code, once: {name}" if name else ""
-    sys.stderr.write(f"\r\x1b[2K{told}")
-    sys.stderr.flush()
 
 
 def _print_mistakes(error: RuleBaseError) -> None:

@@ -178,7 +178,7 @@ class Prover:
     def table(self, table: LookupTable, mode: str) -> Bounds:
         """Return bounds of what a table is above the output (negative: below it)."""
         box = self.box({})
-        self._demand_fitting(table)
+        table = self._fitting(table)
         if self.model is None:
             return self._boxes(box).table(table, mode, self.gap)
         self._demand_value_everywhere("the error of a table")
@@ -187,7 +187,7 @@ class Prover:
 
     def table_at_most(self, table: LookupTable, mode: str, bound: float) -> Claim:
         """Tell whether a table differs nowhere by more than `bound`."""
-        question = self._table_question(table, mode, self.box({}))
+        question = self._table_question(self._fitting(table), mode, self.box({}))
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
@@ -491,12 +491,16 @@ class Prover:
         if at is not None:
             raise UnprovableError(f"{what}: no rule fires at {written(at)}")
 
-    def _demand_fitting(self, table: LookupTable) -> None:
-        if set(table.names) != set(self.names):
+    def _fitting(self, table: LookupTable) -> LookupTable:
+        """Return a table over all inputs; one of other inputs is refused."""
+        if not set(table.names) <= set(self.names):
             raise UnprovableError(
                 f"the table is over {', '.join(table.names)},"
                 f" and the rule base over {', '.join(self.names)}"
             )
+        from fuzzyarm.table.compiler import over_inputs
+
+        return over_inputs(table, self.rulebase.inputs)
 
     def _demand_inside_range(self, what: str) -> None:
         """Refuse an output that leaves its range, where it is clamped."""

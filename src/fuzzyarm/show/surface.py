@@ -7,14 +7,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fuzzyarm.show.drawing import Scale, number_words
+from fuzzyarm.show.drawing import Scale, fitted, number_words, ruler, shade
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions
     from rich.text import Text
 
 _NOTHING = "#808080"
-_SHADES = "·░▒▓█"
+_LEFT = 8
+"""Letters of the name of what goes down or up."""
+
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 
 
@@ -46,7 +48,7 @@ class SurfaceMap:
         name, top, bottom = self.rows
         labels = {0: number_words(top, 3), len(self.values) - 2: number_words(bottom, 3)}
         middle = len(self.values) // 4 * 2
-        labels.setdefault(middle, name)
+        labels.setdefault(middle, fitted(name, _LEFT))
         left = max(map(len, labels.values()))
         plain = console.color_system is None or console.no_color
         cell = self._shade if plain else self._cell
@@ -57,7 +59,8 @@ class SurfaceMap:
             ):
                 line.append(*cell(i, j, upper, lower))
             yield line
-        axis = _named_axis(self.columns, len(self.values[0]))
+        column, low, high = self.columns
+        axis = ruler(low, high, len(self.values[0]), column)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
 
     def _is_marked(self, i: int, j: int) -> bool:
@@ -71,23 +74,16 @@ class SurfaceMap:
         return "▀", f"{self._colour(upper)} on {self._colour(lower)}"
 
     def _shade(self, i: int, j: int, upper: float, lower: float) -> tuple[str, str]:
-        """Return the darker the higher, for terminals and files without colours."""
         if self._is_marked(i, j):
             return "◆", ""
         known = [value for value in (upper, lower) if not math.isnan(value)]
         if not known:
             return " ", ""
         share = sum(map(self.scale.share, known)) / len(known)
-        return _SHADES[min(len(_SHADES) - 1, int(share * len(_SHADES)))], ""
+        return shade(share), ""
 
     def _colour(self, value: float) -> str:
         return _NOTHING if math.isnan(value) else self.scale.hexadecimal(value)
-
-
-def _named_axis(side: tuple[str, float, float], width: int) -> str:
-    name, low, high = side
-    start, end = number_words(low, 3), number_words(high, 3)
-    return start + name.center(max(0, width - len(start) - len(end))) + end
 
 
 @dataclass(frozen=True)
@@ -130,7 +126,7 @@ class LinePlot:
                 cells[y // 4][i // 2] |= _DOTS[i % 2][y % 4]
             before = dot
         labels = {0: number_words(high, 3), self.height - 1: number_words(low, 3)}
-        labels.setdefault(self.height // 2, name)
+        labels.setdefault(self.height // 2, fitted(name, _LEFT))
         left = max(map(len, labels.values()))
         marked = None if self.mark is None else self.mark // 2
         for k, row in enumerate(cells):
@@ -139,7 +135,8 @@ class LinePlot:
                 style = "bold red" if j == marked else "cyan"
                 line.append(chr(0x2800 + bits) if bits or j != marked else "┊", style)
             yield line
-        axis = _named_axis(self.across, width)
+        variable, first, last = self.across
+        axis = ruler(first, last, width, variable)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
 
 

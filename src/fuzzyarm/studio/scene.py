@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import explain, infer
+from fuzzyarm.inference.plan import part_for
 from fuzzyarm.inference.trace import Trace
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.language.statements import GridNode
@@ -18,7 +19,7 @@ from fuzzyarm.language.tokens import name_text
 from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.model.shapes import centre, membership
-from fuzzyarm.show.drawing import Scale, number_words, scale_of
+from fuzzyarm.show.drawing import Scale, ScaleBar, number_words, scale_of
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rules_view
 from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.show.terms import TermPlots, is_set, visible_range
@@ -129,12 +130,22 @@ class Scene(ABC):
         return Group(title, LinePlot(values, max(3, height - 2), across, up, mark))
 
     def _map(
-        self, title: Text, values: list[list[float]], scale: Scale, mark: tuple[int, int]
+        self,
+        title: Text,
+        values: list[list[float]],
+        scale: Scale,
+        mark: tuple[int, int],
+        *,
+        upward: bool = False,
     ) -> Group:
+        """Return a map with its scale; `upward`: the first row is the upper end."""
         from rich.console import Group
 
         down, across = ((name, *self.ranges[name]) for name in (self.down, self.across))
-        return Group(title, SurfaceMap(values, scale, down, across, mark))
+        if upward:
+            down = (down[0], down[2], down[1])
+        shown = SurfaceMap(values, scale, down, across, mark)
+        return Group(title, shown, ScaleBar(scale, len(values[0]) + 9))
 
     def caption(self, *, keys: bool = True) -> Text:
         """Return the crisp inputs, with `keys` those that move them, and what comes out."""
@@ -187,11 +198,27 @@ class RulebaseScene(Scene):
             outputs = {o.name for o in rulebase.outputs}
             if isinstance(before, RulebaseScene) and before.output in outputs:
                 self.output = before.output
+        self._take_needed()
 
     def next_output(self) -> None:
         """Show the surface of the next output."""
         names = [o.name for o in self.rulebase.outputs]
         self.output = names[(names.index(self.output) + 1) % len(names)]
+        self._take_needed()
+
+    def _take_needed(self) -> None:
+        """Give the axes of the surface, and the keys, inputs that the output depends on."""
+        try:
+            part = part_for(self.rulebase, [self.output])
+        except FuzzyarmError:  # drawing it will say why
+            return
+        needed = [each.name for each in part.inputs]
+        if not needed:
+            return
+        if self.across not in needed:
+            self.across = next((name for name in reversed(needed) if name != self.down), needed[0])
+        if self.down not in needed or self.down == self.across:
+            self.down = next((name for name in needed if name != self.across), "")
 
     # ── values ───────────────────────────────────────────────────────────────────────
 
@@ -218,9 +245,8 @@ class RulebaseScene(Scene):
             replace(o, no_rule=math.nan) if o.no_rule == "error" else o
             for o in self.rulebase.outputs
         )
-        return infer(replace(self.rulebase, outputs=outputs), inputs, held=self._held())[
-            output.name
-        ]
+        model = replace(self.rulebase, outputs=outputs)
+        return infer(model, inputs, held=self._held(), outputs=[output.name])[output.name]
 
     # ── drawing ──────────────────────────────────────────────────────────────────────
 
@@ -251,17 +277,18 @@ class RulebaseScene(Scene):
             mark = _index(self.point[self.across], across, count)
             return self._line(title, values.tolist(), height, (output.name, low, high), mark)
         down = self.ranges[self.down]
-        columns, rows = max(8, width - 9), 2 * max(3, height - 2)
-        xs, ys = np.linspace(*across, columns), np.linspace(*down, rows)
+        columns, rows = max(8, width - 9), 2 * max(3, height - 3)
+        # As in figures: what goes down here rises upward there.
+        xs, ys = np.linspace(*across, columns), np.linspace(down[1], down[0], rows)
         inputs: dict[str, Any] = dict(self.point)
         inputs |= {self.across: xs[None, :], self.down: ys[:, None]}
         values = np.broadcast_to(self._values(inputs, output), (rows, columns))
         mark_at = (
-            _index(self.point[self.down], down, rows),
+            rows - 1 - _index(self.point[self.down], down, rows),
             _index(self.point[self.across], across, columns),
         )
         scale = scale_of(values.ravel().tolist(), low, high)
-        return self._map(title, values.tolist(), scale, mark_at)
+        return self._map(title, values.tolist(), scale, mark_at, upward=True)
 
     def _rules(self, width: int, height: int) -> RenderableType:
         trace = self.trace()
@@ -454,7 +481,7 @@ class TableScene(Scene):
         rows = len(self.table.axes[j].levels)
         # Whole cells where they fit, so that all have the same size.
         wide = max(1, room // columns) * columns if columns <= room else room
-        high_rows = 2 * max(3, height - 2)
+        high_rows = 2 * max(3, height - 3)
         tall = max(1, high_rows // rows) * rows if rows <= high_rows else high_rows
         tall += tall % 2
         grid = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable
 
@@ -86,3 +87,13 @@ _PLAIN_NAME = re.compile(r"[^\W\d]\w*(?:-[^\W\d]\w*)*\Z")
 def is_plain_name(text: str) -> bool:
     """Whether `text` can stand in a file as a name without quotes."""
     return _PLAIN_NAME.match(text) is not None
+
+
+def typed(path: str | os.PathLike[str]) -> str:
+    """Return a path as it is to be typed on a command line."""
+    text = os.fspath(path)
+    if os.name == "nt":
+        return f'"{text}"' if re.search(r"[ &()^,;=]", text) else text
+    import shlex
+
+    return shlex.quote(text)

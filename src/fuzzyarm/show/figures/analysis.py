@@ -10,7 +10,15 @@ import numpy as np
 from fuzzyarm.loop.analysis import Portrait, describing_function
 from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.show.figures.style import COLOURS, label_axes, line_style, new_figure, safe, tidy
+from fuzzyarm.show.figures.style import (
+    COLOURS,
+    head,
+    label_axes,
+    line_style,
+    new_figure,
+    safe,
+    tidy,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +65,7 @@ def describing_figure(
     if len(frequencies) > 1:
         gain.legend(fontsize=8, frameon=False)
     name = thing.name if isinstance(thing, RuleBase) else thing.model.name
-    figure.suptitle(safe(f"Describing function of {name}"), fontsize=10)
+    head(figure, f"Describing function of {name}", size=10, weight="normal")
     return figure
 
 
@@ -82,5 +90,5 @@ def portrait_figure(portrait: Portrait) -> Figure:
         axes.plot(*portrait.target, "+", color=COLOURS[3], markersize=11, markeredgewidth=2)
     tidy(axes)
     label_axes(axes, safe(portrait.x), safe(portrait.y))
-    figure.suptitle(safe(f"Phase portrait: {portrait.name}"), fontsize=10)
+    head(figure, f"Phase portrait: {portrait.name}", size=10, weight="normal")
     return figure
