@@ -28,7 +28,7 @@ import numpy as np
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.proof.arithmetic import Arithmetic, Array, Stop
-from fuzzyarm.proof.straight import Corners, Node, Straight, StraightRule
+from fuzzyarm.proof.straight import Corners, Node, Straight, StraightRule, height_at
 
 __all__ = ["Cell", "Cut", "Grid", "Pieces", "TooManyPiecesError", "cut"]
 
@@ -69,11 +69,14 @@ class Cut(NamedTuple):
     mirrored : bool
         Whether the heights at the opposite point (each input with the other sign) are wanted
         too: columns behind the others.
+    form : tuple of Fraction
+        Weights of a sum of the inputs; pieces are cut where it is 0.
     """
 
     box: tuple[tuple[Fraction, Fraction], ...]
     positions: tuple[Sequence[Fraction], ...] = ()
     mirrored: bool = False
+    form: tuple[Fraction, ...] = ()
 
 
 # ── one input ────────────────────────────────────────────────────────────────────────
@@ -125,7 +128,7 @@ class Grid:
         stretches = list(pairwise(cuts))
         lines = [[_line_between(corners, a, b) for _, corners in mine] for a, b in stretches]
         for index, x in enumerate(cuts):
-            at = [_value_at(corners, x) for _, corners in mine]
+            at = [height_at(corners, x) for _, corners in mine]
             before = [b for _, b in lines[index - 1]] if index else None
             after = [a for a, _ in lines[index]] if index < len(lines) else None
             if at not in (before, after):  # a value that neither side has
@@ -186,19 +189,6 @@ def _line_between(corners: Corners, a: Fraction, b: Fraction) -> tuple[Fraction,
             slope = (y1 - y0) / (x1 - x0)
             return y0 + slope * (a - x0), y0 + slope * (b - x0)
     raise AssertionError("a stretch with a corner inside")
-
-
-def _value_at(corners: Corners, x: Fraction) -> Fraction:
-    """Return the height of a line at a point, the greatest on a vertical edge."""
-    at = [y for position, y in corners if position == x]
-    if at:
-        return max(at)
-    if x < corners[0][0]:
-        return corners[0][1]
-    if x > corners[-1][0]:
-        return corners[-1][1]
-    (x0, y0), (x1, y1) = next(pair for pair in pairwise(corners) if pair[0][0] < x < pair[1][0])
-    return y0 + (y1 - y0) / (x1 - x0) * (x - x0)
 
 
 # ── all inputs ───────────────────────────────────────────────────────────────────────
@@ -493,6 +483,27 @@ class Pieces:
 
     # ── cutting ──────────────────────────────────────────────────────────────────────
 
+    def form_at(self, weights: Sequence[Fraction], which: Array, shares: Array) -> Array:
+        """Return Σ wᵢ xᵢ at points of pieces: `shares` has (pieces, points, inputs)."""
+        number = self.arithmetic.number
+        total = self.arithmetic.zeros(*shares.shape[:2])
+        for axis, weight in enumerate(weights):
+            if weight:
+                cells = self.grid.cells[axis]
+                left = self.arithmetic.array([c.left for c in cells])[self.cell[which, axis]]
+                width = self.widths(axis)[which]
+                total = total + number(weight) * (
+                    left[:, None] + width[:, None] * shares[:, :, axis]
+                )
+        return np.asarray(total)
+
+    def cut_at_form(self, weights: Sequence[Fraction]) -> None:
+        """Cut where a sum of the inputs is 0."""
+        self._refine(
+            np.arange(self.count),
+            lambda which: [self.form_at(weights, which, self.corners[which])],
+        )
+
     def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
         """Cut pieces until none of the differences has both signs on one; return them all."""
         done: list[Array] = []
@@ -575,4 +586,6 @@ def cut(
     pieces = Pieces(model, what, arithmetic, only, stop)
     if not model.multiplies:
         pieces.fire(model.adds)
+    if what.form:
+        pieces.cut_at_form(what.form)
     return pieces

@@ -7,6 +7,7 @@ quotient with a denominator that is nowhere negative:
     value      M / A                        slope    (M′A − MA′) / A²
     table      (M − B·A) / A                odd      (M₁A₂ + M₂A₁) / (A₁A₂)
     gradient   Σ (M′A − MA′)² / A⁴
+    sector     (M + cA) / (σA), the centre c and a sum σ of the inputs
 """
 
 from __future__ import annotations
@@ -175,6 +176,28 @@ class Surface:
             return _Parts(found.moment - there * found.area, found.area, 4.0 * size * far, size)
 
         return self._quotients(self.degree + table.degree, make)
+
+    def over_form(
+        self, weights: Sequence[Fraction], more: Fraction = Fraction(0)
+    ) -> Quotients:
+        """Return the value over σ = Σ wᵢ xᵢ, both with the sign of σ; in rationals only.
+
+        The pieces are cut where σ is 0. Where the value is not 0 there, the quotient has no
+        bound. `more` is added to the value with the sign of σ.
+        """
+        shift = self.arithmetic.number(more)
+        one = self.arithmetic.number(Fraction(1))
+
+        def make(which: Array, points: Array) -> _Parts:
+            found = self._sums(which, points, slopes=False)
+            shares = np.matmul(points, self.pieces.corners[which])
+            form = self.pieces.form_at(weights, which, shares)
+            sign = np.where(form.sum(axis=1) < 0, -one, one)[:, None]
+            value = found.moment + self.centre * found.area
+            size = MARGIN * found.size
+            return _Parts(sign * value + shift * found.area, sign * form * found.area, size, size)
+
+        return self._quotients(self.degree + (self.model.form is None), make)
 
     def uncovered(self) -> tuple[int, Array] | None:
         """Return a piece and a vertex of it at which no rule fires; None if there is none."""

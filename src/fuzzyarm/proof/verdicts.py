@@ -20,7 +20,7 @@ from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
 from fuzzyarm.model.rulebase import Property, RuleBase
 from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.bounds import Bounds, Claim
+from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.numbers import number_text, outward_text
@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 __all__ = ["Verdict", "property_text", "prove", "prove_all", "read_property"]
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
-
-LIKE_EXPECT = 1e-9
-"""Share of an output's range to which ``=`` and ``odd`` hold, as for an ``expect`` line."""
 
 Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
