@@ -25,7 +25,7 @@ GAP = 1e-8
 """Share of an output's range to which bounds are sought where nothing else is asked for."""
 
 LIKE_EXPECT = 1e-9
-"""Share of an output's range to which ``=``, ``odd`` and sectors hold, as for an ``expect`` line."""
+"""Share of an output's range to which ``=``, ``odd`` and sectors hold, as ``expect`` lines do."""
 
 Point = dict[str, float]
 

@@ -185,7 +185,7 @@ class Prover:
         self.demand_pieces("slopes")
         axis = self.names.index(name)
         question = Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
-        self.demand_no_jumps(question, axis)
+        self._demand_no_jumps(question, axis)
         return self.bounds_of(question)
 
     def steepness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
@@ -193,7 +193,7 @@ class Prover:
         self.demand_pieces("slopes")
         question = Question(self.box(region), Surface.gradient_squared, steep=True)
         for axis in range(len(self.names)):
-            self.demand_no_jumps(question, axis)
+            self._demand_no_jumps(question, axis)
         found = self.bounds_of(question, both=False, share=2.0 * self.range)
         low, high = 0.0, math.nextafter(math.sqrt(found.high), math.inf)
         return found._replace(
@@ -203,10 +203,10 @@ class Prover:
     def table(self, table: LookupTable, mode: str) -> Bounds:
         """Return bounds of what a table is above the output (negative: below it)."""
         box = self.box({})
-        self.demand_fitting(table)
+        self._demand_fitting(table)
         if self.model is None:
             return self._boxes(box).table(table, mode, self.gap)
-        self.demand_value_everywhere("the error of a table")
+        self._demand_value_everywhere("the error of a table")
         question = self._table_question(table, mode, box)
         return self._clamped_or_refused(self.bounds_of(question))
 
@@ -252,20 +252,20 @@ class Prover:
         self.demand_pieces("slopes")
         axis = self.names.index(name)
         question = Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
-        self.demand_no_jumps(question, axis)
+        self._demand_no_jumps(question, axis)
         return self.at_most(question, bound, negated=negated)
 
     def oddness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
         """Return bounds of u(x) + u(−x)."""
         self.demand_pieces("symmetry")
-        self.demand_value_everywhere("symmetry")
+        self._demand_value_everywhere("symmetry")
         self.demand_inside_range("symmetry")
         return self.bounds_of(Question(self.box(region), Surface.odd, mirrored=True))
 
     def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
         """Tell whether u(x) + u(−x) is nowhere further from 0 than `bound`."""
         self.demand_pieces("symmetry")
-        self.demand_value_everywhere("symmetry")
+        self._demand_value_everywhere("symmetry")
         self.demand_inside_range("symmetry")
         question = Question(self.box(region), Surface.odd, mirrored=True)
         above = self.at_most(question, Fraction(bound), negated=False)
@@ -438,6 +438,7 @@ class Prover:
     def surface(
         self, question: Question, arithmetic: Arithmetic, cells: Array | None = None
     ) -> Surface:
+        """Return the pieces that a question needs; whole cuts are remembered."""
         assert self.model is not None
         positions = tuple(tuple(each) for each in question.positions)
         key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
@@ -497,10 +498,11 @@ class Prover:
     # ── what is refused ──────────────────────────────────────────────────────────────
 
     def demand_pieces(self, what: str) -> None:
+        """Refuse a rule base that is not made of straight pieces."""
         if self.model is None:
             raise UnprovableError(f"{what} are proved in straight pieces only: {self.reason}")
 
-    def demand_no_jumps(self, question: Question, axis: int) -> None:
+    def _demand_no_jumps(self, question: Question, axis: int) -> None:
         surface = self.surface(question, rationals() if self.exact else FLOATS)
         if surface.pieces.grid.jumps[axis]:
             raise UnprovableError(f"a term of '{self.names[axis]}' has a vertical edge: jumps")
@@ -513,12 +515,12 @@ class Prover:
             raise UnprovableError("there are points at which no rule fires")
         self.demand_inside_range("slopes")
 
-    def demand_value_everywhere(self, what: str) -> None:
+    def _demand_value_everywhere(self, what: str) -> None:
         at = self.uncovered({})
         if at is not None:
             raise UnprovableError(f"{what}: no rule fires at {written(at)}")
 
-    def demand_fitting(self, table: LookupTable) -> None:
+    def _demand_fitting(self, table: LookupTable) -> None:
         if set(table.names) != set(self.names):
             raise UnprovableError(
                 f"the table is over {', '.join(table.names)},"

@@ -29,7 +29,7 @@ from fuzzyarm.proof.pieces import Cut, Grid, cut
 from fuzzyarm.proof.prover import Prover, Question, written
 from fuzzyarm.proof.surface import Surface
 
-__all__ = ["NoSectorError", "Sector", "Slopes", "sector", "slopes_at"]
+__all__ = ["NoSectorError", "Sector", "Slopes", "form_text", "sector", "slopes_at"]
 
 Form = Mapping[str, float | Fraction]
 """Weights of the inputs in a sum."""
@@ -196,6 +196,17 @@ def _slack(prover: Prover, question: Question) -> Fraction:
                 raise NoSectorError(f"no sector: the output is {said} at {written(at)}")
             slack = Fraction(LIKE_EXPECT * prover.range)
     return slack
+
+
+def form_text(weights: Form, digits: int = 7) -> str:
+    """Return a sum of inputs as ``1.5 e + 0.5 ce``."""
+    text = ""
+    for name, weight in weights.items():
+        size = abs(float(weight))
+        sign = " - " if weight < 0 else " + "
+        sign = sign if text else sign.strip(" +")
+        text += f"{sign}{'' if size == 1.0 else f'{size:.{digits}g} '}{name}"
+    return text
 
 
 # ── slopes at a point ────────────────────────────────────────────────────────────────

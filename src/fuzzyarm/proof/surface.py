@@ -177,9 +177,7 @@ class Surface:
 
         return self._quotients(self.degree + table.degree, make)
 
-    def over_form(
-        self, weights: Sequence[Fraction], more: Fraction = Fraction(0)
-    ) -> Quotients:
+    def over_form(self, weights: Sequence[Fraction], more: Fraction = Fraction(0)) -> Quotients:
         """Return the value over σ = Σ wᵢ xᵢ, both with the sign of σ; in rationals only.
 
         The pieces are cut where σ is 0. Where the value is not 0 there, the quotient has no
