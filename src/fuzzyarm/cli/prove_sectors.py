@@ -197,7 +197,8 @@ def _drive_lines(
     if not sectors_only:
         lines += _limit_lines(found)
         lines += _gain_lines(found)
-    lines += [_drive_sector(each, found) for each in found.sectors]
+    for each in found.sectors:
+        lines += _drive_sector(each, found)
     return [*lines, *(f"  not proved: {words}" for words in found.open)]
 
 
@@ -226,7 +227,7 @@ def _gain_lines(found: DriveProof) -> list[str]:
     return lines
 
 
-def _drive_sector(each: DriveSector, found: DriveProof) -> str:
+def _drive_sector(each: DriveSector, found: DriveProof) -> list[str]:
     from fuzzyarm.proof.sector import form_text
 
     slack = f", to {each.slack:g}" if each.slack else ""
@@ -235,9 +236,9 @@ def _drive_sector(each: DriveSector, found: DriveProof) -> str:
     if len(each.weights) == 1:
         (name,) = each.weights
         unit = next((g.unit for g in found.gains if g.source == name and g.unit), "")
-        return f"  sector along {within[0]}: {between}{f' {unit}' if unit else ''}{slack}"
+        return [f"  sector along {within[0]}: {between}{f' {unit}' if unit else ''}{slack}"]
     head = f"  sector along {form_text(each.weights)}: {between}{slack}"
-    return "\n".join([head, *(f"    {words}" for words in within)])
+    return [head, *(f"    {words}" for words in within)]
 
 
 def _number(x: float) -> str:

@@ -148,15 +148,19 @@ def _draw(axes: Axes, picture: SectorPicture) -> None:
 
 
 def _band(axes: Axes, form: Any, values: Any, far: float) -> None:
-    """Fill what the values cover over each stretch of σ."""
-    count = int(0.6 * len(form) ** 0.5)  # enough points for each stretch
+    """Fill what the values cover: the least and the greatest u / σ over each stretch of σ."""
+    count = 2 * max(10, int(0.3 * len(form) ** 0.5))  # enough points for each stretch
     edges = np.linspace(-far, far, count + 1)
-    number = np.clip(np.digitize(form, edges) - 1, 0, count - 1)
+    away = np.abs(form) > 1e-6 * far
+    number = np.clip(np.digitize(form[away], edges) - 1, 0, count - 1)
+    ratio = values[away] / form[away]
     least, most = np.full(count, np.inf), np.full(count, -np.inf)
-    np.minimum.at(least, number, values)
-    np.maximum.at(most, number, values)
+    np.minimum.at(least, number, ratio)
+    np.maximum.at(most, number, ratio)
     some = least <= most
-    middles = 0.5 * (edges[1:] + edges[:-1])[some]
+    middles = (0.5 * (edges[1:] + edges[:-1]))[some]
+    ends = np.clip(np.stack([least[some], most[some]]) * middles, values.min(), values.max())
     axes.fill_between(
-        middles, least[some], most[some], color=COLOURS[0], alpha=0.55, lw=0, label="u"
-    )
+        middles, *ends,
+        color=COLOURS[0], alpha=0.55, lw=0, label="u",
+    )  # fmt: skip
