@@ -250,7 +250,8 @@ class _Trial:
         if isinstance(law.gains, str):
             return
         gains = _notable(law.gains)
-        for source in gains:
+        level = [name for name, gain in law.gains.items() if gain == NOTHING]  # as at a step
+        for source in (*gains, *level):
             stretches = dict.fromkeys((zones[source], self.sources[source].at))
             for stretch in stretches:
                 yield from self._sector(port, {source: 1.0}, {source: stretch}, open_)
@@ -276,7 +277,7 @@ class _Trial:
             what = " and ".join(weights)
             open_.append(f"sector along {what}: {found.along}")
             return
-        if math.isfinite(largest(found.along)):
+        if 0.0 < largest(found.along) < math.inf:
             within = {name: (at.low, at.high) for name, at in where.items()}
             yield DriveSector(dict(weights), *found.along, within, found.slack)
 
@@ -355,7 +356,7 @@ def _short(at: Interval) -> str:
 
 def sampled_drive(
     text: ControllerText, found: DriveProof, along: DriveSector, plant: Plant | None = None,
-    connect: Mapping[str, str] | None = None, count: int = 201,
+    connect: Mapping[str, str] | None = None, points: int = 2000,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return σ and the drive at points of a sector, for a picture of it.
 
@@ -365,8 +366,8 @@ def sampled_drive(
         As for :func:`prove_drives`.
     found, along : DriveProof and DriveSector
         What was proved.
-    count : int
-        Points along one source; of several as many in all as fit 2,000 evaluations.
+    points : int
+        How many in all; along one source a tenth of them.
 
     Returns
     -------
@@ -376,14 +377,14 @@ def sampled_drive(
     site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
     case = _Trial(AxisLines(text, site, found.axis, Stop(), {}), site)
     ends = list(along.within.values())
-    each = count if len(ends) == 1 else max(3, round(2000 ** (1.0 / len(ends))) | 1)
+    each = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
     grid = [np.linspace(low, high, each) for low, high in ends]
-    points = np.stack([axis.ravel() for axis in np.meshgrid(*grid, indexing="ij")], axis=1)
+    where = np.stack([axis.ravel() for axis in np.meshgrid(*grid, indexing="ij")], axis=1)
     values = [
         case.value_at(found.port, dict(zip(along.within, point, strict=True)), limited=True)
-        for point in points.tolist()
+        for point in where.tolist()
     ]
-    return points @ np.array([along.weights[name] for name in along.within]), np.array(values)
+    return where @ np.array([along.weights[name] for name in along.within]), np.array(values)
 
 
 def prove_drives(

@@ -91,6 +91,18 @@ class AxisLines:
         sheets = self.text.sheets.get(name)
         return sheets[self.index if len(sheets) > 1 else 0] if sheets else None
 
+    def silent(self, sheet: RuleBase) -> RuleBase:
+        """Return a rule base that is NaN where no rule fires and it states no value for that."""
+        key = "silent", id(sheet)
+        if key not in self._known:
+            outputs = tuple(
+                each if isinstance(each.no_rule, int | float) else replace(each, no_rule=math.nan)
+                for each in sheet.outputs
+            )
+            self._known[key] = replace(sheet, outputs=outputs)
+        found: RuleBase = self._known[key]
+        return found
+
     def gain(self, name: str) -> Law | None:
         """Return a gain of this axis; None where it is not one."""
         gain = next((each for each in self.text.model.gains if each.name == name), None)
@@ -278,7 +290,9 @@ class Walk:
     def _conclusion(self, sheet: RuleBase, output: str, given: Mapping[str, Law]) -> Law:
         prover = self.case.prover(sheet, output)
         if self.case.only_values:
-            return unknown(_inferred(sheet, output, given), "")
+            inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in given.items()}
+            value = float(infer(self.case.silent(sheet), inputs)[output])
+            return unknown(Interval(value, value), "")
         region = {}
         for variable in prover.inputs:
             at = given[variable.name].at
@@ -420,17 +434,6 @@ class Walk:
             value = float(own.lookup(*(law.at.low for law in given.values())))
             at = Interval(value, value)
         return table_law(own, given, at, asked=bool(self.asked.form))
-
-
-def _inferred(sheet: RuleBase, output: str, given: Mapping[str, Law]) -> Interval:
-    """Return the value at a point by inference."""
-    silent = tuple(
-        each if isinstance(each.no_rule, int | float) else replace(each, no_rule=math.nan)
-        for each in sheet.outputs
-    )
-    inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in given.items()}
-    value = float(infer(replace(sheet, outputs=silent), inputs)[output])
-    return Interval(value, value)
 
 
 def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gains | str]:

@@ -77,7 +77,10 @@ def rulebase_sectors(
 
 
 def controller_sectors(
-    text: ControllerText, found: Sequence[DriveProof], plant: Plant | None = None
+    text: ControllerText,
+    found: Sequence[DriveProof],
+    plant: Plant | None = None,
+    points: int = 2000,
 ) -> list[SectorPicture]:
     """Return the pictures of the sectors of a controller's first drive that has some.
 
@@ -91,7 +94,7 @@ def controller_sectors(
     pictures = []
     inner = {tuple(each.weights): each for each in reversed(drive.sectors)}
     for each in reversed(inner.values()):
-        form, values = sampled_drive(text, drive, each, plant)
+        form, values = sampled_drive(text, drive, each, plant, points=points)
         up = f"{drive.port}, {drive.unit}" if drive.unit else drive.port
         pictures.append(
             SectorPicture(
