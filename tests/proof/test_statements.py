@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -17,6 +19,9 @@ from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof import Prover, prove, prove_all
 from fuzzyarm.text.diagnostic import RuleBaseError
+
+if TYPE_CHECKING:
+    from fuzzyarm.studio.document import StudioDocument
 
 PD7 = fuzzyarm.shipped("pd7.frb").read_text()
 
@@ -189,6 +194,46 @@ def test_completion_and_hover() -> None:
     told = session.hover(len(text.splitlines()), 10)
     assert told is not None
     assert "refuted" in told.markdown
+
+
+def test_where_a_property_fails_is_marked_and_pasted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On the figure, on the studio's surface, and by a quick fix that makes the file say so."""
+    from fuzzyarm.show.figures import surface_figure
+    from fuzzyarm.studio.document import StudioDocument
+
+    path = tmp_path / "p.frb"
+    path.write_text(f"{PD7}prove u rises with e  # why\nprove u odd\n")
+    document = StudioDocument(path)
+    (finding,) = [each for each in document.findings if each.name == "refuted-property"]
+    (refuted, odd) = document.session.verdicts
+    assert [list(point.values()) for point in refuted.points] == [[-3, -6], [-2, -6]]
+    assert odd.points == ()
+    assert capture(document) == 2
+    figure = surface_figure(fuzzyarm.load(path), fails=[refuted])
+    drawn = {tuple(line.get_xydata()[0]) for axes in figure.axes for line in axes.lines}
+    assert {(-6, -3), (-6, -2)} <= drawn
+    assert any("u rises with e" in each.get_text() for each in figure.axes[1].texts)
+    (fix,) = document.session.kind.fixes(document.session.reading, finding)
+    (edit,) = fix.edits
+    lines = document.text.splitlines()
+    lines[edit.span.line - 1] += edit.text
+    pasted = check_text("\n".join(lines) + "\n")
+    assert [each.name for each in pasted.diagnostics] == ["refuted-property"]
+    assert main(["plot", str(path), "-o", str(tmp_path / "p.png"), "--what", "surface"]) == 0
+    assert "drawn from" in capsys.readouterr().out
+
+
+def capture(document: StudioDocument) -> int:
+    """How many marks of failures the surface of the studio has."""
+    from rich.console import Console
+
+    assert document.scene is not None
+    console = Console(width=90, no_color=True)
+    with console.capture() as shown:
+        console.print(document.scene.draw("surface", 60, 20))
+    return shown.get().count("✗")
 
 
 def test_check_proves_what_is_quick() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from rich.console import Group, RenderableType
     from rich.text import Text
 
+    from fuzzyarm.proof import Verdict
 
 FINE, COARSE = 60, 12
 """Steps from one end of a range to the other, with an arrow key and with shift."""
@@ -126,7 +127,11 @@ class Scene(ABC):
         from rich.console import Group
 
         across = (self.across, *self.ranges[self.across])
-        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark))
+        low, high = self.ranges[self.across]
+        fails = frozenset(
+            _index(point[self.across], (low, high), len(values)) for point in self._failing()
+        )
+        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark, fails))
 
     def _map(
         self, title: Text, values: list[list[float]], scale: Scale, mark: tuple[int, int]
@@ -134,7 +139,19 @@ class Scene(ABC):
         from rich.console import Group
 
         down, across = ((name, *self.ranges[name]) for name in (self.down, self.across))
-        return Group(title, SurfaceMap(values, scale, down, across, mark))
+        sizes = len(values), len(values[0])
+        fails = frozenset(
+            (
+                _index(point[self.down], self.ranges[self.down], sizes[0]),
+                _index(point[self.across], self.ranges[self.across], sizes[1]),
+            )
+            for point in self._failing()
+        )
+        return Group(title, SurfaceMap(values, scale, down, across, mark, fails))
+
+    def _failing(self) -> list[Mapping[str, float]]:
+        """Return points on what is drawn at which a property fails."""
+        return []
 
     def caption(self, *, keys: bool = True) -> Text:
         """Return the crisp inputs, with `keys` those that move them, and what comes out."""
@@ -167,17 +184,24 @@ class RulebaseScene(Scene):
         Its text, to jump into.
     before : Scene or None
         The scene before the last change of the text, whose crisp inputs stay.
+    verdicts : sequence of Verdict
+        On its ``prove`` lines: where one fails is marked on the surface.
     """
 
     VIEWS = (SURFACE, RULES, TERMS, FIRING)
 
     def __init__(
-        self, rulebase: RuleBase, reading: Reading | None = None, before: Scene | None = None
+        self,
+        rulebase: RuleBase,
+        reading: Reading | None = None,
+        before: Scene | None = None,
+        verdicts: Sequence[Verdict] = (),
     ) -> None:
         super().__init__({v.name: visible_range(v) for v in rulebase.inputs})
         self.rulebase = rulebase
         self.reading = reading
         self.output = rulebase.outputs[0].name
+        self.verdicts = verdicts
         if before is None:
             first = next((g for b in rulebase.blocks for g in find_grids(b)[0] if g.row), None)
             across, down = (first.column, first.row) if first else ("", "")
@@ -192,6 +216,16 @@ class RulebaseScene(Scene):
         """Show the surface of the next output."""
         names = [o.name for o in self.rulebase.outputs]
         self.output = names[(names.index(self.output) + 1) % len(names)]
+
+    def _failing(self) -> list[Mapping[str, float]]:
+        free = {self.across, self.down}
+        return [
+            point
+            for each in self.verdicts
+            if each.output == self.output
+            for point in each.points
+            if all(x == self.point[name] for name, x in point.items() if name not in free)
+        ]
 
     # ── values ───────────────────────────────────────────────────────────────────────
 

@@ -68,6 +68,8 @@ class Diagnostic:
         The file, as the caller named it.
     related : tuple of Related
         Other positions that belong to the finding.
+    lines : tuple of str
+        Lines that a quick fix can put below it.
     """
 
     name: str
@@ -78,6 +80,7 @@ class Diagnostic:
     replacement: str | None = None
     path: str = ""
     related: tuple[Related, ...] = ()
+    lines: tuple[str, ...] = ()
 
     @property
     def line(self) -> int:

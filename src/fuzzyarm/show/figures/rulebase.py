@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fuzzyarm.inference.trace import OutputTrace, Trace
+    from fuzzyarm.proof import Verdict
 
 
 # --- The terms of variables as curves ---
@@ -124,7 +125,10 @@ def _name_terms(axes: Axes, variable: Variable, low: float, high: float) -> None
 
 
 def rulebase_figure(
-    rulebase: RuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: RuleBase,
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+    fails: Sequence[Verdict] = (),
 ) -> Figure:
     """Return the memberships of every variable above the surface of every output.
 
@@ -134,7 +138,7 @@ def rulebase_figure(
         What to draw.
     output : str, optional
         The surface of this output only.
-    at : mapping of str to float, optional
+    at, fails
         As for :func:`fuzzyarm.show.figures.surface_figure`.
     """
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
@@ -149,7 +153,7 @@ def rulebase_figure(
     for axes, variable in zip(panels, variables, strict=True):
         _draw_memberships(axes, variable, rulebase)
     for part, target in zip(parts[1:], outputs, strict=True):
-        draw_response(part, rulebase, target, at or {})
+        draw_response(part, rulebase, target, at or {}, fails)
     title = f"{rulebase.name}: {rulebase.description}" if rulebase.description else rulebase.name
     figure.suptitle(safe(title), fontweight="bold", fontsize=11)
     return figure

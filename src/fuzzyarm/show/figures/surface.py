@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
 
 
@@ -49,8 +50,14 @@ class _Side:
         return axis_label(self.name, self.description)
 
 
+_FAILS: dict[str, Any] = {"color": COLOURS[3], "markersize": 9, "markeredgecolor": "white"}
+
+
 def surface_figure(
-    rulebase: RuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: RuleBase,
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+    fails: Sequence[Verdict] = (),
 ) -> Figure:
     """Return the control surface of every output, or of the one named.
 
@@ -64,6 +71,8 @@ def surface_figure(
         With more than two inputs, the values of those that are held fixed (the middle of
         the range by default); the first two that are not named are drawn. With two or
         fewer, a point to mark.
+    fails : sequence of Verdict
+        On properties that fail: their points are marked.
     """
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     one = len(rulebase.inputs) == 1
@@ -71,12 +80,22 @@ def surface_figure(
     figure = new_figure(6.4 if one else 9.6, height * len(outputs))
     parts = figure.subfigures(len(outputs), 1, squeeze=False)[:, 0]
     for part, target in zip(parts, outputs, strict=True):
-        draw_response(part, rulebase, target, at or {})
+        draw_response(part, rulebase, target, at or {}, fails)
     return figure
 
 
-def draw_response(part: Any, rulebase: RuleBase, output: Output, at: Mapping[str, float]) -> None:
+def draw_response(
+    part: Any,
+    rulebase: RuleBase,
+    output: Output,
+    at: Mapping[str, float],
+    fails: Sequence[Verdict] = (),
+) -> None:
     """Draw one output of `rulebase` into a figure or a part of one."""
+    fails = [each for each in fails if each.output == output.name and each.points]
+    inputs_left = [variable.name for variable in rulebase.inputs[2:]]
+    if fails and inputs_left and not at:  # the slice that has the first of them
+        at = {name: fails[0].points[0][name] for name in inputs_left}
     free, fixed = _free_and_fixed(rulebase, at)
     sides = [_Side(v.name, v.description, *visible_range(v)) for v in free]
     target = _Side(output.name, output.description, output.low, output.high)
@@ -88,11 +107,61 @@ def draw_response(part: Any, rulebase: RuleBase, output: Output, at: Mapping[str
     values = np.broadcast_to(_with_gaps(rulebase, output, inputs), [counts] * len(sides))
     notes = [_fixed_words(fixed), "blank: no rule fires" if _has_gaps(values) else ""]
     title = "\n".join(filter(None, notes))
+    marks = _marks(rulebase, output, fails, [side.name for side in sides], fixed)
     if len(sides) == 1:
-        _line(part.subplots(), sides[0], target, grid[0], values, title)
+        axes = part.subplots()
+        _line(axes, sides[0], target, grid[0], values, title)
+        for (x,), height, number in marks:
+            _mark(axes, x, height, number)
+        _name_failures(axes, fails)
         return
     point = [at[side.name] for side in sides if side.name in at]
     _plane(part, sides, target, [x.ravel() for x in grid], values, title, point)
+    space, flat = part.axes[:2]
+    for (y, x), height, number in marks:
+        space.plot(y, x, height, "X", **_FAILS, zorder=10)
+        _mark(flat, x, y, number)
+    _name_failures(flat, fails)
+
+
+def _marks(
+    rulebase: RuleBase,
+    output: Output,
+    fails: Sequence[Verdict],
+    names: Sequence[str],
+    fixed: Mapping[str, float],
+) -> list[tuple[list[float], float, int]]:
+    """Return where properties fail on what is drawn, the output there, and which property."""
+    import numpy as np
+
+    found = []
+    every = [(point, k) for k, each in enumerate(fails, start=1) for point in each.points]
+    for point, number in every:
+        if any(point[name] != x for name, x in fixed.items()):
+            continue
+        inputs = {name: np.array([x]) for name, x in point.items()}
+        value = float(np.ravel(_with_gaps(rulebase, output, inputs))[0])
+        height = value if math.isfinite(value) else output.low
+        found.append(([point[name] for name in names], height, number))
+    return found
+
+
+def _mark(axes: Axes, x: float, y: float, number: int) -> None:
+    axes.plot(x, y, "X", clip_on=False, **_FAILS)
+    axes.annotate(
+        str(number), (x, y), (6, 4), textcoords="offset points", fontsize=8, color=_FAILS["color"]
+    )
+
+
+def _name_failures(axes: Axes, fails: Sequence[Verdict]) -> None:
+    if fails:
+        words = "\n".join(
+            f"{number} refuted: {each.statement}" for number, each in enumerate(fails, start=1)
+        )
+        axes.annotate(
+            safe(words), (0.0, -0.2), xycoords="axes fraction", fontsize=8, va="top",
+            color=_FAILS["color"], annotation_clip=False,
+        )  # fmt: skip
 
 
 def _with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
