@@ -27,7 +27,15 @@ import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.proof.arithmetic import Arithmetic, Array, Stop
+from fuzzyarm.proof.arithmetic import (
+    Arithmetic,
+    Array,
+    Stop,
+    any_of_rows,
+    greatest_of_rows,
+    least_of_rows,
+    sums_of_rows,
+)
 from fuzzyarm.proof.straight import Corners, Node, Straight, StraightRule, height_at
 
 __all__ = ["Cell", "Cut", "Grid", "Pieces", "TooManyPiecesError", "cut"]
@@ -432,11 +440,11 @@ class Pieces:
         """Return the larger or the smaller of two heights that do not cross inside a piece."""
         gap = first.values - second.values
         values = (np.maximum if largest else np.minimum)(first.values, second.values)
-        takes_first = (gap.sum(axis=1) >= 0) == largest
+        takes_first = (sums_of_rows(gap) >= 0) == largest
         slopes = np.where(takes_first[:, None], first.slopes, second.slopes)
         if not self.arithmetic.exact:
-            unclear = np.abs(gap).max(axis=1) <= 4 * SAME
-            differ = np.abs(first.slopes - second.slopes).max(axis=1) > 1e-9
+            unclear = greatest_of_rows(np.abs(gap)) <= 4 * SAME
+            differ = greatest_of_rows(np.abs(first.slopes - second.slopes)) > 1e-9
             self.doubtful[which[unclear & differ]] = True
         return _Affine(values, slopes)
 
@@ -459,12 +467,12 @@ class Pieces:
                 ) -> list[Array]:
                     return [column(index, ids) - level for level in levels]
 
-                which = np.flatnonzero((self.heights[:, :, first + index] > 0).any(axis=1))
+                which = np.flatnonzero(any_of_rows(self.heights[:, :, first + index] > 0))
                 self._refine(which, own_levels)
             for overlap in form.overlaps:
                 levels = [number(level) for level in _inner_levels(overlap.layers)]
                 members = (overlap.member, *overlap.others)
-                some = [(self.heights[:, :, first + m] > 0).any(axis=1) for m in members]
+                some = [any_of_rows(self.heights[:, :, first + m] > 0) for m in members]
                 which = np.flatnonzero(some[0] & np.logical_or.reduce(some[1:]))
 
                 def against(
@@ -523,7 +531,7 @@ class Pieces:
         return np.concatenate(done) if done else np.zeros(0, dtype=int)
 
     def _is_mixed(self, gap: Array) -> Array:
-        low, high = gap.min(axis=1), gap.max(axis=1)
+        low, high = least_of_rows(gap), greatest_of_rows(gap)
         if self.arithmetic.exact:
             return np.asarray((low < 0) & (high > 0))
         return np.asarray((low < -SAME) & (high > SAME))
