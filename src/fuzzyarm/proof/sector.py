@@ -114,6 +114,8 @@ def sector(
     form = tuple(Fraction(weights.get(name, 0)) for name in exact.names)
     box = exact.box({name: each for name, each in region.items() if name in exact.names})
     silent = _silent(exact, region)
+    if all(low <= 0 <= high for low, high in box):  # σ is 0 there: mostly this tells
+        _demand_zero(exact, dict.fromkeys(exact.names, Fraction(0)))
     slack = _slack(exact, Question(box, lambda surface: surface.over_form(form), form=form))
     far = sum(abs(w) * max(abs(low), abs(high)) for w, (low, high) in zip(form, box, strict=True))
     share = 1.0 if prover.tolerance is not None else 1.0 / max(float(far), 1e-300)
@@ -190,12 +192,17 @@ def _slack(prover: Prover, question: Question) -> Fraction:
         for row in np.flatnonzero((lower == 0) & (upper != 0)):
             owner = int(quotients.owner[row])
             at = prover.named(surface.pieces.position(owner, surface.pieces.corners[owner, vertex]))
-            value = prover.exactly(at)
-            if value is None or abs(value) > Fraction(LIKE_EXPECT * prover.range):
-                said = "not 0" if value is None else f"{float(value):.6g}"
-                raise NoSectorError(f"no sector: the output is {said} at {written(at)}")
+            _demand_zero(prover, at)
             slack = Fraction(LIKE_EXPECT * prover.range)
     return slack
+
+
+def _demand_zero(prover: Prover, at: Mapping[str, Fraction]) -> None:
+    value = prover.exactly(at)
+    if value is None or abs(value) > Fraction(LIKE_EXPECT * prover.range):
+        said = "not 0" if value is None else f"{float(value):.6g}"
+        at = prover.named([at[name] for name in prover.names])
+        raise NoSectorError(f"no sector: the output is {said} at {written(at)}")
 
 
 def form_text(weights: Form, digits: int = 7) -> str:
