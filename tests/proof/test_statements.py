@@ -131,6 +131,34 @@ def test_what_is_not_covered_is_refused_by_name(pd7: RuleBase) -> None:
 
 
 @pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ("terms e, ce, u: triangles", "terms e, ce, u: gaussians", "gaussian"),
+        ("inference and min", "inference and einstein", "einstein"),
+        ("inference and min", "inference and product", "product"),
+        ("implication min", "implication product", "scaled sets"),
+        ("aggregation max", "aggregation probor", "probor"),
+        ("centroid exact", "centroid(101, endpoints)", "sampled"),
+        ("rules u", "rule if e is very NB then u is NB\nrules u", "very"),
+        ("rules u", "rule if e is NB or ce is NB then u is NB\nrules u", "or probor"),
+    ],
+    ids=lambda words: words.split()[-1],
+)
+@pytest.mark.parametrize("line", ["u rises with e", "u slope e in -99 .. 99", "u odd"])
+def test_what_goes_by_boxes_has_no_slopes_and_says_why(
+    old: str, new: str, word: str, line: str
+) -> None:
+    """True or not: never proved, and the reason is named."""
+    text = PD7.replace("or max", "or probor").replace(old, new)
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    found = prove(rulebase, line)
+    assert found.verdict == "undecided"
+    assert word in found.reason
+    assert not found.points
+
+
+@pytest.mark.parametrize(
     ("line", "name", "replacement"),
     [
         ("u rise with e", "unexpected-token", "rises"),

@@ -500,7 +500,7 @@ class Prover:
     def demand_pieces(self, what: str) -> None:
         """Refuse a rule base that is not made of straight pieces."""
         if self.model is None:
-            raise UnprovableError(f"{what} are proved in straight pieces only: {self.reason}")
+            raise UnprovableError(f"proofs of {what} need straight pieces: {self.reason}")
 
     def _demand_no_jumps(self, question: Question, axis: int) -> None:
         surface = self.surface(question, rationals() if self.exact else FLOATS)
