@@ -43,6 +43,7 @@ fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz/damaged_texts.py --count 20000
 	$(BIN)/python tests/fuzz/damaged_tables.py --count 20000
 	$(BIN)/python tests/fuzz/random_rule_bases.py --count 20000
+	$(BIN)/python tests/fuzz/random_proofs.py --count 200
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("fuzzyarm needs Python 3.11 or later") if sys.version_info < (3, 11) else None'

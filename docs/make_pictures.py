@@ -126,6 +126,12 @@ def draw_phase() -> None:
     main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
 
 
+def draw_sector() -> None:
+    """Draw the sectors of the shipped servo, for the page of proofs."""
+    out = str(PICTURES / "servo-sector.png")
+    main(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     words = sys.argv[1:]
@@ -134,6 +140,7 @@ if __name__ == "__main__":
         draw_surface()
         draw_map()
         draw_phase()
+        draw_sector()
     if not words or words == ["structures"] or set(words) & set(STRUCTURES):
         draw_structures([word for word in words if word != "structures"])
     if not words or words == ["plants"] or set(words) & set(RUNS):

@@ -374,7 +374,13 @@ def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Jud
             message = f"refuted: {verdict.statement}"
             detail = "; ".join(verdict.evidence) or verdict.reason
             findings.append(
-                Diagnostic("refuted-property", f"{message} ({detail})", claim.span, Severity.ERROR)
+                Diagnostic(
+                    "refuted-property",
+                    f"{message} ({detail})",
+                    claim.span,
+                    Severity.ERROR,
+                    lines=verdict.evidence,
+                )
             )
         elif not verdict.proved:
             message = f"left undecided: {verdict.statement} ({verdict.reason})"

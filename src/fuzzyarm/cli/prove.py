@@ -9,7 +9,12 @@ With --range, --slope or --table it bounds one number of one output instead: the
 slope along each input, or how far a lookup table is from the rules (linear, nearest or bins
 of the table that `compile` makes, or a file).
 
+--sector says between which multiples of its inputs an output lies, as the circle criterion asks
+for: along each input, and along what a linear law would give. Of a controller it proves the same
+of each drive, with its range, its limits and its linear gains; --plot draws it.
+
   fuzzyarm prove rulebases/pd7.frb --table linear
+  fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
 """
 
 from __future__ import annotations
@@ -28,6 +33,7 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     json_of,
+    load_controller,
     load_rulebase,
     print_json,
     read_number,
@@ -55,10 +61,17 @@ def _run(arguments: argparse.Namespace) -> int:
         budget = read_number(arguments.budget, "--budget")
         if not budget > 0.0:
             raise WordError(f"--budget must be above 0 seconds, not {budget:g}")
+    if arguments.sector:
+        from fuzzyarm.cli.prove_sectors import print_sectors
+
+        return print_sectors(arguments, tolerance, budget)
+    for word in ("plot", "along"):
+        if getattr(arguments, word) is not None:
+            raise WordError(f"--{word} goes with --sector")
     if arguments.range or arguments.slope or arguments.table:
         return _single(arguments, tolerance, budget)
     if arguments.output is not None:
-        raise WordError("--output goes with --range, --slope or --table")
+        raise WordError("--output goes with --range, --slope, --table or --sector")
     return _files(arguments, tolerance, budget)
 
 
@@ -69,23 +82,30 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
     from fuzzyarm.proof import prove_all
 
     verdicts: list[tuple[str, Verdict]] = []
+    data: list[dict[str, Any]] = []
     for path in arguments.files:
-        rulebase = load_rulebase(path, "prove")
-        if not rulebase.properties and not arguments.json:
+        controller = load_controller(path)
+        rulebases = controller.model.rulebases if controller else (load_rulebase(path, "prove"),)
+        lines = sum(len(rulebase.properties) for rulebase in rulebases)
+        if not lines and controller is None and not arguments.json:
             say(f"{path}: no `prove` lines", to_errors=True)
-        with _progress() as tell:
-            for verdict in prove_all(
-                rulebase, tolerance=tolerance, budget=budget, exact=arguments.exact, tell=tell
-            ):
-                verdicts.append((path, verdict))
-                if not arguments.json:
-                    tell("", 0, 0.0)
-                    say(*_lines(path, verdict))
+        file = {"file": path} if len(arguments.files) > 1 else {}
+        with progress() as tell:
+            for rulebase in rulebases:
+                for verdict in prove_all(
+                    rulebase, tolerance=tolerance, budget=budget, exact=arguments.exact, tell=tell
+                ):
+                    verdicts.append((path, verdict))
+                    data.append(file | _data(verdict))
+                    if not arguments.json:
+                        tell("", 0, 0.0)
+                        say(*_lines(path, verdict))
+        if controller is not None:
+            from fuzzyarm.cli.prove_sectors import drives_of
+
+            data += [file | each for each in drives_of(path, controller, arguments, budget)]
     if arguments.json:
-        several = len(arguments.files) > 1
-        print_json(
-            [({"file": path} if several else {}) | _data(each) for path, each in verdicts], 2
-        )
+        print_json(data, 2)
     found = {verdict.verdict for _, verdict in verdicts}
     if "refuted" in found:
         return EXIT_REFUTED
@@ -127,7 +147,7 @@ def _lines(path: str, verdict: Verdict) -> list[str]:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[str, int, float], None]]:
+def progress() -> Iterator[Callable[[str, int, float], None]]:
     """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
     shown = sys.stderr.isatty()
     last = 0.0
@@ -159,13 +179,8 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
         raise WordError("--range, --slope and --table take one file")
     path = arguments.files[0]
     rulebase = load_rulebase(path, "prove")
-    name = arguments.output or _only_output(rulebase)
-    if name not in [output.name for output in rulebase.outputs]:
-        raise WordError(
-            f"no output is called '{name}'",
-            hint=f"there are {', '.join(output.name for output in rulebase.outputs)}",
-        )
-    with _progress() as tell:
+    name = only_output(rulebase, arguments.output)
+    with progress() as tell:
         stop = Stop(budget, lambda count, gap: tell(path, count, gap))
         prover = Prover(rulebase, name, tolerance=tolerance, stop=stop, exact=arguments.exact)
         if arguments.table:
@@ -182,11 +197,14 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
     return 0 if all(bounds.complete for bounds in found.values()) else EXIT_UNDECIDED
 
 
-def _only_output(rulebase: RuleBase) -> str:
+def only_output(rulebase: RuleBase, asked: str | None) -> str:
+    """Return the output that is asked for, or the only one."""
     names = [output.name for output in rulebase.outputs]
-    if len(names) != 1:
+    if asked is None and len(names) != 1:
         raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
-    return names[0]
+    if asked is not None and asked not in names:
+        raise WordError(f"no output is called '{asked}'", hint=f"there are {', '.join(names)}")
+    return asked or names[0]
 
 
 def _table(prover: Prover, which: str) -> Bounds:
@@ -257,7 +275,7 @@ COMMANDS = (
         "prove",
         __doc__,
         _run,
-        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis)", nargs="+"),
+        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", nargs="+"),
         argument("--tolerance T", "how tight bounds are, in units of what is bounded"),
         argument("--budget SECONDS", "how long each statement may take"),
         flag("--exact", "compute in rationals throughout"),
@@ -265,6 +283,10 @@ COMMANDS = (
         flag("--slope", "bound the slope along each input", either="what"),
         argument("--table WHAT", "bound the error of a table: linear, nearest, bins or a file",
                  either="what"),
+        flag("--sector", "bound the output by multiples of its inputs", either="what"),
+        argument("--along NAME=W,...", "with --sector: along this sum of the inputs only"),
+        argument("--plot FIG", "with --sector: draw it as .png, .svg or .pdf"),
+        argument("--plant PLANT", "of a controller: on this one instead of that of its axes"),
         argument("--output NAME", "which output, if there are several"),
         json_of("the verdicts, or the bounds,"),
     ),

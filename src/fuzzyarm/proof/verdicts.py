@@ -21,7 +21,7 @@ from fuzzyarm.language.writer import property_node
 from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Property, RuleBase
 from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.bounds import Bounds, Claim
+from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.numbers import number_text, outward_text
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 __all__ = ["Verdict", "property_text", "prove", "prove_all", "read_property"]
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
-
-LIKE_EXPECT = 1e-9
-"""Share of an output's range to which ``=`` and ``odd`` hold, as for an ``expect`` line."""
 
 Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
@@ -66,6 +63,10 @@ class Verdict(Shown):
         Why it is undecided or refuted, or why boxes were used.
     line : int
         Of the file; 0 for a statement from elsewhere.
+    output : str
+        Which output it is about.
+    points : tuple of dict of str to float
+        Where a refuted statement fails: a point, or two.
     """
 
     statement: str
@@ -77,6 +78,8 @@ class Verdict(Shown):
     way: str = ""
     reason: str = ""
     line: int = 0
+    output: str = ""
+    points: tuple[Mapping[str, float], ...] = ()
 
     @property
     def proved(self) -> bool:
@@ -247,6 +250,7 @@ class _Case:
         self.provers = provers
         watch = None if tell is None else (lambda count, gap: tell(self.text, count, gap))
         self.stop = Stop(budget, watch)
+        self.failing: list[dict[str, float]] = []
 
     @property
     def prover(self) -> Prover:
@@ -285,10 +289,11 @@ class _Case:
             facts["reason"] = over + self._because_of_boxes(" (boxes: ", ")")
         elif facts.get("way") == "boxes" and not facts.get("reason"):
             facts["reason"] = self._because_of_boxes("by boxes: ", "")
+        if verdict == REFUTED:
+            facts["points"] = tuple(self.failing)
         seconds = time.monotonic() - self.started
-        return Verdict(
-            self.text, verdict, seconds=seconds, line=max(0, self.claim.span.line), **facts
-        )
+        line, output = max(0, self.claim.span.line), self.claim.output
+        return Verdict(self.text, verdict, seconds=seconds, line=line, output=output, **facts)
 
     def _because_of_boxes(self, before: str, after: str) -> str:
         reason = self.provers[self.claim.output].reason if self.provers else ""
@@ -360,7 +365,12 @@ class _Case:
         at = self.prover.uncovered(self.region)
         if at is None:
             return None
+        self._note(at)
         return self._said(REFUTED, reason=f"no rule fires at {written(at)}")
+
+    def _note(self, at: Mapping[str, Any]) -> None:
+        """Remember a point at which the statement fails, if it is refuted."""
+        self.failing.append({name: float(x) for name, x in at.items()})
 
     def _confirmed(
         self, at: Mapping[str, float], fails: Callable[[Fraction], bool]
@@ -405,6 +415,7 @@ class _Case:
     def _expect(self, at: Mapping[str, float], value: Fraction) -> str:
         from fuzzyarm.language.tokens import name_text
 
+        self._note(at)
         inputs = ", ".join(f"{name_text(name)} = {number_text(x)}" for name, x in at.items())
         output = name_text(self.claim.output)
         return f"expect {inputs} -> {output} = {number_text(float(f'{float(value):.12g}'))}"
@@ -541,6 +552,7 @@ class _Case:
         way = "boxes" if prover.model is None else "exact"
         if at is None:
             return self._said(PROVED, pieces=pieces, way=way)
+        self._note(at)
         return self._said(REFUTED, pieces=pieces, way=way, reason=f"no rule fires at {written(at)}")
 
     def _table(self) -> Verdict:
@@ -566,6 +578,8 @@ class _Case:
 
             confirmed = (self._expect(at, u),) if fails(u := self._value_at(at) or there) else None
             if confirmed is not None or claim.mode != "linear":
+                if confirmed is None:
+                    self._note(at)
                 reason = f"the error is {max(bounds.reached_high, -bounds.reached_low):.10g}"
                 return self._said(REFUTED, evidence=confirmed or (), reason=reason, **facts)
         if prover.model is not None:

@@ -70,6 +70,8 @@ class Diagnostic:
         Other positions that belong to the finding.
     argument : str
         Of what is made in Python: the call or the argument at fault, in place of a position.
+    lines : tuple of str
+        Lines that a quick fix can put below it.
     """
 
     name: str
@@ -81,6 +83,7 @@ class Diagnostic:
     path: str = ""
     related: tuple[Related, ...] = ()
     argument: str = ""
+    lines: tuple[str, ...] = ()
 
     @property
     def line(self) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fuzzyarm.inference.trace import OutputTrace, Trace
+    from fuzzyarm.proof import Verdict
 
 
 # --- The terms of variables as curves ---
@@ -278,7 +279,10 @@ def _curve(term: Term, low: float, high: float) -> tuple[list[float], list[float
 
 
 def rulebase_figure(
-    rulebase: AnyRuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: AnyRuleBase,
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+    fails: Sequence[Verdict] = (),
 ) -> Figure:
     """Return the memberships of every variable above the surface of every output.
 
@@ -288,7 +292,7 @@ def rulebase_figure(
         What to draw.
     output : str, optional
         The surface of this output only.
-    at : mapping of str to float, optional
+    at, fails
         As for :func:`fuzzyarm.show.figures.surface_figure`.
     """
     rulebase = rulebase.model
@@ -298,7 +302,7 @@ def rulebase_figure(
     rows = -(-len(variables) // columns)
     width = max(3.5 * columns, 9.0)
     plans = [_Panel.of(variable, rulebase, width / columns - _EDGE) for variable in variables]
-    responses = [Response(rulebase, target, at or {}) for target in outputs]
+    responses = [Response(rulebase, target, at or {}, fails) for target in outputs]
     top = rows * (2.1 + max((plan.more for plan in plans), default=0.0))
     heights = [top, *(each.height for each in responses)]
     figure = new_figure(width, sum(heights) + 0.4)
