@@ -178,6 +178,12 @@ class Design:
         sheets = {name: with_variables(self.sheets[name], own) for name, own in changed.items()}
         return Candidate(gains, sheets)
 
+    def rulebase_at(self, candidate: Candidate) -> RuleBase:
+        """Return the rule base of a candidate, where the subject is one alone."""
+        if isinstance(self.subject, ControllerText):
+            raise TuneError("a controller is not a rule base alone")
+        return candidate.rulebases.get(self.subject.name, self.subject)
+
     def as_it_is(self) -> Candidate:
         """Return what the file itself says, in the same words."""
         gains = {part.gain: tuple(p.start for p in part.parameters) for part in self._parts}
