@@ -342,8 +342,10 @@ class Movement:
     # --- Both ---
 
     def _with(self, to: Callable[[str], Map]) -> Variable:
+        # The feet of what is kept follow the neighbours, where they are a partition.
+        stay = set() if self.peaks.partition else self.kept
         terms = tuple(
-            term if term.name in self.kept else self._term(term, to(term.name))
+            term if term.name in stay else self._term(term, to(term.name))
             for term in self.begun.terms
         )
         return replace(self.begun, terms=terms)
