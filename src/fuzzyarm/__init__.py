@@ -3,15 +3,15 @@
 The packages stand on each other in one direction::
 
     text  →  model  →  language, formats  →  inference  →  table  →  export
-    plant  →  controller  →  proof, loop  →  learning, study
+    plant  →  controller  →  proof, loop  →  learning, study  →  tuning
     show  →  lsp, studio  →  cli
 
 :mod:`fuzzyarm.language` reads, checks and prints rule files; :mod:`fuzzyarm.inference`
 evaluates them; :mod:`fuzzyarm.table` compiles them to lookup tables; :mod:`fuzzyarm.plant` is
 the arm, :mod:`fuzzyarm.controller` has the controllers and :mod:`fuzzyarm.loop` closes the
 loop; :mod:`fuzzyarm.proof` says what holds everywhere; :mod:`fuzzyarm.learning` makes rule bases
-from samples, :mod:`fuzzyarm.sklearn` as estimators; :mod:`fuzzyarm.study` has the published
-experiments; :mod:`fuzzyarm.show` draws.
+from samples, :mod:`fuzzyarm.sklearn` as estimators; :mod:`fuzzyarm.tuning` moves their numbers and
+gains; :mod:`fuzzyarm.study` has the published experiments; :mod:`fuzzyarm.show` draws.
 Importing this page is instant: what a name needs is loaded when the name is used.
 """
 
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         write_table,
     )
     from fuzzyarm.text.diagnostic import RuleBaseError
+    from fuzzyarm.tuning import tune
 
 __all__ = [
     "FileWarning",
@@ -62,6 +63,7 @@ __all__ = [
     "shipped",
     "simulate",
     "simulate_many",
+    "tune",
     "write",
     "write_table",
 ]
@@ -77,6 +79,7 @@ _HOMES = {
     "proof": ("prove",),
     "shipped_files": ("shipped",),
     "table": ("LookupTable", "compile_table", "compile_with_report", "read_table", "write_table"),
+    "tuning": ("tune",),
 }
 """Module → the names that it has, or the one that it is."""
 

@@ -32,6 +32,7 @@ ORDER = (
     "sklearn",
     "study",
     "api",
+    "tuning",
     "show",
     "lsp",
     "studio",
