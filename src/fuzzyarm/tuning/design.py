@@ -140,7 +140,7 @@ class Design:
         blocks = self._blocks(model, tuning)
         parts = [*_gains(model, blocks)] if model is not None else []
         for sheet, block in blocks.items():
-            parts += _peaks(sheet, self.sheets[sheet], block)
+            parts += _peaks(sheet, self.sheets[sheet], block) if block.peaks else []
         self._parts = tuple(parts)
         self.parameters = tuple(each for part in parts for each in part.parameters)
         if not self.parameters:
@@ -154,7 +154,7 @@ class Design:
     def _blocks(self, model: ControllerModel | None, given: Tuning | None) -> dict[str, Tuning]:
         """Return what is said of each rule base."""
         if given is not None:
-            return dict(_divided(given, self.sheets, model))
+            return dict(_divided(given, self.sheets))
         said = {name: each.tuning for name, each in self.sheets.items() if each.tuning is not None}
         tuned = model is not None and any(each.tune is not None for each in model.gains)
         if said or tuned:
@@ -236,26 +236,23 @@ def everything(rulebase: RuleBase) -> Tuning:
     return Tuning(tuple(peaks))
 
 
-def _divided(
-    tuning: Tuning, sheets: Mapping[str, RuleBase], model: ControllerModel | None
-) -> Iterator[tuple[str, Tuning]]:
+def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[str, Tuning]]:
     """Yield what lines that are given beside a file say of each rule base that they fit."""
     names = {each: {v.name for v in (*r.inputs, *r.outputs)} for each, r in sheets.items()}
     for name in (*(v for peaks in tuning.peaks for v in peaks.variables), *dict(tuning.kept)):
         if not any(name in own for own in names.values()):
             known = sorted(set().union(*names.values()))
-            hint = near_hint(name, known)[0] or f"there are {', '.join(known)}"
+            hint = near_hint(name, known)[0] or f"there are {', '.join(known) or 'none'}"
             raise TuneError(f"no rule base has a variable '{name}'", name=name, hint=hint)
-    for at, (sheet, own) in enumerate(names.items()):
+    # Gains belong to the controller: they are said once.
+    yield "", Tuning((), tuning.gains)
+    for sheet, own in names.items():
         peaks = tuple(
             replace(each, variables=tuple(v for v in each.variables if v in own))
             for each in tuning.peaks
         )
         kept = tuple((v, term) for v, term in tuning.kept if v in own)
-        # Gains belong to the controller: they are said once.
-        yield sheet, Tuning(peaks, () if at else tuning.gains, kept)
-    if not sheets and model is not None:
-        yield from ()
+        yield sheet, Tuning(peaks, (), kept)
 
 
 # --- Gains ---

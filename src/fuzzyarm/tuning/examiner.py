@@ -303,19 +303,23 @@ class Panel:
 
     def _in_threads(self, points: Sequence[Vector], digits: int | None) -> list[Score]:
         """Run all scenarios of all points as they come: a point alone has work for several."""
+        return self.scores_of([self.design.at(point, digits) for point in points])
+
+    def scores_of(self, candidates: Sequence[Candidate]) -> list[Score]:
+        """Examine candidates, in threads of this process."""
         examiner = self.examiner
-        candidates = [examiner.design.at(point, digits) for point in points]
+        if not examiner.compiled:
+            return [examiner.score_of(candidate) for candidate in candidates]
         pool = self._pool(lambda: ThreadPoolExecutor(self.workers, "fuzzyarm-tune"))
         ready = list(pool.map(examiner.ready, candidates))
-        tasks = [(at, stand) for at in range(len(points)) for stand in range(len(examiner.stands))]
+        stands = range(len(examiner.stands))
+        tasks = [(at, stand) for at in range(len(candidates)) for stand in stands]
         # The longest first, so that all workers finish together.
         tasks.sort(key=lambda task: -examiner.stands[task[1]].duration)
         found = pool.map(lambda task: examiner.run(ready[task[0]], task[1]), tasks)
         outcomes = dict(zip(tasks, found, strict=True))
         return [
-            examiner.folded(
-                [outcomes[at, stand] for stand in range(len(examiner.stands))], candidate
-            )
+            examiner.folded([outcomes[at, stand] for stand in stands], candidate)
             for at, candidate in enumerate(candidates)
         ]
 

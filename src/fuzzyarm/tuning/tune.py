@@ -21,6 +21,7 @@ from fuzzyarm.language.tokens import Cursor, Trivia, tokenize_line
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.fit import linear_outputs
 from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import plant_motion
 from fuzzyarm.model.rulebase import RuleBase, Tuning
 from fuzzyarm.plant import find_plant
@@ -256,6 +257,9 @@ def tune(
     scenarios: int | Sequence[Scenario] | None = None,
     over: Over = "mean",
     stage: Stage | None = None,
+    references: Mapping[str, Signal] | None = None,
+    duration: float | None = None,
+    connect: Mapping[str, str] | None = None,
     tuning: Tuning | Sequence[str] | None = None,
     method: Method = "nelder-mead",
     evals: int = 500,
@@ -293,7 +297,10 @@ def tune(
     over : {"mean", "worst"}, optional
         How their costs become one.
     stage : Stage, optional
-        Plant, references, sensors, and what differs from scenario to scenario.
+        Plant, references, sensors, and what differs from scenario to scenario; instead of `on`
+        and what stands behind it here.
+    references, duration, connect
+        See :func:`fuzzyarm.loop.simulate`.
     tuning : Tuning or sequence of str, optional
         What may move, in place of what the file says: lines of a ``tune`` block.
     method : {"nelder-mead", "cma-es", "evolution"}, optional
@@ -347,7 +354,7 @@ def tune(
         job = _on_samples(model, moving, cost, data, test, seed)
     else:
         options = options or Options(seed=seed)
-        stage = stage or stage_of(model, on, options)
+        stage = stage or stage_of(model, on, options, references, duration, connect)
         job = _in_loop(model, moving, cost, stage, scenarios, plan, over, conventions)
     return _done(job, plan, path, workers, executor, journal, watch)
 
@@ -411,7 +418,14 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
 TUNE_HINT = "as in  peaks e, ce mirrored, partition  or  gain G_e 0.1 .. 10 times"
 
 
-def stage_of(text: ControllerText, on: Plant | Trajectory | str | None, options: Options) -> Stage:
+def stage_of(
+    text: ControllerText,
+    on: Plant | Trajectory | str | None,
+    options: Options,
+    references: Mapping[str, Signal] | None = None,
+    duration: float | None = None,
+    connect: Mapping[str, str] | None = None,
+) -> Stage:
     """Return where a controller runs, if nothing else is said.
 
     Raises
@@ -430,8 +444,9 @@ def stage_of(text: ControllerText, on: Plant | Trajectory | str | None, options:
     plant = find_plant(on) if isinstance(on, str) else on
     if isinstance(plant, Arm):
         return Stage(plant, arm_scenarios(), options)
-    motion = plant_motion(controller_of(text), plant)
-    return Stage(plant, (Scenario(motion.name, motion),), options)
+    motion = plant_motion(controller_of(text), plant, references, duration, connect)
+    first = (Scenario(motion.name, motion),)
+    return Stage(plant, first, options, (), references, duration, connect)
 
 
 class _Job(NamedTuple):
@@ -659,7 +674,7 @@ def _judge(
     found = {}
     for name, problem in judged.items():
         with panel(problem, workers, executor) as examining:
-            found[name] = examining.score_of(candidate)
+            (found[name],) = examining.scores_of([candidate])
     return found
 
 
