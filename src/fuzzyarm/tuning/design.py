@@ -138,7 +138,8 @@ class Design:
         self.sheets = rulebases_of(subject)
         model = subject.model if isinstance(subject, ControllerText) else None
         blocks = self._blocks(model, tuning)
-        parts = [*_gains(model, blocks)] if model is not None else []
+        own = tuning is None  # ranges behind gains are part of what the file says
+        parts = [*_gains(model, blocks, own=own)] if model is not None else []
         for sheet, block in blocks.items():
             parts += _peaks(sheet, self.sheets[sheet], block) if block.peaks else []
         self._parts = tuple(parts)
@@ -258,7 +259,7 @@ def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[s
 # --- Gains ---
 
 
-def _gains(model: ControllerModel, blocks: Mapping[str, Tuning]) -> Iterator[_Part]:
+def _gains(model: ControllerModel, blocks: Mapping[str, Tuning], *, own: bool) -> Iterator[_Part]:
     """Yield the gains that may move; what a rule base says goes before the gain's own range."""
     said: dict[str, GainTuning] = {}
     for block in blocks.values():
@@ -276,7 +277,7 @@ def _gains(model: ControllerModel, blocks: Mapping[str, Tuning]) -> Iterator[_Pa
     for gain in model.gains:
         if gain.name in said:
             yield _Part("", None, gain.name, tuple(_said(gain, said[gain.name], model)))
-        elif gain.tune is not None:
+        elif own and gain.tune is not None:
             values = [each.value(math.pi) for each in gain.values]
             scale: Scale = "log" if gain.tune.log else "linear"
             yield _Part(

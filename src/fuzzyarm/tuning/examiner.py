@@ -116,7 +116,9 @@ class Examiner:
         self.lock = threading.Lock()
         self.stands: list[_Stand] = []
         if isinstance(problem.subject, ControllerText):
-            base = controller_of(problem.subject)
+            # With as many values for each gain as are tuned, so that new ones fit in.
+            gains = Candidate(self.design.as_it_is().gains)
+            base = controller_of(controller_at(problem.subject, gains))
             self.stands = [_Stand(each, base, problem) for each in problem.scenarios]
 
     @property

@@ -128,6 +128,9 @@ class Search:
     def run(self, method: str, seed: int) -> Found:
         """Search until the budget is spent or Ctrl-C comes; never raises for either."""
         start = self.panel.design.start
+        begun = self.panel.examiner.ready(self.panel.design.at(start))
+        if begun.error is not None:
+            raise begun.error
         try:
             self.ask([start])
             OPTIMISERS[method].run(self.ask, start, seed)
