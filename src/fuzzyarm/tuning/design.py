@@ -24,6 +24,7 @@ from fuzzyarm.model.rulebase import (
     Output,
     PeakTuning,
     RuleBase,
+    Term,
     Tuning,
     Variable,
 )
@@ -215,7 +216,7 @@ def rulebases_of(subject: ControllerText | RuleBase) -> dict[str, RuleBase]:
 def with_variables(rulebase: RuleBase, variables: Mapping[str, Variable]) -> RuleBase:
     """Return a rule base with the terms of other variables."""
 
-    def of(each: Variable) -> tuple[object, ...]:
+    def of(each: Variable) -> tuple[Term, ...]:
         return variables[each.name].terms if each.name in variables else each.terms
 
     inputs: Iterable[Input] = (replace(each, terms=of(each)) for each in rulebase.inputs)

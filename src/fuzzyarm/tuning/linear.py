@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fuzzyarm.controller.program import Sheet
 from fuzzyarm.controller.text import ControllerText, read_controller
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.errors import InferenceError
@@ -94,7 +95,7 @@ def _is_rules(line: Line) -> bool:
 
 
 def _straight(
-    line: Line, sheets: dict[str, tuple[object, ...]], gains: dict[str, GainModel]
+    line: Line, sheets: dict[str, tuple[Sheet, ...]], gains: dict[str, GainModel]
 ) -> Iterator[Line]:
     """Yield lines for one signal of a rule base: a sum, and what cuts it off."""
     assert isinstance(line, Signal)

@@ -19,7 +19,7 @@ from fuzzyarm.language.tokens import Figure, Word
 from fuzzyarm.language.writer import write
 from fuzzyarm.model.controller import ControllerModel
 from fuzzyarm.model.rulebase import RuleBase, Shape, Term
-from fuzzyarm.text.diagnostic import Span
+from fuzzyarm.text.diagnostic import Span, split_lines
 from fuzzyarm.text.names import quote
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.tuning.design import Candidate
@@ -159,14 +159,14 @@ def rewritten(
     if old:
         found.append(Rewritten("", path, old, _edited(old, model, candidate.gains, moved, notes)))
     for use in model.uses:
-        new = candidate.rulebases.get(use.name)
+        changed = candidate.rulebases.get(use.name)
         before = subject.sheets[use.name][0] if use.name in subject.sheets else None
-        if new is None or not isinstance(before, RuleBase):
+        if changed is None or not isinstance(before, RuleBase):
             continue
         place = _place(use.files[0], path)
         sheet_text = read_text(place) if place and _says(place, before) else write(before)
-        changed = _edited(sheet_text, None, {}, (before, new), notes)
-        found.append(Rewritten(use.name, place, sheet_text, changed))
+        own_text = _edited(sheet_text, None, {}, (before, changed), notes)
+        found.append(Rewritten(use.name, place, sheet_text, own_text))
     return found
 
 
@@ -280,8 +280,8 @@ def _spread_edits(
 
 def _note_edits(document: Document, text: str, notes: Sequence[str]) -> Iterator[Edit]:
     """Put notes in front of the heading, and take out those of an earlier time."""
-    for number, line in enumerate(text.splitlines(), 1):
-        if line.startswith(MARK):
+    for number, words in enumerate(split_lines(text), 1):
+        if words.startswith(MARK):
             yield Edit(Span(number, 1, number + 1, 1), "")
     headings = (Heading, ControllerHeading)
     for statement in document.statements:

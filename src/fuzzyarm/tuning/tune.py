@@ -606,15 +606,16 @@ def _done(
         best = found.best.point
         candidate, digits, score = rounded(examining, promises, found, plan.digits)
         start = found.trials[0].score if found.trials else examining.examiner.score(design.start)
-    before = design.as_it_is()
-    rows = [
-        Row("as in the file", {"train": start, **_judge(job.judged, before, workers, executor)}),
-        Row("tuned", {"train": score, **_judge(job.judged, candidate, workers, executor)}),
-    ]
+    rows = [Row("as in the file", {"train": start}), Row("tuned", {"train": score})]
     linear = None
-    if job.linear and not found.interrupted:
-        linear, row = _linear(job.linear, plan, workers, executor)
-        rows.append(row)
+    try:
+        for row, which in zip(rows, (design.as_it_is(), candidate), strict=True):
+            row.scores.update(_judge(job.judged, which, workers, executor))
+        if job.linear and not found.interrupted:
+            linear, row = _linear(job.linear, plan, workers, executor)
+            rows.append(row)
+    except KeyboardInterrupt:  # what was found is kept, judged or not
+        found.interrupted = True
     if job.regression:
         assert isinstance(job.problem.cost, Cost)
         scores = {key: Score(job.problem.cost.of(each)) for key, each in job.regression.items()}

@@ -50,8 +50,8 @@ def _draw_curve(axes: Axes, tuned: Tuned) -> None:
         shown = costs <= ceiling
         axes.plot(trials[shown], costs[shown], ".", color=colour, markersize=1.5, alpha=0.25)
         axes.step(trials, np.where(curve <= ceiling, curve, np.nan), color=colour, label=name)
-    if all(trial.score.cost > 0.0 for _, found, _ in _searches(tuned) for trial in found.trials):
-        axes.set_yscale("log")
+    best = [value for _, found, _ in _searches(tuned) for value in found.curve]
+    _spread(axes, "y", [value for value in best if math.isfinite(value)])
     axes.legend(fontsize=7, frameon=False)
     label_axes(axes, "trials", safe(tuned.cost), "cost of trials, and the best so far")
     tidy(axes)
@@ -80,11 +80,26 @@ def _draw_front(axes: Axes, tuned: Tuned) -> None:
                 row.name, (score.error, score.chatter), xytext=(5, 4),
                 textcoords="offset points", fontsize=7,
             )  # fmt: skip
-    for scale, least in ((axes.set_xscale, 0), (axes.set_yscale, 1)):
-        if all(pair[least] > 0.0 for _, found, _ in _searches(tuned) for pair in front_of(found)):
-            scale("log")
+    pairs = [pair for _, found, _ in _searches(tuned) for pair in front_of(found)]
+    _spread(axes, "x", [error for error, _ in pairs])
+    _spread(axes, "y", [chatter for _, chatter in pairs])
     label_axes(axes, "RMS error", "chatter", "front of error and chatter")
     tidy(axes)
+
+
+def _spread(axes: Axes, which: str, values: list[float]) -> None:
+    """Give an axis steps of the logarithm where values spread widely, with plain numbers."""
+    from matplotlib.ticker import FuncFormatter
+
+    if not values or min(values) <= 0.0 or max(values) < 5.0 * min(values):
+        return
+    axes.set(**{f"{which}scale": "log"})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    formatter = FuncFormatter(lambda value, _position: f"{value:.4g}")
+    axis.set_major_formatter(formatter)
+    if max(values) < 100.0 * min(values):
+        axis.set_minor_formatter(formatter)
+    axes.tick_params(axis=which, which="minor", labelsize=6)  # type: ignore[arg-type]
 
 
 def _draw_rows(axes: Axes, tuned: Tuned) -> None:
@@ -103,6 +118,7 @@ def _draw_rows(axes: Axes, tuned: Tuned) -> None:
             if gone:
                 axes.annotate("diverges", (place, 0.0), rotation=90, ha="center", fontsize=7)
     axes.set_xticks(np.arange(len(columns)), columns)
-    axes.legend(fontsize=7, frameon=False)
+    axes.set_ylim(0.0, 1.2 * axes.get_ylim()[1])
+    axes.legend(fontsize=7, frameon=False, ncols=len(tuned.rows), loc="upper center")
     label_axes(axes, "", safe(tuned.cost), "cost on what was tuned on, and beyond")
     tidy(axes)
