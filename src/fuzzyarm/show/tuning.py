@@ -50,18 +50,18 @@ def table_lines(tuned: Tuned) -> Iterator[str]:
     loop = any(not math.isnan(row.scores["train"].chatter) for row in tuned.rows)
     last = columns[min(1, len(columns) - 1)]
     heads = ["", *columns, *([f"rms ({last})", f"chatter ({last})"] if loop else [])]
-    rows = [heads]
+    lines = [heads]
     for row in tuned.rows:
         cells = [_cost(row, name) for name in columns]
         if loop:
-            score = row.scores[last]
+            score = row.scores.get(last, row.scores["train"])
             cells += [_number(score.error), _number(score.chatter)]
-        rows.append([row.name, *cells])
-    widths = [max(len(row[at]) for row in rows) for at in range(len(heads))]
-    for row in rows:
+        lines.append([row.name, *cells])
+    widths = [max(len(line[at]) for line in lines) for at in range(len(heads))]
+    for line in lines:
         first, *others = (
             f"{text:<{widths[at]}}" if at == 0 else f"{text:>{widths[at]}}"
-            for at, text in enumerate(row)
+            for at, text in enumerate(line)
         )
         yield "  ".join([first, *others]).rstrip()
 

@@ -270,11 +270,11 @@ class Journal:
 
     def _trial(self, data: Mapping[str, Any]) -> Trial:
         self.seconds = float(data["seconds"])
-        numbers = (
+        error, chatter = (
             math.nan if data[key] is None else float(data[key]) for key in ("rms", "chatter")
         )
         parts = tuple(map(float, data["parts"]))
-        score = Score(float(data["cost"]), parts, *numbers, int(data["diverged"]))
+        score = Score(float(data["cost"]), parts, error, chatter, int(data["diverged"]))
         return Trial(np.array(data["point"], dtype=float), score)
 
     def append(self, trials: Sequence[Trial], first: int) -> None:

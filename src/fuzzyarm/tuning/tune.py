@@ -400,9 +400,9 @@ def read_tuning(lines: Sequence[str]) -> Tuning:
         names = tuple(word.text for word in item.names)
         words = item.words
         if item.key.text == "peaks":
-            gap = {} if item.gap is None else {"gap": item.gap.value / 100.0}
             flags = ("mirrored" in words, "keep order" in words, "partition" in words)
-            peaks.append(PeakTuning(names, *flags, **gap))
+            made = PeakTuning(names, *flags)
+            peaks.append(made if item.gap is None else replace(made, gap=item.gap.value / 100.0))
         elif item.key.text == "gain":
             assert item.low is not None
             assert item.high is not None
@@ -776,7 +776,7 @@ def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> di
     for use in text.model.uses:
         place = origin.parent / use.files[0]
         if len(use.files) == 1 and place.exists() and not _shipped(use.files[0]):
-            found[use.name] = os.path.relpath(place, out.parent or Path())
+            found[use.name] = os.path.relpath(str(place), str(out.parent))
     return found
 
 
