@@ -254,31 +254,34 @@ class Movement:
     # --- Sliding knots ---
 
     @cached_property
+    def nails(self) -> frozenset[float]:
+        """Positions that stay: the ends of the range, what is kept, and images of these."""
+        low, high = self.variable.low, self.variable.high
+        found = {low, high}
+        found |= {edge for name in self.kept for edge in self.cores[name]}
+        if self.peaks.mirrored:
+            # What a term keeps, its image keeps.
+            found |= {0.5 * self.turn, *(self.turn - nail for nail in found)}
+        return frozenset(found)
+
+    @cached_property
     def stretches(self) -> list[Stretch]:
         """The stretches between nails; with ``mirrored`` those above the middle."""
         low, high = self.variable.low, self.variable.high
-        nails = {low, high}
         knots: dict[float, str] = {}
         for name, core in self.cores.items():
             for edge in core:
-                if name in self.kept:
-                    nails.add(edge)
-                elif low < edge < high:
+                if low < edge < high and edge not in self.nails:
                     knots.setdefault(edge, name)
-        if self.peaks.mirrored:
-            middle = 0.5 * self.turn
-            nails.add(middle)
-            # What a term keeps, its image keeps.
-            nails |= {self.turn - nail for nail in nails}
-            nails = {nail for nail in nails if nail >= middle}
-        free = sorted(edge for edge in knots if edge not in nails and edge > min(nails))
+        begin = 0.5 * self.turn if self.peaks.mirrored else low
+        nails = sorted(nail for nail in self.nails if nail >= begin)
         found = []
-        for begin, end in pairwise(sorted(nails)):
-            inside = [Knot(knots[edge], edge) for edge in free if begin < edge < end]
-            if inside and begin == low and end < high:
-                found.append(Stretch(end, begin, tuple(reversed(inside))))
+        for first, last in pairwise(nails):
+            inside = [Knot(knots[edge], edge) for edge in sorted(knots) if first < edge < last]
+            if inside and first == low and last < high:
+                found.append(Stretch(last, first, tuple(reversed(inside))))
             elif inside:
-                found.append(Stretch(begin, end, tuple(inside)))
+                found.append(Stretch(first, last, tuple(inside)))
         return found
 
     def _demand_room(self) -> None:
@@ -289,11 +292,10 @@ class Movement:
                 raise TuneError(message, name=name, hint="a smaller gap")
 
     def _slid(self, shares: Sequence[float], rounded: Map) -> Variable:
-        pairs = {self.variable.low: self.variable.low, self.variable.high: self.variable.high}
+        pairs = {nail: nail for nail in self.nails}
         waiting = list(shares)
         for part in self.stretches:
             own, waiting = waiting[: len(part.knots)], waiting[len(part.knots) :]
-            pairs |= {part.nail: part.nail, part.end: part.end}
             for knot, at in zip(part.knots, part.positions(own, self.gap), strict=True):
                 pairs[knot.at] = rounded(at)
                 if self.peaks.mirrored:
