@@ -662,7 +662,7 @@ def moved_term(term, shape):
     [
         # The partition is broken on both sides of a peak that has moved alone.
         ("PS", "triangle 0 2.5 4", {"broken-partition", "uneven-mirror"}),
-        ("PS", "triangle 0 4.5 5", {"crossed-terms", "broken-partition", "uneven-mirror"}),
+        ("PS", "triangle 0 4.5 5", {"crossed-terms"}),
         ("PM", "triangle 2 -4 6", {"bad-shape"}),
         ("ZE", "triangle -2 0 2.5", {"broken-partition", "uneven-mirror"}),
         ("NS", "triangle -4 -2 0", set()),

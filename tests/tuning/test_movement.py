@@ -101,15 +101,15 @@ def test_widths_stretch_with_what_is_around_them():
 @pytest.mark.parametrize(
     ("peaks", "message"),
     [
-        (PeakTuning(("e",), ordered=True, gap=0.3), "no room"),
+        (PeakTuning(("e",), ordered=True, gap=0.4), "no room"),
         (PeakTuning(("e",), mirrored=True), "a ramp is not made one"),
     ],
 )
 def test_what_cannot_be_is_said(peaks, message):
     terms = (
-        Term("A", Shape("ramp", (3.0, 1.0))),
+        Term("A", Shape("triangle", (-2.0, 0.0, 2.0))),
         Term("B", Shape("triangle", (1.0, 3.0, 4.0))),
-        Term("C", Shape("triangle", (3.0, 5.0, 8.0))),
+        Term("C", Shape("ramp", (3.0, 5.0))),
     )
     with pytest.raises(TuneError, match=message):
         movement(Input("e", 0.0, 6.0, terms), peaks)

@@ -39,6 +39,9 @@ TUNE_WORDS: dict[str, str] = {
 }
 """The words of the block but those that start a line, each with one line of help."""
 
+_CHOICES = ("mirrored", "keep", "partition", "gap")
+_LISTED = "mirrored, keep order, partition or gap"
+
 
 class TuneItem(NamedTuple):
     """One line of a ``tune`` block.
@@ -74,28 +77,31 @@ class TuneItem(NamedTuple):
             names.append(cursor.variable("the name of a variable"))
         words: list[str] = []
         gap: Figure | None = None
-        more = not cursor.at_end or cls._offered(cursor)
-        while more:
-            if cursor.accept("keep"):
-                cursor.expect("order", "behind keep")
-                words.append("keep order")
-            elif cursor.accept("gap"):
+        more = cls._peak_word(cursor)
+        while more is not None:
+            if more == "gap":
                 gap = cursor.figure("the smallest gap, in percent of the range")
                 cursor.expect("%", "behind the gap")
             else:
-                choices = ("mirrored", "partition")
-                what = "mirrored, keep order, partition or gap"
-                words.append(cursor.word(what, choices, "unknown-setting").text)
-            cursor.suggest("comma")
-            more = cursor.accept(",") is not None
+                words.append("keep order" if more == "keep" else more)
+                if more == "keep":
+                    cursor.expect("order", "behind keep")
+            if cursor.accept(",", likely=True) is None:
+                break
+            more = cls._peak_word(cursor)
+            if more is None:
+                cursor.fail(f"one of {_LISTED}", _CHOICES)
         return cls(key, tuple(names), tuple(words), gap=gap)
 
     @staticmethod
-    def _offered(cursor: Cursor) -> bool:
-        """Name what may stand at the end of the variables, for an editor; none of it has to."""
-        for word in ("mirrored", "keep", "partition", "gap"):
-            cursor.accept(word)
-        return False
+    def _peak_word(cursor: Cursor) -> str | None:
+        """Take the first word of an option, if the line goes on."""
+        for word in _CHOICES:
+            if cursor.accept(word):
+                return word
+        if not cursor.at_end:
+            cursor.fail(f"one of {_LISTED}", _CHOICES, "unknown-setting")
+        return None
 
     @classmethod
     def _gain(cls, key: Word, cursor: Cursor) -> TuneItem:
@@ -115,9 +121,11 @@ class TuneItem(NamedTuple):
     @classmethod
     def _keep(cls, key: Word, cursor: Cursor) -> TuneItem:
         variable = cursor.variable("the name of a variable")
-        terms = []
+        terms: list[Word] = []
+        cursor.suggest("terms", variable, terms)
         while not cursor.at_end:
             terms.append(cursor.term(f"a term of '{variable.text}'", variable))
+            cursor.suggest("terms", variable, terms)
         return cls(key, (variable,), terms=tuple(terms))
 
     def in_columns(self) -> list[str]:

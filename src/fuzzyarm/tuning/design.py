@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.model.arrangement import mirror_faults, partition_faults
 from fuzzyarm.model.controller import Amount, ControllerModel, GainModel
 from fuzzyarm.model.rulebase import (
@@ -29,7 +28,7 @@ from fuzzyarm.model.rulebase import (
     Variable,
 )
 from fuzzyarm.text.names import near_hint
-from fuzzyarm.tuning.movement import NARROWEST, Movement, TuneError, significant
+from fuzzyarm.tuning.movement import NARROWEST, Movement, TuneError, is_movable, significant
 
 Vector = NDArray[np.float64]
 
@@ -230,7 +229,7 @@ def everything(rulebase: RuleBase) -> Tuning:
     for variable in (*rulebase.inputs, *rulebase.outputs):
         finite = math.isfinite(variable.low) and math.isfinite(variable.high)
         kinds = {term.shape.kind for term in variable.terms}
-        if not finite or not kinds or any(not SHAPES[kind].fuzzy for kind in kinds):
+        if not finite or not kinds or not all(map(is_movable, kinds)):
             continue
         mirrored = not any(mirror_faults(variable))
         partition = partition_faults(variable) == []

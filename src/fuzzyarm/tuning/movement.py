@@ -58,7 +58,19 @@ CENTRES = {
 }
 """Where a length is taken from."""
 
+POSITIONS = {
+    "left", "peak", "right", "top-left", "top-right", "start", "end", "zero", "one", "value", "mean",
+    "left-mean", "right-mean", "centre", "inflection", "inflection1", "inflection2", "direction",
+}  # fmt: skip
+"""Parameters that are positions, or stay as they are."""
+
 Map = Callable[[float], float]
+
+
+def is_movable(kind: str) -> bool:
+    """Whether it is known of each number of a shape what becomes of it on a stretched axis."""
+    names = set(SHAPES[kind].parameters)
+    return kind == "points" or (bool(names) and names <= POSITIONS | WIDTHS | RATES)
 
 
 def moved(shape: Shape, to: Map) -> Shape:
@@ -73,9 +85,10 @@ def moved(shape: Shape, to: Map) -> Shape:
         numbers = list(shape.parameters)
         numbers[0::2] = map(to, numbers[0::2])
         return replace(shape, parameters=tuple(numbers))
+    if not is_movable(shape.kind):
+        message = f"nobody knows which numbers of a {shape.kind} are positions"
+        raise TuneError(message, name=shape.kind)
     names = SHAPES[shape.kind].parameters
-    if not names:
-        raise TuneError(f"a {shape.kind} has no peak to be moved", name=shape.kind)
     known = dict(zip(names, shape.parameters, strict=True))
     return replace(shape, parameters=tuple(_number(shape.kind, name, known, to) for name in known))
 

@@ -326,6 +326,10 @@ class _AskingCursor(Cursor):
             found.insert(0, Candidate(rest, "row", rest, "the header row"))
         self._last(found)
 
+    def _suggest_terms(self, variable: Word, named: Sequence[Word]) -> NoReturn:
+        found = self.variable_called(variable.text)
+        self._last(_terms(found, without=[word.text for word in named]))
+
     def _suggest_labels(self, grid: GridNode) -> NoReturn:
         if grid.row is None:
             output = self.variable_called(grid.output.text)
