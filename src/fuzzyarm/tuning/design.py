@@ -231,9 +231,11 @@ def everything(rulebase: RuleBase) -> Tuning:
         kinds = {term.shape.kind for term in variable.terms}
         if not finite or not kinds or not all(map(is_movable, kinds)):
             continue
-        mirrored = not any(mirror_faults(variable))
-        partition = partition_faults(variable) == []
-        peaks.append(PeakTuning((variable.name,), mirrored, True, partition))
+        even = not any(mirror_faults(variable))
+        whole = PeakTuning((variable.name,), even, True, partition_faults(variable) == [])
+        # Of N Z P nothing could move that stays mirrored: the middle one may then.
+        stuck = even and not Movement(variable, whole, ()).names
+        peaks.append(replace(whole, mirrored=False) if stuck else whole)
     return Tuning(tuple(peaks))
 
 

@@ -59,8 +59,9 @@ CENTRES = {
 """Where a length is taken from."""
 
 POSITIONS = {
-    "left", "peak", "right", "top-left", "top-right", "start", "end", "zero", "one", "value", "mean",
-    "left-mean", "right-mean", "centre", "inflection", "inflection1", "inflection2", "direction",
+    "left", "peak", "right", "top-left", "top-right", "start", "end", "zero", "one", "value",
+    "mean", "left-mean", "right-mean", "centre", "inflection", "inflection1", "inflection2",
+    "direction",
 }  # fmt: skip
 """Parameters that are positions, or stay as they are."""
 

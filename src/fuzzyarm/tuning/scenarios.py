@@ -136,13 +136,19 @@ def _drawn(stage: Stage, count: int, controller: Controller, stream: int) -> tup
     return tuple(found)
 
 
+FARTHEST = 60.0
+"""Largest angle of a way point that is drawn, degrees."""
+
+PACES = (15.0, 25.0)
+"""Mean speeds of the longest part of a drawn move, degrees a second; the study's moves have 18 and
+22.5. Faster ones ask for more voltage than the motors have, and tell nothing of a controller."""
+
+
 def _move(generator: np.random.Generator, changes: dict[str, float], at: int) -> Scenario:
     """Draw a move of the arm: two or three way points, a pace, a load."""
-    points = np.round(generator.uniform(-90.0, 90.0, (int(generator.integers(2, 4)), 2)))
+    points = np.round(generator.uniform(-FARTHEST, FARTHEST, (int(generator.integers(2, 4)), 2)))
     longest = np.abs(np.diff(points, axis=0, prepend=np.zeros((1, 2)))).max()
-    # Mean speeds of the study's moves: 18 and 22.5 degrees a second.
-    pace = float(generator.uniform(12.0, 25.0))
-    duration = round(min(max(longest / pace, 1.0), 5.0), 2)
+    duration = round(max(float(longest / generator.uniform(*PACES)), 1.0), 2)
     changes.setdefault("payload", round(float(generator.uniform(0.0, HEAVIEST)), 3))
     way = [(float(first), float(second)) for first, second in points]
     shown = ", ".join(f"({first:g}, {second:g})" for first, second in way)
