@@ -2,13 +2,13 @@
 
     python benchmarks/tuning.py [speed] [held] [interpolated] [moves] [noise] [heater]
 
-Without words everything runs, which takes an hour of two free cores. Costs and counts depend on seeds
-alone; speeds are printed beside a run of pd in the same minute, for machines have other work, too.
+Without words everything runs, which takes half an hour of two free cores. Costs and counts depend
+on seeds alone; speeds are printed beside those of pd-motor, for machines have other work, too.
 
 Cost on the arm: mean RMS error, degrees, both joints, with load, plus 0.002 times the RMS change of
 the torque from one control period to the next, N m; 20 V at most. The rules are those of
-pd7-study.frb. Its line `expect e = 6, ce = 0 -> u in 2.9 .. 3.1`, which pins the sets of the output,
-asks for u > 2.9 here.
+pd7-study.frb. Its line `expect e = 6, ce = 0 -> u in 2.9 .. 3.1`, which pins the sets of the
+output, asks for u > 2.9 here.
 """
 
 from __future__ import annotations
@@ -22,14 +22,15 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from fuzzyarm import load, shipped, simulate
+from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop import Options, Sensor, Signal
 from fuzzyarm.plant import find_plant, pick_and_place, reach_return
 from fuzzyarm.tuning import Tuned, tune
 from fuzzyarm.tuning.cost import Cost
 from fuzzyarm.tuning.examiner import Problem, panel
-from fuzzyarm.tuning.scenarios import arm_scenarios
-from fuzzyarm.tuning.tune import read_tuning
+from fuzzyarm.tuning.scenarios import arm_scenarios, unseen_scenarios
+from fuzzyarm.tuning.tune import read_tuning, stage_of
 
 COST = "rms + 0.002*chatter"
 PEAKS = "peaks e, ce, u mirrored, keep order, partition"
@@ -148,10 +149,6 @@ def noise(text: ControllerText) -> None:
 
 
 def _unseen(made: Tuned, options: Options) -> Problem:
-    from fuzzyarm.controller.catalogue import controller_of
-    from fuzzyarm.tuning.scenarios import unseen_scenarios
-    from fuzzyarm.tuning.tune import stage_of
-
     stage = stage_of(made.subject, None, options)
     scenarios = unseen_scenarios(stage, len(made.unseen), controller_of(made.subject))
     tuning = read_tuning([PEAKS, GAINS, OUTPUT])
@@ -169,9 +166,9 @@ def on_the_arm(text: ControllerText, label: str, **given) -> Tuned:
 
 
 def heater() -> None:
-    """Take the gains of docs/controllers.md, tune them, and look at the overshoot."""
+    """Take gains that swing by kelvins, tune them, and look at the overshoot."""
     text = load(shipped("heater.frb"))
-    slow = {"G_e": 2.0, "G_ce": 200.0, "G_du": 0.15}
+    slow = {"G_e": 0.2, "G_ce": 20.0, "G_du": 0.15}
     gains = tuple(
         replace(each, values=(replace(each.values[0], factors=((slow[each.name], False),)),))
         for each in text.model.gains
