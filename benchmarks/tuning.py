@@ -40,6 +40,7 @@ NOISE = {"position": Sensor(noise=1.26e-4), "velocity": Sensor(noise=2e-4)}
 """A hundred-thousandth of the range of each sensor: 0.007 degrees, 0.0002 rad/s."""
 
 SUPPLY = 20.0
+CORES = 2
 
 
 def direct(folder: Path) -> ControllerText:
@@ -75,7 +76,10 @@ def watched(label: str):
 
 
 def pairs_a_second(name: str, lines: list[str], count: int = 40) -> float:
-    """Return how many candidates run both trajectories of the study in a second, on two cores."""
+    """Return how many candidates run both trajectories of the study in a second of two cores.
+
+    By the time of the processor: wall time would measure what else the machine does.
+    """
     text = load(shipped(f"{name}.frb"))
     problem = Problem(text, read_tuning(lines), Cost(COST), arm_scenarios())
     with panel(problem, 2) as examining:
@@ -83,9 +87,9 @@ def pairs_a_second(name: str, lines: list[str], count: int = 40) -> float:
         draw = np.random.default_rng(1)
         points = [np.clip(start + draw.normal(0, 0.02, len(start)), 0, 1) for _ in range(count)]
         examining.scores(points[:4])
-        begin = time.perf_counter()
+        begin = time.process_time()
         examining.scores(points)
-        return count / (time.perf_counter() - begin)
+        return CORES * count / (time.process_time() - begin)
 
 
 def speed() -> None:
