@@ -21,6 +21,7 @@ Read, check, write
 Write in Python
     RuleBase            A rule base that is being written; what it means by now is its model.
     Shape               The membership function of a term, or the value of a consequent.
+    from_live           Return the rule base that a live object of another fuzzy library is.
     kinds               Kinds of shapes, norms and hedges, the built-in ones and a user's own.
     op                  The functions with which shapes, norms, hedges and other definitions are
                         written.
@@ -43,6 +44,10 @@ Prove, and run on a plant
     simulate            Run a controller along a trajectory of the arm, or on any plant.
     simulate_many       Run a controller many times.
 
+Tune
+    tune                Tune the gains of a controller and the terms of its rule bases, or of a
+                        rule base alone.
+
 What goes wrong
     FuzzyarmError       What went wrong, in one clear sentence to a person.
     RuleBaseError       A file or a model that cannot be used.
@@ -61,6 +66,8 @@ Packages with public names of their own
     language            The language of .frb files: model, reading, canonical printing, checks.
     learning            Rule bases from samples, and judged by samples; controllers that learn
                         along a trajectory.
+    live                Systems of other fuzzy libraries, live: rule bases of them, and how far
+                        their numbers differ.
     loop                The closed loop: one run, or many at once, of a controller on a plant.
     model               What a rule base means, free of text: its data, its shapes, its
                         formulas.
@@ -74,6 +81,8 @@ Packages with public names of their own
     study               The published experiments: figures as data, and what running them again
                         gives.
     table               Lookup tables: the table, the compiler that fills it, and its files.
+    tuning              Tuning: numbers that move until a cost is small, and a text that says
+                        what became of it.
 """
 
 from __future__ import annotations
@@ -103,6 +112,7 @@ if TYPE_CHECKING:
         write_table,
     )
     from fuzzyarm.text.diagnostic import RuleBaseError
+    from fuzzyarm.tuning import tune
 
 __all__ = [
     "FileWarning",
@@ -128,6 +138,7 @@ __all__ = [
     "shipped",
     "simulate",
     "simulate_many",
+    "tune",
     "write",
     "write_table",
 ]
@@ -150,6 +161,7 @@ PACKAGES = (
     "sklearn",
     "study",
     "table",
+    "tuning",
 )
 """Packages and modules with public names of their own: those of their ``__all__``."""
 
@@ -174,6 +186,7 @@ __getattr__, __dir__ = lazily(
             "read_table",
             "write_table",
         ),
+        "tuning": ("tune",),
     },
     ("__version__",),
     PACKAGES,

@@ -36,6 +36,7 @@ ORDER = (
     "api",
     "builder",
     "live",
+    "tuning",
     "show",
     "notebook",
     "lsp",

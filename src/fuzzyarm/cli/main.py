@@ -38,6 +38,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "sweep": ("sweep", "many runs over ranges of gains, plants and loads"),
     "compare": ("study", "compare controllers: errors, chatter and cost"),
     "learn": ("learn", "train a table on the arm or any plant, see it grow"),
+    "tune": ("tune", "move gains and terms until a cost is small, in the file itself"),
     "fit": ("fit", "learn a rule base from samples, as text"),
     "validate": ("validate", "judge a rule base by samples, region by region, rule by rule"),
     "reproduce": ("study", "run the study's published experiments again"),

@@ -41,14 +41,17 @@ from fuzzyarm.language.statements import (
     RuleNode,
     StatementNode,
     TermNode,
+    TuneNode,
     VariableNode,
 )
 from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.language.tune import TuneItem
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
     Expectation,
     Expression,
+    GainTuning,
     Hedge,
     Hedged,
     Input,
@@ -58,10 +61,12 @@ from fuzzyarm.model.rulebase import (
     Or,
     Outcome,
     Output,
+    PeakTuning,
     Property,
     Rule,
     RuleBase,
     RuleBlock,
+    Tuning,
     last_conclusions,
     propositions,
 )
@@ -503,6 +508,84 @@ def _rounding(item: LookupItem | None, scope: Scope) -> float | None:
     return figure.value
 
 
+# --- The `tune` block ---
+
+MOST_GAP = 50.0
+"""Of neighbouring peaks, percent of the range."""
+
+
+def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
+    """Return what the ``tune`` block lets move, as far as it is sound."""
+    peaks: list[PeakTuning] = []
+    gains: list[GainTuning] = []
+    kept: list[tuple[str, str]] = []
+    moved: set[str] = set()
+    for item in node.items:
+        if item.key.text == "peaks":
+            _report_twice(item, moved, scope)
+            found = _peaks(item, scope)
+            peaks += [found] if found.variables else []
+        elif item.key.text == "gain":
+            _report_twice(item, moved, scope)
+            gains += [_tuned_gain(item)] if _sound_range(item, scope) else []
+        else:
+            draft = scope.variable(item.names[0])
+            terms = [scope.term(draft, word) for word in item.terms]
+            names = [term.name for term in terms if term is not None]
+            if draft is not None and len(names) == len(item.terms):
+                kept += [(draft.name, name) for name in names or [""]]
+    return Tuning(tuple(peaks), tuple(gains), tuple(kept))
+
+
+def _report_twice(item: TuneItem, moved: set[str], scope: Scope) -> None:
+    for word in item.names:
+        name = f"{item.key.text} {word.text}"
+        if name in moved:
+            scope.report("duplicate-setting", f"'{word.text}' is tuned twice", word.span)
+        moved.add(name)
+
+
+def _peaks(item: TuneItem, scope: Scope) -> PeakTuning:
+    drafts = [scope.variable(word) for word in item.names]
+    for draft, word in zip(drafts, item.names, strict=True):
+        if draft is not None and not all(map(math.isfinite, range_of(draft.node))):
+            message = f"'{draft.name}' has no finite range for its peaks to move in"
+            scope.report("bad-range", message, word.span)
+    gap = {}
+    if item.gap is not None:
+        if not 0.0 <= item.gap.value <= MOST_GAP:
+            message = f"a gap is 0 to {MOST_GAP:g} percent of the range"
+            scope.report("bad-range", message, item.gap.span)
+        gap["gap"] = item.gap.value / 100.0
+    return PeakTuning(
+        tuple(draft.name for draft in drafts if draft is not None),
+        "mirrored" in item.words,
+        "keep order" in item.words,
+        "partition" in item.words,
+        **gap,
+    )
+
+
+def _sound_range(item: TuneItem, scope: Scope) -> bool:
+    assert item.low is not None
+    assert item.high is not None
+    span, before = item.low.span.to(item.high.span), len(scope.diagnostics)
+    if not item.low.value < item.high.value:
+        message = "the range of a gain must go from a lower to a higher number"
+        scope.report("bad-range", message, span)
+    elif {"times", "log"} & set(item.words) and not item.low.value > 0.0:
+        scope.report("bad-range", "multiples and logarithms of a gain begin above 0", span)
+    return len(scope.diagnostics) == before
+
+
+def _tuned_gain(item: TuneItem) -> GainTuning:
+    assert item.low is not None
+    assert item.high is not None
+    flags = ("times" in item.words, "log" in item.words, "per axis" in item.words)
+    names = tuple(word.text for word in item.names)
+    return GainTuning(names, item.low.value, item.high.value, *flags, item.span)
+
+
 # --- The whole file ---
 
 UNNAMED = "unnamed"
@@ -549,6 +632,7 @@ def elaborate(
         lookup=_lookup(nodes, scope),
         expectations=_expectations(nodes, scope),
         properties=_properties(nodes, scope),
+        tuning=_tuning(nodes, scope),
     )
     _judge_whole(rulebase, nodes, scope)
     return rulebase, scope.diagnostics
@@ -664,6 +748,11 @@ def _rules_of(
 def _lookup(nodes: list[StatementNode], scope: Scope) -> Lookup | None:
     node = _single(nodes, LookupNode, "lookup block", scope)
     return elaborate_lookup(node, scope) if node else None
+
+
+def _tuning(nodes: list[StatementNode], scope: Scope) -> Tuning | None:
+    node = _single(nodes, TuneNode, "tune block", scope)
+    return elaborate_tuning(node, scope) if node else None
 
 
 def _expectations(nodes: list[StatementNode], scope: Scope) -> tuple[Expectation, ...]:

@@ -39,6 +39,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import Figure, Trivia, Word
+from fuzzyarm.language.tune import TuneItem, TuneNode
 from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
     WEIGHTED,
@@ -59,6 +60,7 @@ from fuzzyarm.model.rulebase import (
     RuleBase,
     RuleBlock,
     Shape,
+    Tuning,
     Variable,
 )
 from fuzzyarm.text.numbers import evenly, mirror
@@ -224,6 +226,8 @@ def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
         yield [_lookup(rulebase.lookup)]
     yield [_expectation(expectation) for expectation in rulebase.expectations]
     yield [property_node(each, rulebase) for each in rulebase.properties]
+    if rulebase.tuning is not None:
+        yield [_tuning(rulebase.tuning)]
 
 
 def _variable(role: str, variable: Variable) -> VariableNode:
@@ -424,6 +428,31 @@ def _bins(bins: tuple[float, ...]) -> tuple[str, tuple[Figure, ...]]:
     if bins and len(bins) % 2 == 0 and mirror(upper) == bins:
         return "mirrored", tuple(map(Figure, upper))
     return "list", tuple(map(Figure, bins))
+
+
+def _tuning(tuning: Tuning) -> TuneNode:
+    items = []
+    for peaks in tuning.peaks:
+        said = {
+            "mirrored": peaks.mirrored,
+            "keep order": peaks.ordered,
+            "partition": peaks.partition,
+        }
+        words = tuple(word for word, holds in said.items() if holds)
+        # 100 times a share may end in a digit that the share does not have.
+        gap = Figure(float(f"{100.0 * peaks.gap:.12g}"))
+        items.append(TuneItem(Word("peaks"), tuple(map(Word, peaks.variables)), words, gap=gap))
+    for gain in tuning.gains:
+        flags = {"times": gain.times, "log": gain.log, "per axis": gain.per_axis}
+        words = tuple(word for word, holds in flags.items() if holds)
+        low, high = Figure(gain.low), Figure(gain.high)
+        items.append(
+            TuneItem(Word("gain"), tuple(map(Word, gain.names)), words, low=low, high=high)
+        )
+    for variable in dict.fromkeys(variable for variable, _ in tuning.kept):
+        terms = tuple(Word(term) for owner, term in tuning.kept if owner == variable and term)
+        items.append(TuneItem(Word("keep"), (Word(variable),), terms=terms))
+    return TuneNode(tuple(items))
 
 
 def _expectation(expectation: Expectation) -> ExpectNode:

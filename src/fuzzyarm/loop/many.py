@@ -269,9 +269,10 @@ class Bench:
             given = {name: np.atleast_1d(value).tolist() for name, value in gains.items()}
             program = self.loop.program_with(given)
         seed = int(changes.get("seed", self.experiment.options.seed + index))
-        return self.loop.run(program, self._course(changes), seed)
+        return self.loop.run(program, self.course(changes), seed)
 
-    def _course(self, changes: Changes) -> Course:
+    def course(self, changes: Changes) -> Course:
+        """Return the experiment with some changes of plants, sensors and disturbances."""
         course = self.loop.course
         plants = self._plants(changes)
         if plants is not None:
@@ -594,7 +595,7 @@ def check_extremes(bench: Bench, changes: Columns) -> None:
             if bench.owners[name] == "gain":
                 bench.loop.program_with({name: np.atleast_1d(extreme).tolist()})
             else:
-                bench._course(given)
+                bench.course(given)
 
 
 def _in_threads(

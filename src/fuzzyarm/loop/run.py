@@ -17,7 +17,7 @@ from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
-from fuzzyarm.loop.loop import final, rms, signed_maximum
+from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.program import (
     Program,
@@ -95,6 +95,8 @@ class Run(Shown):
         Of noise and disturbance.
     ended : float or None
         When the plant ended the run by itself, s.
+    chatter : mapping of str to float
+        Root mean square of the change of each drive from one control period to the next.
     """
 
     controller: str
@@ -120,6 +122,7 @@ class Run(Shown):
     period: float = SET_POINT_PERIOD
     seed: int = 1
     ended: float | None = None
+    chatter: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         errors = zip(self.labels, self.rms, self.units, strict=True)
@@ -172,6 +175,7 @@ class Run(Shown):
                 [self.limits[name] for name in names],
                 self.period,
                 self.conventions.maximum,
+                self.chatter.get(names[0], 0.0) if names else 0.0,
             )
         return found
 
@@ -443,6 +447,7 @@ class ClosedLoop:
             followed.period * followed.every,
             course.options.seed if seed is None else seed,
             stopped if over else None,
+            dict(zip(map(label, inputs), np.sqrt(record.changes(SQUARES)).tolist(), strict=True)),
         )
 
 

@@ -450,6 +450,77 @@ class Property:
     span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
+@dataclass(frozen=True, slots=True)
+class PeakTuning:
+    """Variables whose terms may move when the rule base is tuned.
+
+    Attributes
+    ----------
+    variables : tuple of str
+        Each by itself.
+    mirrored : bool
+        Whether opposite terms stay opposite about the middle of the range.
+    ordered : bool
+        Whether no peak may cross its neighbour's.
+    partition : bool
+        Whether feet stand under the neighbours' peaks.
+    gap : float
+        How near neighbouring peaks may come, as a share of the range.
+    """
+
+    variables: tuple[str, ...]
+    mirrored: bool = False
+    ordered: bool = False
+    partition: bool = False
+    gap: float = 0.001
+
+
+@dataclass(frozen=True, slots=True)
+class GainTuning:
+    """Gains of a controller that may move when it is tuned.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the gains.
+    low, high : float
+        Between what they may move.
+    times : bool
+        Whether the ends are multiples of the value in the file.
+    log : bool
+        Whether they move in steps of the logarithm; multiples always do.
+    per_axis : bool
+        Whether each axis gets a value of its own.
+    """
+
+    names: tuple[str, ...]
+    low: float
+    high: float
+    times: bool = False
+    log: bool = False
+    per_axis: bool = False
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """The ``tune`` block of a file; inference does not read it.
+
+    Attributes
+    ----------
+    peaks : tuple of PeakTuning
+        What may move in the rule base.
+    gains : tuple of GainTuning
+        What may move in the controller that uses it.
+    kept : tuple of (str, str)
+        Variable and term that stay where they are; an empty term stands for all of them.
+    """
+
+    peaks: tuple[PeakTuning, ...] = ()
+    gains: tuple[GainTuning, ...] = ()
+    kept: tuple[tuple[str, str], ...] = ()
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class RuleBase(AnyRuleBase):
     """A whole fuzzy system as a value: variables, rules, and how the rules are evaluated.
@@ -467,6 +538,7 @@ class RuleBase(AnyRuleBase):
     lookup: Lookup | None = None
     expectations: tuple[Expectation, ...] = ()
     properties: tuple[Property, ...] = ()
+    tuning: Tuning | None = None
 
     @property
     def model(self) -> RuleBase:
