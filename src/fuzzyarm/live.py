@@ -83,15 +83,15 @@ def from_live(
         If it cannot be carried; `diagnostics` says why.
     """
     library = library_of(found)
-    imported = read_object(
-        found, name or (library.module if library else ""), points=points, lossy=lossy
-    )
+    name = name or (library.module if library else "")
+    imported = read_object(found, name, points=points, lossy=lossy)
     diagnostics = list(imported.diagnostics)
     rulebase = imported.rulebase
     if rulebase is not None:
         rulebase = in_tables(rulebase)
         assert library is not None
         diagnostics += compare(rulebase, measured(found, rulebase), library.name, lossy=lossy)
+    diagnostics = [replace(each, path=each.path or name) for each in diagnostics]
     if rulebase is None or any(each.is_error for each in diagnostics):
         raise RuleBaseError(diagnostics)
     for each in diagnostics:
@@ -135,7 +135,11 @@ def compare(
     if not kept:
         findings.warn("not-compared", f"the numbers were not compared with those of {library}")
         return findings.all()
-    ours = _our_numbers(rulebase, [point for point, _ in kept])
+    try:
+        ours = _our_numbers(rulebase, [point for point, _ in kept])
+    except FuzzyarmError as error:
+        findings.warn("not-compared", f"the numbers were not compared: {error}")
+        return findings.all()
     for output in rulebase.outputs:
         theirs = [numbers.get(output.name, math.nan) for _, numbers in kept]
         _compare_output(output, [p for p, _ in kept], theirs, ours[output.name], library, findings)
@@ -398,7 +402,6 @@ def _answer(script: Path, python: str, options: dict[str, Any]) -> tuple[dict[st
 def _environment() -> dict[str, str]:
     """Return an environment in which nothing can open a window."""
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    # A path for our own package is not one for the script's; it is loaded from beside gather.py.
     return environment | {
         "MPLBACKEND": "Agg",
         "QT_QPA_PLATFORM": "offscreen",

@@ -101,7 +101,6 @@ def test_every_system_becomes_a_file(folder: Path, capsys: pytest.CaptureFixture
         ("while True:\n    pass\n", "the script has not ended within 1 s", "--seconds"),
         ("print('nothing')\n", "no fuzzy system found", "a ControlSystem of scikit-fuzzy"),
         ("import os\nos._exit(7)\n", "its process ended with status 7", ""),
-        ("\0", "the script ends with SyntaxError", ""),
     ],
 )
 def test_scripts_that_make_nothing(

@@ -12,8 +12,9 @@ import skfuzzy
 from skfuzzy import control
 
 from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy
+from fuzzyarm.formats.tables import in_tables
 from fuzzyarm.inference import NoRuleFiredError, infer
-from fuzzyarm.language import parse
+from fuzzyarm.language import parse, write
 from fuzzyarm.model.rulebase import And, Defuzzifier, Hedge, Is, Or, RuleBase, Shape
 
 # scikit-fuzzy calls np.maximum in a way that newer NumPy frowns upon.
@@ -128,6 +129,29 @@ def test_points_are_kept_where_that_is_asked_for() -> None:
     assert kept.variable("x").term("zero").shape.parameters[1::2] == tuple(x["zero"].mf)
     assert kept.variable("x").term("pos").shape.kind == "trapezoid"  # straight either way
     assert kept.outputs[0].term("low").shape.kind == "points"
+
+
+def test_a_rule_base_of_gaussians_is_short() -> None:
+    """The sizes of docs/from-scikit-fuzzy.md."""
+    names = ["NB", "NM", "NS", "ZE", "PS", "PM", "PB"]
+    e = control.Antecedent(np.linspace(-6, 6, 121), "e")
+    ce = control.Antecedent(np.linspace(-3, 3, 121), "ce")
+    u = control.Consequent(np.linspace(-10, 10, 201), "u")
+    for variable, high in ((e, 6), (ce, 3), (u, 10)):
+        for i, name in enumerate(names):
+            centre, width = -high + high * i / 3, high / 6 * 1.1
+            variable[name] = skfuzzy.gaussmf(variable.universe, centre, width)
+    rules = [
+        control.Rule(e[a] & ce[b], u[names[min(6, max(0, i + j - 3))]])
+        for i, a in enumerate(names)
+        for j, b in enumerate(names)
+    ]
+    made = control.ControlSystem(rules)
+    short = write(in_tables(good(made)))
+    long = from_skfuzzy(made, points=True).rulebase
+    assert long is not None
+    assert short.count("\n") == 43
+    assert round(len(write(in_tables(long))) / 1000) == 101
 
 
 def test_a_norm_of_ones_own_is_an_error() -> None:

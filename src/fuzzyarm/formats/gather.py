@@ -209,7 +209,7 @@ def _systems(module: ModuleType, stem: str, is_system: Callable[[Any], bool]) ->
     What has no name at all counts where nothing has one.
     """
     found: dict[int, tuple[str, Any]] = {}
-    simulations: dict[int, Any] = {}
+    simulations: dict[int, tuple[str, Any]] = {}
     named = [(n, v) for n, v in _named(module) if not isinstance(v, type) and is_system(v)]
     for name, value in named or [(stem, made.system) for made in _made]:
         system = getattr(value, "ctrl", value)
@@ -316,6 +316,8 @@ def main() -> None:
     interrupt.cancel()
     os.chdir(script.parent)
     data = {"raised": ended_by, "endless": interrupt.happened}
+    if (ended_by or interrupt.happened) and not options["lossy"]:
+        answer({**data, "found": []})  # what there is would not be used
     try:
         answer({**data, "found": _gathered(module, script.stem, options)})
     except BaseException as error:

@@ -120,7 +120,7 @@ LIBRARIES = (
 def library_of(found: object) -> Library | None:
     """Return the library that an object is a system of, or None."""
     for each in type(found).__mro__:
-        module = each.__module__.partition(".")[0]
+        module = str(each.__module__).partition(".")[0]
         for library in LIBRARIES:
             if library.module == module and each.__name__ in library.classes:
                 return library
