@@ -140,15 +140,12 @@ def draw_phase() -> None:
     main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
 
 
-<<<<<<< HEAD
 def draw_sector() -> None:
     """Draw the sectors of the shipped servo, for the page of proofs."""
     out = str(PICTURES / "servo-sector.png")
     main(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
 
 
-||||||| ac38b7f
-=======
 # --- Of docs/authoring.md: what the editor, the commands and the studio show ---
 
 _FONT_FACE = re.compile(r"@font-face\s*\{.*?\}", re.DOTALL)
@@ -293,7 +290,6 @@ def draw_authoring() -> None:
                            "studio-broken", (100, 28)))  # fmt: skip
 
 
->>>>>>> m_pics
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     words = sys.argv[1:]
@@ -302,13 +298,9 @@ if __name__ == "__main__":
         draw_surface()
         draw_map()
         draw_phase()
-<<<<<<< HEAD
         draw_sector()
-||||||| ac38b7f
-=======
     if not words or words == ["authoring"]:
         draw_authoring()
->>>>>>> m_pics
     if not words or words == ["structures"] or set(words) & set(STRUCTURES):
         draw_structures([word for word in words if word != "structures"])
     if not words or words == ["plants"] or set(words) & set(RUNS):
