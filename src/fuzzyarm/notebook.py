@@ -28,6 +28,9 @@ __all__ = ["html_of", "html_of_drawing", "text_of"]
 WIDTH = 100
 """Columns of what the terminal would show."""
 
+MOST_RULES = 500
+"""Beyond which a page shows how many there are in place of the rules."""
+
 # --- Drawings of the terminal as HTML ---
 
 _PRE = (
@@ -144,7 +147,11 @@ def _rulebase(rulebase: AnyRuleBase) -> str:
         figure, note = rulebase_figure(model), ""
     except FuzzyarmError as error:  # it cannot be evaluated
         figure, note = memberships_figure(model), _pre(str(error))
-    parts = Group(rules_view(model), inference_view(model))
+    parts = Group(inference_view(model))
+    if len(model.rules) <= MOST_RULES:
+        parts = Group(rules_view(model), *parts.renderables)
+    else:
+        note += _pre(f"{len(model.rules):,} rules, which print writes")
     picture = _picture(figure, f"terms and surface of {model.name}")
     return html_of_drawing(heading_view(model)) + picture + note + html_of_drawing(parts)
 

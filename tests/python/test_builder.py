@@ -199,6 +199,7 @@ def test_a_line_has_the_finding_that_it_has_in_a_file(fan, line):
         lambda: RuleBase("r").input("x", 0, 1, terms={"a": (1, "2", 3)}),
         lambda: RuleBase("r").input("x", 0, 1, terms={"a": None}),
         lambda: RuleBase("r").rule(None),
+        lambda: RuleBase("r").input("x", 0, 10**400),
         lambda: RuleBase("r").grid("y", 3),
         lambda: RuleBase("r").grid("y", [["A"]]),
     ],
@@ -303,6 +304,17 @@ def test_it_goes_on_behind_a_value(fan):
     assert other.model == RuleBase.of(fan).model == fan.model
     other.rule("if temp is warm then speed is fast")
     assert other.model.blocks[0].rules[:2] == fan.model.rules
+
+
+def test_only_line_ends_end_a_line():
+    made = RuleBase("odd\u2028name\x0b")
+    made.add("# a\u2028comment\r\ninput 'x\\u2028' 0 .. 1\routput y 0 .. 1\n")
+    made.term("y", "on\n", 1)
+    made.term("x\u2028", "flat", "rectangle 0\n1")
+    made.rule("if 'x\\u2028' is flat\nthen y is 'on\\n'")
+    assert made.model.name == "odd\u2028name\x0b"
+    assert made.model.rules[0].consequents[0].term == "on\n"
+    assert parse(str(made)).rulebase == made.model
 
 
 def test_comments_stay():

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 import pytest
 
 import fuzzyarm
-from fuzzyarm import RuleBase, load, shipped
+from fuzzyarm import RuleBase, load, notebook, shipped
 from fuzzyarm.formats import read, write
 from fuzzyarm.language import read_text
 from fuzzyarm.learning import Fit, as_samples, validate
@@ -178,6 +178,11 @@ def test_hostile_names_are_only_text():
         assert "\u202e" not in html
         assert "\n" not in repr(value)
         assert repr(value).isprintable()
+
+
+def test_very_many_rules_are_counted(values, monkeypatch):
+    monkeypatch.setattr(notebook, "MOST_RULES", 0)
+    assert "1 rules, which print writes" in values["builder"]._repr_html_()
 
 
 def test_a_drawing_keeps_white_white():

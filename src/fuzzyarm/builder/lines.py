@@ -12,7 +12,7 @@ from fuzzyarm.language.phrases import ShapeNode
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import shape_node
 from fuzzyarm.model.rulebase import Defuzzifier, Shape
-from fuzzyarm.text.diagnostic import Span
+from fuzzyarm.text.diagnostic import Span, split_lines
 from fuzzyarm.text.names import quote, shortened
 from fuzzyarm.text.numbers import number_text
 
@@ -86,15 +86,18 @@ class Lines:
     def number(self, value: object, argument: str) -> Lines:
         """Write a number without loss."""
         # NumPy's numbers are registered as numbers, text is not.
-        if not isinstance(value, numbers.Real):
-            shown = shortened(repr(value))
-            raise ArgumentError(self.named(argument), f"expected a number, found {shown}")
-        return self.write(number_text(float(value)), argument)
+        if isinstance(value, numbers.Real):
+            try:
+                return self.write(number_text(float(value)), argument)
+            except OverflowError:  # of an integer
+                pass
+        shown = shortened(repr(value))
+        raise ArgumentError(self.named(argument), f"expected a number, found {shown}")
 
     def raw(self, value: object, argument: str) -> Lines:
         """Write words of the language as they are; a line end in them becomes a space."""
         words = self.words(value, argument)
-        return self.write(" ".join(words.splitlines()), argument)
+        return self.write(" ".join(split_lines(words)), argument)
 
     def words(self, value: object, argument: str) -> str:
         """Return an argument that must be text."""

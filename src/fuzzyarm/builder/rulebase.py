@@ -60,7 +60,7 @@ from fuzzyarm.language.writer import write
 from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Defuzzifier, Input, Output
 from fuzzyarm.model.rulebase import RuleBase as Model
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.names import shortened
 from fuzzyarm.text.shown import Shown
 
@@ -548,7 +548,7 @@ error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
             As :meth:`input`; nothing is added then.
         """
         lines = Lines("add(")
-        for i, line in enumerate(lines.words(text, "text").splitlines(), 1):
+        for i, line in enumerate(split_lines(lines.words(text, "text")), 1):
             (lines.next() if i > 1 else lines).write(line, f"line {i} of text")
         self._add(lines)
 
