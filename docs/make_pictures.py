@@ -179,7 +179,8 @@ def command(*words: str, folder: Path = ROOT, status: int = 0) -> Text:
     )  # fmt: skip
     assert done.returncode == status, done.stderr
     shown = Text.assemble(("$ fuzzyarm " + " ".join(words) + "\n", "bold green"))
-    return shown + Text.from_ansi(done.stdout + done.stderr)
+    clock = re.compile(r"\b\d\d:\d\d:\d\d\b")  # of `watch`
+    return shown + Text.from_ansi(clock.sub("12:00:00", done.stdout + done.stderr))
 
 
 async def studio(file: Path, keys: list[str], name: str, size: tuple[int, int] = (80, 24)) -> None:
