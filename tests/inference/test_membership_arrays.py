@@ -28,7 +28,7 @@ EDGES = [
     Shape("ramp", (3.0, -1.0)),
     Shape("binary", (1.0, math.inf)),
     Shape("binary", (1.0, -math.inf)),
-    Shape("points", (0.0, 0.0, 1.0, 0.25, 1.0, 1.0, 3.0, 0.0)),
+    Shape("points", (0.0, 0.0, 1.0, 0.25, 1.0, 1.0, 1.0, 0.5, 3.0, 0.0)),
     Shape("singleton", (1.5,)),
     Shape("two-sided-gaussian", (2.0, 1.0, -1.0, 0.5)),
     Shape("two-sided-gaussian", (-1.0, 1.0, 2.0, 0.5)),

@@ -167,7 +167,33 @@ def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shap
 
 def _shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
     """Return what is wrong with the numbers of a shape, and which of them; None if nothing is."""
-    return SHAPES[kind].fault(parameters) or _absurd(kind, parameters)
+    fault = _infinite(kind, parameters) or SHAPES[kind].fault(parameters)
+    if fault is None and kind == "points":
+        fault = _points_fault(parameters)
+    return fault or _absurd(kind, parameters)
+
+
+def _infinite(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    record = SHAPES[kind]
+    for i, value in enumerate(parameters):
+        name = record.parameters[i] if record.parameters else ""
+        if math.isnan(value):
+            return None  # which comes first
+        if math.isinf(value) and name not in record.unbounded:
+            return i, f"a {kind} cannot have an infinite number here"
+    return None
+
+
+def _points_fault(parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    for i in range(2, len(parameters), 2):
+        if parameters[i] < parameters[i - 2]:
+            return i, "the numbers of a points must not decrease"
+        if i >= 4 and parameters[i] == parameters[i - 4]:
+            return i, "at most two points may share an x"
+    for i in range(1, len(parameters), 2):
+        if not 0.0 <= parameters[i] <= 1.0:
+            return i, "a membership must lie between 0 and 1"
+    return None
 
 
 def _absurd(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
