@@ -260,6 +260,14 @@ def test_what_is_not_proved_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
         assert not any(each.sectors for each in drives if each.open)
 
 
+def test_without_time_the_range_of_the_output_is_left(servo: ControllerText) -> None:
+    (drive,) = prove_drives(servo, budget=1e-9)
+    assert (drive.low, drive.high) == (-24, 24)
+    assert drive.free == pytest.approx((-27, 27))
+    assert any("time is over" in reason for reason in drive.open)
+    assert drive.sectors == ()
+
+
 def test_pictures_show_what_is_proved(
     pd7: RuleBase, servo: ControllerText, voltage: DriveProof
 ) -> None:

@@ -21,10 +21,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
@@ -39,9 +35,9 @@ from fuzzyarm.cli.command import (
     read_number,
     say,
 )
+from fuzzyarm.cli.prove_sectors import drives_of, only_output, print_sectors, progress
 
 if TYPE_CHECKING:
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.proof import Bounds, Prover, Verdict
 
 EXIT_REFUTED = 1
@@ -62,8 +58,6 @@ def _run(arguments: argparse.Namespace) -> int:
         if not budget > 0.0:
             raise WordError(f"--budget must be above 0 seconds, not {budget:g}")
     if arguments.sector:
-        from fuzzyarm.cli.prove_sectors import print_sectors
-
         return print_sectors(arguments, tolerance, budget)
     for word in ("plot", "along"):
         if getattr(arguments, word) is not None:
@@ -101,8 +95,6 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
                         tell("", 0, 0.0)
                         say(*_lines(path, verdict))
         if controller is not None:
-            from fuzzyarm.cli.prove_sectors import drives_of
-
             data += [file | each for each in drives_of(path, controller, arguments, budget)]
     if arguments.json:
         print_json(data, 2)
@@ -146,28 +138,6 @@ def _lines(path: str, verdict: Verdict) -> list[str]:
     return [f"{where}: {head}", *rest, f"  {work}{verdict.seconds:.2f} s{way}"]
 
 
-@contextmanager
-def progress() -> Iterator[Callable[[str, int, float], None]]:
-    """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
-    shown = sys.stderr.isatty()
-    last = 0.0
-
-    def tell(statement: str, count: int, gap: float) -> None:
-        nonlocal last
-        now = time.monotonic()
-        if not shown or (statement and now - last < 0.1):
-            return
-        last = now
-        text = f"{statement}: {count:,} pieces open, gap {gap:.3g}" if statement else ""
-        sys.stderr.write(f"\r\x1b[2K{text[:100]}")
-        sys.stderr.flush()
-
-    try:
-        yield tell
-    finally:
-        tell("", 0, 0.0)
-
-
 # ── one number ───────────────────────────────────────────────────────────────────────
 
 
@@ -195,16 +165,6 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
         for key, bounds in found.items():
             say(*_single_lines(name, key, bounds))
     return 0 if all(bounds.complete for bounds in found.values()) else EXIT_UNDECIDED
-
-
-def only_output(rulebase: RuleBase, asked: str | None) -> str:
-    """Return the output that is asked for, or the only one."""
-    names = [output.name for output in rulebase.outputs]
-    if asked is None and len(names) != 1:
-        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
-    if asked is not None and asked not in names:
-        raise WordError(f"no output is called '{asked}'", hint=f"there are {', '.join(names)}")
-    return asked or names[0]
 
 
 def _table(prover: Prover, which: str) -> Bounds:

@@ -1,9 +1,13 @@
-"""Sectors of rule bases and the static part of controllers, for ``fuzzyarm prove``."""
+"""Sectors of rule bases and the static part of controllers; what ``fuzzyarm prove`` shares."""
 
 from __future__ import annotations
 
 import argparse
 import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
@@ -22,6 +26,38 @@ if TYPE_CHECKING:
     from fuzzyarm.proof.sector import Sector
 
 EXIT_UNDECIDED = 4
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str, int, float], None]]:
+    """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
+    shown = sys.stderr.isatty()
+    last = 0.0
+
+    def tell(statement: str, count: int, gap: float) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if not shown or (statement and now - last < 0.1):
+            return
+        last = now
+        text = f"{statement}: {count:,} pieces open, gap {gap:.3g}" if statement else ""
+        sys.stderr.write(f"\r\x1b[2K{text[:100]}")
+        sys.stderr.flush()
+
+    try:
+        yield tell
+    finally:
+        tell("", 0, 0.0)
+
+
+def only_output(rulebase: RuleBase, asked: str | None) -> str:
+    """Return the output that is asked for, or the only one."""
+    names = [output.name for output in rulebase.outputs]
+    if asked is None and len(names) != 1:
+        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
+    if asked is not None and asked not in names:
+        raise WordError(f"no output is called '{asked}'", hint=f"there are {', '.join(names)}")
+    return asked or names[0]
 
 
 def print_sectors(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
@@ -54,7 +90,6 @@ def _of_rulebase(
     tolerance: float | None,
     budget: float,
 ) -> int:
-    from fuzzyarm.cli.prove import only_output, progress
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.proof import Prover, sector
     from fuzzyarm.proof.arithmetic import Stop
@@ -155,7 +190,6 @@ def drives_of(
     path: str, controller: ControllerText, arguments: argparse.Namespace, budget: float
 ) -> list[dict[str, Any]]:
     """Prove the static part of a controller, print it unless as data, and return the data."""
-    from fuzzyarm.cli.prove import progress
     from fuzzyarm.plant import find_plant
     from fuzzyarm.proof.controllers import prove_drives
 

@@ -244,10 +244,10 @@ class _Trial:
         zones: Mapping[str, Interval],
         open_: list[str],
     ) -> Iterator[DriveSector]:
+        if isinstance(law.gains, str):
+            return
         if law.rest != NOTHING and not inside(law.rest, symmetric(LIKE_EXPECT * largest(law.at))):
             open_.append(f"sectors: the drive is {_short(law.rest)} where every source is 0")
-            return
-        if isinstance(law.gains, str):
             return
         gains = _notable(law.gains)
         level = [name for name, gain in law.gains.items() if gain == NOTHING]  # as at a step
@@ -326,7 +326,8 @@ class _Trial:
 def _cut_off(law: Law, limits: Interval, farthest: float) -> Law:
     """Return a law after limits; σ goes to ± `farthest`."""
     gains, around, along = law.gains, law.around, law.along
-    if not (limits.low < law.rest.low and law.rest.high < limits.high):
+    known = isinstance(gains, dict)
+    if known and not (limits.low < law.rest.low and law.rest.high < limits.high):
         gains = around = "the drive is at a limit at rest"
     if isinstance(along, Interval) and not inside(law.at, limits):
         if limits.low < 0.0 < limits.high:

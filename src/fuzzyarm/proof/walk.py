@@ -189,7 +189,6 @@ class Walk:
     def run(self) -> Walk:
         """Go over all lines."""
         for line in self.case.lines:
-            self.case.stop.check()
             if isinstance(line, Signal):
                 self._signal(line)
             elif isinstance(line, Zoom):
