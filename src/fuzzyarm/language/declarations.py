@@ -187,7 +187,7 @@ def _infinite(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | Non
 def _points_fault(parameters: tuple[float, ...]) -> tuple[int, str] | None:
     for i in range(2, len(parameters), 2):
         if parameters[i] < parameters[i - 2]:
-            return i, "the numbers of a points must not decrease"
+            return i, "the x of points must not decrease"
         if i >= 4 and parameters[i] == parameters[i - 4]:
             return i, "at most two points may share an x"
     for i in range(1, len(parameters), 2):
