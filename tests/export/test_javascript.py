@@ -167,6 +167,7 @@ one.many(given);
 for (const [at, numbers] of [[FLOATS_OF_INPUT, [-7, -5.5, -4]], [FLOATS_OF_OUTPUT, PIECES]]) {
   one.patch(at, numbers);
 }
+one.patchWhole(COUNT_OF_PIECES, 2);
 const fired = one.fired([0.4, -1.3]);
 console.log(JSON.stringify([one.many(given), other.many(given)].map((rows) => Array.from(rows[0]))
   .concat([Array.from(fired.strengths)])));
@@ -180,10 +181,12 @@ def test_a_loose_layout_takes_other_numbers_in_place(tmp_path):
     (tmp_path / "after.frb").write_text(text.replace("\ninference", lines))
     before, after = (fuzzyarm.load(tmp_path / f"{name}.frb") for name in ("before", "after"))
     numbers = numbers_of(before, loose=True)
-    at = {(mark["variable"], mark["term"]): mark["floats"] for mark in numbers["marks"]}
+    marks = {(mark["variable"], mark["term"]): mark for mark in numbers["marks"]}
+    at = {key: mark["floats"] for key, mark in marks.items()}
+    counted = str(marks["u", "PB"]["row"])
     script = engine_source() + LOOSE.replace("FLOATS_OF_INPUT", str(at["e", "NB"])).replace(
         "FLOATS_OF_OUTPUT", str(at["u", "PB"])
-    ).replace("PIECES", "[3, 0, 5, 1, 5, 1, 6, 0.75]")
+    ).replace("COUNT_OF_PIECES", counted).replace("PIECES", "[3, 0, 5, 1, 5, 1, 6, 0.75]")
     points = points_of(before, 200)
     given_points = [np.clip(column, -6, 6).tolist() for column in points.values()]
     data = {"before": numbers, "after": numbers_of(after), "columns": given_points}

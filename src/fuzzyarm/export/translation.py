@@ -159,7 +159,8 @@ class _Function:
         self.ends += 1
         self.locals.update(dict.fromkeys((target.id, f"end_{self.ends}")))
         name, last = target.id, f"end_{self.ends}"
-        head = f"for ({name} = {start}, {last} = {end}; {name} < {last}; {name} += {step}) {{"
+        sign = ">" if isinstance(called.args[-1], ast.UnaryOp) and len(numbers) == 3 else "<"
+        head = f"for ({name} = {start}, {last} = {end}; {name} {sign} {last}; {name} += {step}) {{"
         return [head, *self.block(each.body, "  "), "}"]
 
     _STATEMENTS: ClassVar[dict[type, Callable[..., list[str]]]] = {
