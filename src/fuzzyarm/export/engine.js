@@ -147,19 +147,20 @@ class Engine {
   }
 
   /**
-   * How far every rule fires at a point, and how high every set of every output is raised.
-   * Only of a loose layout, which has one program.
+   * How far every rule fires at a point, and how high the sets of every output are raised: read
+   * from the program of the point, in which the other rules cannot fire.
    */
   fired(values) {
     const outputs = this.at(values);
     const block = this.block(1);
     const k = block.whole;
+    if (k[MISSING] === k[OUTPUTS] && k[PROGRAM] === 0) return null; // not in any program
     const f = block.subarray(k[FLOATS], k[ROOM]);
     const room = block.subarray(k[ROOM], k[COLUMNS]);
     const strengths = new Float64Array(this.data.rules);
     const row = new Float64Array(1);
     const heights = [];
-    let at = k[k[PROGRAMS_AT]] + 2 * k[INPUTS];
+    let at = k[PROGRAM] + 2 * k[INPUTS];
     let expressions = k[at++];
     for (; expressions > 0; expressions--) at += TRUTH_HEAD + k[at + 3];
     for (let o = 0; o < k[OUTPUTS]; o++) {
@@ -186,7 +187,6 @@ class Engine {
       }
       heights.push(found);
     }
-    const degrees = Array.from(room);
-    return { outputs, strengths, heights, degrees };
+    return { outputs, strengths, heights };
   }
 }

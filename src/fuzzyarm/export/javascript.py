@@ -125,7 +125,7 @@ def _tree(node: Node) -> Any:
 
 
 def numbers_of(
-    rulebase: RuleBase, functions: Functions | None = None, *, loose: bool = False
+    rulebase: RuleBase, functions: Functions | None = None, *, loose: str = ""
 ) -> dict[str, Any]:
     """Return the numbers of a rule base for an ``Engine``, fit for JSON.
 
@@ -135,8 +135,8 @@ def numbers_of(
         The model.
     functions : Functions, optional
         Who numbers the functions; for further curves.
-    loose : bool
-        Whether the numbers of the terms are to be changed in place; see
+    loose : str
+        A variable whose terms are to be changed in place; see
         :func:`fuzzyarm.inference.layout.lay_out`.
 
     Returns
@@ -223,7 +223,7 @@ def _constants() -> str:
     names = (
         "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS ROOM COLUMNS RESULTS"
         " ORDERED ORDER ENDS SIZE AGGREGATION DEFUZZIFIER OUTPUT_HEAD GROUP_HEAD RULE_HEAD"
-        " TRUTH_HEAD ONES"
+        " TRUTH_HEAD ONES PROGRAM MISSING"
     )
     listed = [f"{name} = {getattr(kernel, name)}" for name in names.split()]
     return f"const {', '.join(listed)};\n"

@@ -329,7 +329,7 @@ class _Rule(NamedTuple):
 
 
 def lay_out(
-    plan: Plan, *, compiled: bool = False, addresses: Addresses | None = None, loose: bool = False
+    plan: Plan, *, compiled: bool = False, addresses: Addresses | None = None, loose: str = ""
 ) -> Layout:
     """Write a plan as numbers.
 
@@ -341,9 +341,10 @@ def lay_out(
         Whether the kernel will run as machine code: row functions have other addresses then.
     addresses : Addresses, optional
         Who numbers the functions; by default they are addresses in this process.
-    loose : bool
-        Whether the numbers of the terms are to stand by themselves, so that they can be changed
-        in place: no cells, no closed forms. It takes longer to evaluate, and its last bits differ.
+    loose : str
+        A variable whose terms are to have numbers of their own, so that they can be changed in
+        place: an input without cells, an output without closed forms. It takes longer to
+        evaluate, and its last bits differ.
 
     Returns
     -------
@@ -368,7 +369,7 @@ def what_is_not_covered(plan: Plan) -> str:
 
 
 class _Writer:
-    def __init__(self, plan: Plan, addresses: Addresses, *, loose: bool) -> None:
+    def __init__(self, plan: Plan, addresses: Addresses, *, loose: str) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
             raise NotCoveredError("there is nothing to evaluate")
         self.plan = plan
@@ -426,7 +427,7 @@ class _Writer:
     def _cut_inputs(self) -> None:
         """Cut the inputs into cells; not all of them where that would make too many programs."""
         inputs = self.plan.rulebase.inputs
-        uncut = {variable.name for variable in inputs} if self.loose else set[str]()
+        uncut = {self.loose}
         while True:
             self._cut(uncut)
             self.known = [{n for lines in cells.lines for n in lines} for cells in self.cells]
@@ -553,7 +554,7 @@ class _Writer:
             begin, (term, hedges) = len(self.floats), terms[number]
             self.whole += [curve.address, begin, len(curve.numbers)]
             self.floats += curve.numbers
-            if self.loose and not hedges:
+            if variable.name == self.loose and not hedges:
                 mark = ("curve", variable.name, term, row + most + j, begin, len(curve.numbers))
                 self.marks.append(Mark(*mark))
         always = {part: row + most + j for j, (part, _) in enumerate(self.curves[i])}
@@ -601,7 +602,8 @@ class _OutputWriter:
         self.base, self.plan = base, plan
         self.heights = self.samples = 0
         output, whole = plan.output, base.whole
-        self.defuzzifier = _defuzzifier(plan, loose=base.loose)
+        self.loose = output.name == base.loose
+        self.defuzzifier = _defuzzifier(plan, loose=self.loose)
         mode = {"clamp": at.CLAMP, "extend": at.EXTEND, "error": at.ERROR}[output.outside]
         floats = len(base.floats)
         silent = math.nan if isinstance(output.no_rule, str) else float(output.no_rule)
@@ -660,7 +662,9 @@ class _OutputWriter:
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
             )
             begin, heights = found.first, list(found.heights)
-            if self.base.loose:  # a sample for each position, also where the set is 0 now
+            if (
+                self.base.loose == "outputs"
+            ):  # a sample for each position, also where the set is 0 now
                 behind = count - begin - len(heights)
                 begin, heights = 0, [*[0.0] * begin, *heights, *[0.0] * behind]
             self.consequents[i] = len(self.base.whole)
@@ -672,7 +676,7 @@ class _OutputWriter:
     def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
         """Note where the numbers of a consequent without hedges stand in a loose layout."""
         found, output = self.plan.members[member], self.plan.output
-        if self.base.loose and not found.hedges:
+        if self.loose and not found.hedges:
             counted, scaled = self.consequents[member], found.implication == "product"
             mark = Mark(sort, output.name, found.term.name, counted, begin, room, scaled)
             self.base.marks.append(mark)
@@ -684,7 +688,7 @@ class _OutputWriter:
             scaled = int(member.implication == "product")
             self.base.whole += [len(member.pieces), len(self.base.floats), scaled]
             room = len(member.pieces)
-            if self.base.loose:  # a corner may move into the range, or off another one
+            if self.loose:  # a corner may move into the range, or off another one
                 room = max(room, len(polyline(member.term.shape)) + 1)
             ends = [end for piece in member.pieces for end in piece[:4]]
             self._floats([*ends, *[0.0] * (at.PIECE * room - len(ends))])
