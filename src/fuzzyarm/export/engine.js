@@ -147,46 +147,54 @@ class Engine {
   }
 
   /**
-   * How far every rule fires at a point, and how high the sets of every output are raised: read
-   * from the program of the point, in which the other rules cannot fire.
+   * How far every rule fires at a point: read from the program of the point, in which the other
+   * rules cannot fire. Null where the point is in no program.
    */
   fired(values) {
-    const outputs = this.at(values);
     const block = this.block(1);
     const k = block.whole;
-    if (k[MISSING] === k[OUTPUTS] && k[PROGRAM] === 0) return null; // not in any program
+    k[PROGRAM] = 0;
+    const outputs = this.at(values);
+    if (!k[PROGRAM]) return null;
     const f = block.subarray(k[FLOATS], k[ROOM]);
     const room = block.subarray(k[ROOM], k[COLUMNS]);
     const strengths = new Float64Array(this.data.rules);
     const row = new Float64Array(1);
-    const heights = [];
     let at = k[PROGRAM] + 2 * k[INPUTS];
     let expressions = k[at++];
     for (; expressions > 0; expressions--) at += TRUTH_HEAD + k[at + 3];
     for (let o = 0; o < k[OUTPUTS]; o++) {
-      const head = k[OUTPUTS_AT] + o * OUTPUT_HEAD;
-      const found = [];
       let groups = k[at++];
       for (; groups > 0; groups--) {
-        const consequent = k[at + 1];
-        const height = new Float64Array(1);
         let rules = k[at];
         at += GROUP_HEAD;
         for (; rules > 0; rules--) {
           fire(k, f, room, at, row);
           strengths[(k[at + 1] - this.data.weights) / 2] = row[0];
-          join(k[head + AGGREGATION], height, row, height);
           at += RULE_HEAD + k[OPERANDS];
         }
-        found.push({ consequent, height: height[0] });
       }
+      const head = k[OUTPUTS_AT] + o * OUTPUT_HEAD;
       if (this.functions[k[head + DEFUZZIFIER]] === closed_centroid) {
         let unions = k[at++];
         for (; unions > 0; unions--) at += 1 + k[at];
         at += 1 + 3 * k[at];
       }
-      heights.push(found);
     }
-    return { outputs, strengths, heights };
+    return { outputs, strengths };
+  }
+
+  /** Two degrees under a norm, by its number. */
+  joined(norm, a, b) {
+    table = this.functions;
+    const into = new Float64Array(1);
+    join(norm, Float64Array.of(a), Float64Array.of(b), into);
+    return into[0];
+  }
+
+  /** Cut a set at a height and fold it into an aggregate, both as rows of samples. */
+  cut(implication, fold, height, degrees, aggregate) {
+    table = this.functions;
+    cut_in(implication, fold, height, degrees, aggregate, new Float64Array(degrees.length));
   }
 }

@@ -285,6 +285,12 @@ class Addresses(Protocol):
         """Return the number of a kernel that takes the block."""
 
 
+def norm_number(norm: Norm, sort: str, addresses: Addresses) -> int:
+    """Return what a program calls a norm: a number of the kernel's own, or another."""
+    own = _OWN_NORMS.get((sort, norm.name))
+    return addresses.norm(norm, sort) if own is None else own
+
+
 class InMemory(NamedTuple):
     """Numbers that are addresses in this process, of machine code or of plain Python."""
 
@@ -404,9 +410,7 @@ class _Writer:
         return self.norm(record, sort), operands
 
     def norm(self, norm: Norm, sort: str) -> int:
-        """Return what a program calls a norm: a number of the kernel's own, or another."""
-        own = _OWN_NORMS.get((sort, norm.name))
-        return self.addresses.norm(norm, sort) if own is None else own
+        return norm_number(norm, sort, self.addresses)
 
     def _number(self, expression: Expression, planned: PlannedRule) -> int:
         if isinstance(expression, Is):

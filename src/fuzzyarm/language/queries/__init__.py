@@ -24,6 +24,7 @@ from fuzzyarm.language.queries.references import (
     references,
     rename,
 )
+from fuzzyarm.language.queries.reshape import ReshapeError, set_cell, set_shapes
 
 __all__ = [
     "COLOURS",
@@ -38,6 +39,7 @@ __all__ = [
     "Occurrence",
     "Reading",
     "RenameError",
+    "ReshapeError",
     "Symbol",
     "apply_edits",
     "coloured",
@@ -50,5 +52,7 @@ __all__ = [
     "read",
     "references",
     "rename",
+    "set_cell",
+    "set_shapes",
     "symbols",
 ]
