@@ -35,6 +35,7 @@ ORDER = (
     "show",
     "lsp",
     "studio",
+    "designer",
     "cli",
 )
 """Every package, and every module beside them: each imports only what stands before it."""
@@ -43,6 +44,7 @@ FLOOR = {package: floor for floor, package in enumerate(ORDER)}
 
 HEAVY = (
     "numpy", "numba", "scipy", "skfuzzy", "sklearn", "matplotlib", "rich", "pygls", "textual",
+    "starlette", "uvicorn",
 )  # fmt: skip
 
 

@@ -38,6 +38,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "identify": ("study", "fit unprinted gains to published figures"),
     "new": ("start", "a commented rule base to start from"),
     "studio": ("editing", "write a rule base and see what it means, as you type"),
+    "designer": ("designer", "a rule base as text and picture, in a browser"),
     "watch": ("editing", "draw a file again whenever it is saved"),
     "lsp": ("editing", "the language server for editors"),
     "demo": ("start", "the whole story on a shipped rule base"),

@@ -169,8 +169,8 @@ def _rules(rulebase: RuleBase, made: Plan, positions: Positions) -> list[dict[st
         return []
     concluded: dict[int, list[list[int]]] = {}
     for o, output in enumerate(made.outputs.values()):
-        for member, rule in output.contributions:
-            concluded.setdefault(rule, []).append([o, member])
+        for member, index in output.contributions:
+            concluded.setdefault(index, []).append([o, member])
     names = [each.name for each in rulebase.inputs]
     found = []
     for number, rule in enumerate(rulebase.rules):

@@ -184,6 +184,13 @@ class Engine {
     return { outputs, strengths };
   }
 
+  /** The positions at which an output is sampled. */
+  positions(output) {
+    const head = this.whole[OUTPUTS_AT] + output * OUTPUT_HEAD;
+    const begin = this.whole[head + FLOATS_AT] + OUTPUT_RANGE;
+    return this.floats.slice(begin, begin + this.whole[head + DETAIL]);
+  }
+
   /** Two degrees under a norm, by its number. */
   joined(norm, a, b) {
     table = this.functions;

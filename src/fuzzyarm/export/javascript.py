@@ -223,7 +223,7 @@ def _constants() -> str:
     names = (
         "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS ROOM COLUMNS RESULTS"
         " ORDERED ORDER ENDS SIZE AGGREGATION DEFUZZIFIER OUTPUT_HEAD GROUP_HEAD RULE_HEAD"
-        " TRUTH_HEAD ONES PROGRAM MISSING"
+        " TRUTH_HEAD ONES PROGRAM FLOATS_AT DETAIL OUTPUT_RANGE"
     )
     listed = [f"{name} = {getattr(kernel, name)}" for name in names.split()]
     return f"const {', '.join(listed)};\n"

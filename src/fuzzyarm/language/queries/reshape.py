@@ -1,4 +1,4 @@
-"""What a hand changes in a picture, as edits of the text: a term gets other numbers, a cell a term."""
+"""What a hand changes in a picture, as edits of the text: numbers of terms, cells of grids."""
 
 from __future__ import annotations
 
