@@ -1,8 +1,11 @@
-export { EditorState, Compartment, StateEffect, StateField, RangeSetBuilder, Annotation, Transaction } from "@codemirror/state";
-export { EditorView, Decoration, keymap, lineNumbers, highlightActiveLine, drawSelection, hoverTooltip, showTooltip } from "@codemirror/view";
-export { history, historyKeymap, defaultKeymap, undo, redo, indentWithTab } from "@codemirror/commands";
-export { autocompletion, completionKeymap, startCompletion, snippet } from "@codemirror/autocomplete";
-export { setDiagnostics, lintGutter, lintKeymap, openLintPanel, forceLinting } from "@codemirror/lint";
-export { searchKeymap, highlightSelectionMatches } from "@codemirror/search";
-export { collab, sendableUpdates, receiveUpdates, getSyncedVersion, getClientID } from "@codemirror/collab";
-export { ChangeSet } from "@codemirror/state";
+// What the designer's page uses of CodeMirror, as one module.
+export { Annotation, ChangeSet, Compartment, EditorState, StateEffect, StateField } from "@codemirror/state";
+export {
+  Decoration, EditorView, drawSelection, highlightActiveLine, highlightSpecialChars, hoverTooltip, keymap,
+  lineNumbers,
+} from "@codemirror/view";
+export { defaultKeymap, history, historyKeymap, redo, undo } from "@codemirror/commands";
+export { autocompletion, completionKeymap } from "@codemirror/autocomplete";
+export { setDiagnostics } from "@codemirror/lint";
+export { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
+export { collab, getSyncedVersion, receiveUpdates, sendableUpdates } from "@codemirror/collab";

@@ -190,7 +190,7 @@ def test_mistakes_are_found_and_the_last_sound_picture_stays(served, window):
     page = window(put(served, "broken.frb")[1])
     page.evaluate("designer.text.goTo([7, 0])")
     page.keyboard.type("tern e XX: triangle 0 1 2\n")
-    page.get_by_text("unknown statement", exact=False).first.wait_for()
+    page.get_by_text("no statement starts with").first.wait_for()
     assert page.evaluate("designer.store.stale")
     page.get_by_role("button", name="Fix …").first.click()
     page.get_by_role("button", name="change 'tern' to 'term'").click()

@@ -67,7 +67,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
         numbers = numbers_of(rulebase, functions)
     except NotCoveredError as error:
         reason = str(error)
-    scene = {
+    return {
         "name": rulebase.name,
         "description": rulebase.description,
         "inputs": [_variable(each, functions, positions) for each in rulebase.inputs],
@@ -78,11 +78,9 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
         "rules": _rules(rulebase, made, positions),
         "grids": _grids(rulebase, reading, positions),
         "numbers": numbers,
+        "functions": functions.described,  # those of the curves to be drawn among them
         "reason": reason,
     }
-    if numbers is not None:
-        numbers["functions"] = functions.described  # the curves to be drawn are among them
-    return scene
 
 
 def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
@@ -95,6 +93,11 @@ def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
+
+
+def _number(value: float) -> float | str:
+    """Return a number for JSON, which has no infinite ones."""
+    return value if math.isfinite(value) else "Infinity" if value > 0.0 else "-Infinity"
 
 
 def _variable(
@@ -117,7 +120,7 @@ def _term(
     found: dict[str, Any] = {
         "name": term.name,
         "kind": shape.kind,
-        "parameters": [_finite(number) for number in shape.parameters],
+        "parameters": list(map(_number, shape.parameters)),
         "height": shape.height,
         "at": positions.of(term.span)[0],
         "centre": None,
@@ -130,12 +133,14 @@ def _term(
         return found
     found["centre"] = centre(shape, variable.low, variable.high)
     curve = functions.curve(shape, ())
-    found["curve"] = {"address": curve.address, "numbers": [_finite(n) for n in curve.numbers]}
+    found["curve"] = {"address": curve.address, "numbers": list(map(_number, curve.numbers))}
     if shape.kind == "points":
         found["handles"] = list(range(0, len(shape.parameters), 2))
-    elif shape.kind != "formula" and all(map(math.isfinite, shape.parameters)):
-        names = enumerate(kind.parameters)
-        found["handles"] = [index for index, name in names if name not in WIDTHS]
+    elif shape.kind != "formula":
+        names = enumerate(zip(kind.parameters, shape.parameters, strict=True))
+        found["handles"] = [
+            i for i, (name, value) in names if name not in WIDTHS and math.isfinite(value)
+        ]
     return found
 
 
@@ -151,7 +156,7 @@ def _output(output: Output, made: Plan, functions: Functions) -> dict[str, Any]:
                 "words": " ".join([*(hedge.name for hedge in member.hedges), member.term.name]),
                 "value": None if member.value is None else _finite(member.value),
                 "curve": curve
-                and {"address": curve.address, "numbers": [_finite(n) for n in curve.numbers]},
+                and {"address": curve.address, "numbers": list(map(_number, curve.numbers))},
                 "implication": norm_number(TNORMS[member.implication], "T", functions),
             }
         )

@@ -208,12 +208,12 @@ class SharedText:
     def scene(self, session: Session) -> dict[str, Any]:
         """Return what is drawn of a session's text; nothing where it has mistakes."""
         reading = session.reading
-        found = None
+        found, why = None, "mistakes" if session.review().failed else "other"
         if isinstance(reading, Reading):
             rulebase = session.review().rulebase
             if rulebase is not None and rulebase.inputs and rulebase.outputs:
                 found = scene_of(rulebase, reading)
-        return {"is": "scene", "version": session.version, "scene": found}
+        return {"is": "scene", "version": session.version, "scene": found, "why": why}
 
     # --- What a page asks ---
 

@@ -114,7 +114,7 @@ const TAKEN = {
   scene(message) {
     if (message.version !== text.version()) return;
     if (message.scene) store.show(message.scene);
-    else store.mistaken();
+    else store.mistaken(message.why);
   },
   answer(message) {
     answers.get(message.id)?.(message);

@@ -1,15 +1,25 @@
 // What several panes draw with: elements, colours, numbers as text, canvases.
 
+const UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
+
+/** A text without controls and without marks that turn the direction of what follows. */
+export function clean(text) {
+  return String(text).replace(UNSEEN, "\ufffd");
+}
+
+const cleaned = (children) => children.map((each) => (typeof each === "string" ? clean(each) : each));
+
 /** An element with properties and children; text is only ever text. */
 export function el(name, properties = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(properties)) {
     if (key === "class") made.className = value;
     else if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key === "textContent" || key === "title") made[key] = clean(value);
     else if (key in made && key !== "list") made[key] = value;
-    else made.setAttribute(key, value);
+    else made.setAttribute(key, typeof value === "string" ? clean(value) : value);
   }
-  made.append(...children);
+  made.append(...cleaned(children));
   return made;
 }
 
@@ -17,9 +27,10 @@ export function svg(name, attributes = {}, ...children) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
   for (const [key, value] of Object.entries(attributes)) {
     if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key === "style") made.style.cssText = value; // an attribute would be refused
     else made.setAttribute(key, value);
   }
-  made.append(...children);
+  made.append(...cleaned(children));
   return made;
 }
 

@@ -15,7 +15,7 @@ export const PICTURES = [termsPane, surfacePane, rulesPane, viewerPane];
 
 /** Build the page around the text; `hand` says what a change in a picture does. */
 export function frame(store, hand, text, controls) {
-  const note = el("p", { class: "note", textContent: S.notDrawn });
+  const note = el("p", { class: "note", textContent: "" });
   const pictures = el("div", { class: "pictures" });
   const panes = PICTURES.map((make) => make(store, hand));
   const main = el("main", { class: "design" }, text, note);
@@ -29,6 +29,7 @@ export function frame(store, hand, text, controls) {
     pictures.style.opacity = "";
   });
   store.on("stale", () => {
+    note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
     pictures.style.opacity = "0.55"; // drawn from the last sound text
   });
   return { header, main };

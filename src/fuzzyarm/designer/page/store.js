@@ -13,11 +13,15 @@ const CORNERS = {
   singleton: (p) => [p[0], 0, p[0], 1, p[0], 0],
 };
 
-/** Corners of a term while its parameters are held; null where it is not straight and finite. */
+/** Corners of a term with some parameters; null where it is not straight. */
 export function cornersOf(term, parameters) {
-  if (parameters.some((x) => x === null)) return null;
   const points = term.kind === "points" ? parameters : CORNERS[term.kind]?.(parameters);
-  return points ? points.map((x, i) => (i % 2 ? x * term.height : x)) : null;
+  if (!points) return null;
+  const found = [];
+  for (let i = 0; i < points.length; i += 2) {
+    if (Number.isFinite(points[i])) found.push(points[i], points[i + 1] * term.height);
+  }
+  return found.length ? found : [0, term.height]; // without any it is 1 everywhere
 }
 
 /** Straight pieces x, y, x, y within a range, as inference has them. */
@@ -37,7 +41,7 @@ export function piecesOf(corners, low, high) {
 }
 
 export function rangeOf(variable) {
-  const known = variable.terms.flatMap((term) => term.parameters).filter((x) => x !== null);
+  const known = variable.terms.flatMap((term) => term.parameters).filter(Number.isFinite);
   const low = variable.low ?? Math.min(0, ...known) - 1;
   const high = variable.high ?? Math.max(1, ...known) + 1;
   return [low, high];
@@ -67,8 +71,19 @@ export class Store {
   show(scene) {
     const same = this.scene && JSON.stringify(this.scene.inputs.map((v) => [v.name, v.low, v.high]))
       === JSON.stringify(scene.inputs.map((v) => [v.name, v.low, v.high]));
+    for (const variable of [...scene.inputs, ...scene.outputs]) {
+      for (const term of variable.terms) {
+        term.parameters = term.parameters.map(Number); // "Infinity" is not a number of JSON
+        if (term.curve) term.curve.numbers = term.curve.numbers.map(Number);
+      }
+    }
+    for (const output of scene.outputs) {
+      for (const { curve } of output.members) if (curve) curve.numbers = curve.numbers.map(Number);
+    }
     this.scene = scene;
     this.engine = scene.numbers ? new Engine(scene.numbers) : null;
+    const none = { whole: "", floats: "", functions: scene.functions };
+    this.curves = this.engine ?? new Engine(none); // sets are drawn in any case
     this.held = null;
     this.reshaped.clear();
     this.stale = false;
@@ -83,7 +98,9 @@ export class Store {
     this.emit("scene");
   }
 
-  mistaken() {
+  /** Keep what is drawn, as of an earlier text; `why` says what the text is now. */
+  mistaken(why) {
+    this.why = why;
     if (!this.stale) {
       this.stale = true;
       this.emit("stale");
@@ -115,12 +132,12 @@ export class Store {
   /** Degrees of a term at some positions. */
   degrees(variable, term, x) {
     const numbers = this.numbersOf(term, this.parameters(variable, term));
-    return this.engine.degrees(term.curve.address, Float64Array.from(numbers), x);
+    return this.curves.degrees(term.curve.address, Float64Array.from(numbers), x);
   }
 
   /** What the row function of a term takes. */
   numbersOf(term, parameters) {
-    if (parameters === term.parameters) return term.curve.numbers.map((x) => x ?? NaN);
+    if (parameters === term.parameters) return term.curve.numbers;
     if (term.kind === "points") return cornersOf(term, parameters);
     return term.height === 1 ? parameters : [...parameters, term.height];
   }

@@ -61,7 +61,7 @@ export const S = {
   more: (count) => `and ${count} weaker rules`,
   aggregate: "all rules together",
   notDrawn: "The text has mistakes; nothing has been drawn yet.",
-  stale: "last sound text",
+  noRules: "Pictures are drawn of rule bases. This file is a controller, a table, or has no rules yet.",
   notHere: (reason) => `This page does not compute ${reason}. fuzzyarm eval and fuzzyarm plot do.`,
   tooManyRules: "There are too many rules to be drawn.",
   readOnly: "This page needs no server. Corners can be dragged; the text follows.",

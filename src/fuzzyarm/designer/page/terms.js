@@ -4,8 +4,8 @@ import { el, svg, pane, hue, shortNumber, ticks, eachFrame } from "./draw.js";
 import { rangeOf, cornersOf } from "./store.js";
 import { S } from "./strings.js";
 
-const HEIGHT = 104;
-const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 30, 18];
+const HEIGHT = 98;
+const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 30, 17];
 const SMOOTH = 161;
 
 /** Parameters of a term after one of them (null: all positions) has moved to or by a number. */
@@ -90,7 +90,7 @@ export function termsPane(store, { edit, numbers }) {
     }
     const handles = [];
     variable.terms.forEach((term, t) => {
-      if (!term.curve || !store.engine) return;
+      if (!term.curve) return;
       const key = `${variable.name}\n${term.name}`;
       const held = store.parameters(variable, term);
       const path = curve(variable, term, held, at);
@@ -122,9 +122,12 @@ export function termsPane(store, { edit, numbers }) {
     const positions = term.handles.map((i) => held[i]);
     const top = peak(term, held) ?? term.centre;
     if (top !== null) {
-      const label = Math.min(at.high, Math.max(at.low, top));
+      const x = at.x(Math.min(at.high, Math.max(at.low, top)));
+      const half = 3.6 * term.name.length; // about half of its width: it stays inside
+      const anchor = x < half ? "start" : x > at.width - half ? "end" : "middle";
       found.push(svg("text", {
-        x: at.x(label), y: TOP - 6, "text-anchor": "middle", class: "term", fill: hue(t),
+        x: anchor === "start" ? 3 : anchor === "end" ? at.width - 3 : x, y: TOP - 6,
+        "text-anchor": anchor, class: "term", style: `fill: ${hue(t)}`,
         ...target(variable, term, null, S.wholeTerm(variable.name, term.name), top, at),
       }, term.name));
     }

@@ -3,7 +3,7 @@
 
 import {
   EditorState, EditorView, Compartment, StateEffect, StateField, Decoration, ChangeSet, Annotation,
-  keymap, lineNumbers, highlightActiveLine, drawSelection, hoverTooltip, history, historyKeymap,
+  keymap, lineNumbers, highlightActiveLine, highlightSpecialChars, drawSelection, hoverTooltip, history, historyKeymap,
   defaultKeymap, undo, redo, autocompletion, completionKeymap, setDiagnostics, searchKeymap,
   highlightSelectionMatches, collab, sendableUpdates, receiveUpdates, getSyncedVersion,
 } from "./vendor/codemirror.js";
@@ -50,7 +50,7 @@ export function textPane(link, nonce) {
     state: EditorState.create({
       doc: "",
       extensions: [
-        lineNumbers(), history(), drawSelection(), highlightActiveLine(), highlightSelectionMatches(),
+        lineNumbers(), highlightSpecialChars(), history(), drawSelection(), highlightActiveLine(), highlightSelectionMatches(),
         EditorView.cspNonce.of(nonce), EditorState.lineSeparator.of("\n"), colourField,
         EditorView.contentAttributes.of({ "aria-label": S.editor }),
         autocompletion({ override: [completions] }), hoverTooltip(hovered),

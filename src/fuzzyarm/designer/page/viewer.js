@@ -139,7 +139,7 @@ export function viewerPane(store) {
   function setOf(output, member) {
     const term = output.terms.find((each) => each.name === member.term);
     if (term?.curve && member.words === member.term) return store.degrees(output, term, samples(output));
-    const numbers = Float64Array.from(member.curve.numbers, (x) => x ?? NaN);
+    const numbers = Float64Array.from(member.curve.numbers);
     return store.engine.degrees(member.curve.address, numbers, samples(output));
   }
 
