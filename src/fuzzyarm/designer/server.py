@@ -80,11 +80,11 @@ class Workspace:
             If it is not one of the folder's.
         """
         if name not in self._open:
-            path = (self.folder / name).resolve()
-            inside = path.parent == self.folder and path.suffix.lower() in SUFFIXES
-            if not inside or (self.only is not None and path.name != self.only):
+            # A link of the folder may lead out of it.
+            listed = name in self.files()
+            if not listed or (self.folder / name).resolve().parent != self.folder:
                 raise OutsideError(f"'{name}' is not a file of this folder")
-            self._open[name] = SharedText(path)
+            self._open[name] = SharedText(self.folder / name)
         return self._open[name]
 
 
@@ -158,7 +158,7 @@ class Designer:
                     await self._take(window, message)
                 except (FuzzyarmError, OSError) as error:
                     await window.tell({"is": "failed", "message": str(error)})
-                except (json.JSONDecodeError, KeyError, TypeError, AttributeError):
+                except (KeyError, TypeError, ValueError, AttributeError):
                     await window.tell({"is": "failed", "message": "a message is not understood"})
         except (WebSocketDisconnect, RuntimeError):
             pass

@@ -1,6 +1,6 @@
 // The text of a page without a server: to be read, with the numbers that a hand has changed.
 
-import { el, pane } from "./draw.js";
+import { clean, el, pane } from "./draw.js";
 import { S } from "./strings.js";
 
 /** A number as the language writes it. */
@@ -37,11 +37,11 @@ export function listingPane({ text, colours, places }) {
     const plain = (end) => {
       for (const [from, to, colour] of words) {
         if (to <= at || from >= end) continue;
-        if (from > at) parts.push(text.slice(at, from));
+        if (from > at) parts.push(clean(text.slice(at, from)));
         parts.push(el("span", { class: `colour-${colour}`, textContent: text.slice(Math.max(at, from), Math.min(to, end)) }));
         at = Math.min(to, end);
       }
-      if (end > at) parts.push(text.slice(at, end));
+      if (end > at) parts.push(clean(text.slice(at, end)));
       at = Math.max(at, end);
     };
     for (const change of changes) {

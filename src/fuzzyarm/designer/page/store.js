@@ -54,6 +54,7 @@ export class Store {
     this.engine = null;
     this.held = null; // { variable, engine } while a hand holds a term
     this.reshaped = new Map(); // parameters by "variable term", until the text says them
+    this.busy = false; // whether a hand moves a term, or has just let go
     this.point = [];
     this.axes = { x: 0, y: 1, output: 0 };
     this.stale = false; // whether the text has mistakes now
@@ -85,7 +86,8 @@ export class Store {
     const none = { whole: "", floats: "", functions: scene.functions };
     this.curves = this.engine ?? new Engine(none); // sets are drawn in any case
     this.held = null;
-    this.reshaped.clear();
+    // What a hand still holds is newer than this text.
+    if (!this.busy) this.reshaped.clear();
     this.stale = false;
     if (!same) {
       this.point = scene.inputs.map((variable) => {
@@ -155,6 +157,13 @@ export class Store {
   reshape(variable, term, parameters) {
     this.reshaped.set(`${variable.name}\n${term.name}`, parameters);
     if (this.held?.variable === variable.name) this.patch(variable, term, parameters);
+    this.emit("reshaped");
+  }
+
+  /** Draw the terms as the text has them: a change was not taken. */
+  forget() {
+    this.held = null;
+    this.reshaped.clear();
     this.emit("reshaped");
   }
 

@@ -3,7 +3,7 @@
 // Drawn on a plain canvas: 3,600 quadrilaterals, of which the far ones are drawn first. That needs
 // neither a library nor a graphics processor, and prints as it looks.
 
-import { el, pane, choice, context, colourOf, SHADES, ticks, shortNumber, eachFrame } from "./draw.js";
+import { clean, el, pane, choice, context, colourOf, SHADES, ticks, shortNumber, eachFrame } from "./draw.js";
 import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 
@@ -60,7 +60,7 @@ export function surfacePane(store) {
     if (!store.running) {
       g.fillStyle = colourOf("--soft");
       g.font = "13px system-ui, sans-serif";
-      wrapped(g, S.notHere(scene.reason), 12, 24, width - 24);
+      wrapped(g, clean(S.notHere(scene.reason)), 12, 24, width - 24);
       return;
     }
     const found = store.surface();
@@ -176,13 +176,13 @@ export function surfacePane(store) {
         g.fillText(shortNumber(tick), ...at((tick - a) / (b - a) - 0.5, 1.1));
       }
       g.font = "600 12px system-ui, sans-serif";
-      g.fillText(variable.name.slice(0, 24), ...at(0, 1.32));
+      g.fillText(clean(variable.name).slice(0, 24), ...at(0, 1.32));
       g.font = "11px system-ui, sans-serif";
     };
     axis(x, (t, out) => project(t, near * out, -0.5));
     axis(y, (t, out) => project(side * out, t, -0.5));
     g.textAlign = "left";
-    g.fillText(`${output.name.slice(0, 24)}: ${shortNumber(low)} … ${shortNumber(high)}`, 8, 15);
+    g.fillText(`${clean(output.name).slice(0, 24)}: ${shortNumber(low)} … ${shortNumber(high)}`, 8, 15);
   }
 
   function dot(g, x, y) {
@@ -268,11 +268,11 @@ export function surfacePane(store) {
     }
     g.font = "600 12px system-ui, sans-serif";
     g.textAlign = "center";
-    g.fillText(name.slice(0, 24), left + wide / 2, top + tall + 30);
+    g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
     g.save();
     g.translate(11, top + tall / 2);
     g.rotate(-Math.PI / 2);
-    g.fillText(other.slice(0, 24), 0, 0);
+    g.fillText(clean(other).slice(0, 24), 0, 0);
     g.restore();
   }
 

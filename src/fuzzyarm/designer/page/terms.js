@@ -40,10 +40,19 @@ export function termsPane(store, { edit, numbers }) {
   const plots = new Map();
   let chosen = ""; // "variable term" whose corners are shown
   let drag = null;
+  let moving = ""; // the variable that a hand is on
+  let waiting = 0;
 
   const each = () => [...store.scene.inputs, ...store.scene.outputs];
 
   function build() {
+    const names = each().map((variable) => variable.name);
+    // A plot that a hand is on stays where it is.
+    if (JSON.stringify(names) === JSON.stringify([...plots.keys()])) {
+      if (store.busy) grip(each().find((variable) => variable.name === moving));
+      draw();
+      return;
+    }
     body.replaceChildren();
     plots.clear();
     for (const variable of each()) {
@@ -78,7 +87,7 @@ export function termsPane(store, { edit, numbers }) {
     const at = scale(variable);
     const parts = [];
     const role = v < store.scene.inputs.length ? S.inputs : S.outputs;
-    parts.push(svg("text", { x: 4, y: 12, class: "name" }, `${variable.name}`));
+    parts.push(svg("text", { x: 4, y: 12, class: "name" }, variable.name));
     parts.push(svg("text", { x: at.width - 4, y: 12, "text-anchor": "end" }, role));
     parts.push(svg("line", { class: "axis", x1: LEFT, x2: at.width - RIGHT, y1: at.y(0), y2: at.y(0) }));
     for (const tick of ticks(at.low, at.high, at.width / 80)) {
@@ -204,12 +213,14 @@ export function termsPane(store, { edit, numbers }) {
     plot.onpointerup = plot.onpointercancel = () => {
       plot.onpointermove = plot.onpointerup = plot.onpointercancel = null;
       drag = null;
-      finish(variable);
+      finish(variable.name);
     };
   }
 
   /** Ask for the numbers of a variable that can be changed in place. */
   function grip(variable) {
+    store.busy = true;
+    moving = variable.name;
     if (store.held?.variable === variable.name) return;
     numbers(variable.name).then((found) => {
       if (found) store.hold(variable, found);
@@ -227,8 +238,8 @@ export function termsPane(store, { edit, numbers }) {
     const old = drag.from.get(term.name);
     shift(variable, term, index, index === null ? by : old[index] + by, event);
     drag = null;
-    clearTimeout(step.waiting);
-    step.waiting = setTimeout(() => finish(variable), 350);
+    clearTimeout(waiting);
+    waiting = setTimeout(() => finish(variable.name), 350);
   }
 
   /** A round number, about a two-hundredth of the range. */
@@ -278,7 +289,9 @@ export function termsPane(store, { edit, numbers }) {
     }
   }
 
-  function finish(variable) {
+  function finish(name) {
+    const variable = each().find((other) => other.name === name);
+    store.busy = false;
     const shapes = variable.terms.flatMap((term) => {
       const now = store.parameters(variable, term);
       const same = now.every((x, i) => x === term.parameters[i]);
@@ -286,7 +299,10 @@ export function termsPane(store, { edit, numbers }) {
         variable: variable.name, term: term.name, kind: term.kind, parameters: now, height: term.height,
       }];
     });
-    if (shapes.length) edit(shapes);
+    if (!shapes.length) return;
+    Promise.resolve(edit(shapes)).then((taken) => {
+      if (taken === false) store.forget();
+    });
   }
 
   const redraw = eachFrame(draw);

@@ -1,6 +1,6 @@
 // Inference: sliders for the inputs, the rules that fire with their cut sets, the value and why.
 
-import { el, svg, pane, shortNumber, eachFrame } from "./draw.js";
+import { clean, el, svg, pane, shortNumber, eachFrame } from "./draw.js";
 import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 
@@ -68,7 +68,7 @@ export function viewerPane(store) {
       const reason = first
         ? ` ${S.because} ${store.scene.rules[first[1]].text} (${S.strength} ${shortNumber(first[0], 3)})`
         : ` – ${S.nothingFires}`;
-      line.append(reason);
+      line.append(clean(reason));
       return line;
     });
   }
