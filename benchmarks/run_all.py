@@ -23,6 +23,7 @@ PARTS = {
     "controllers": "exported controllers against the kernel",
     "learning": "rule bases from samples beside regression, boosting and peers",
     "step_cost": "operations and time of a control step of every controller",
+    "designer": "the designer in a browser: frames, key strokes, first paint, bytes",
     "keystroke": "the editor's answer to a key",
     "proofs": "proved bounds, with their targets",
 }
