@@ -84,10 +84,9 @@ export function heat(share) {
   return [`rgb(${mixed.join(" ")})`, strength > 0.55 ? "#ffffff" : "#1b2330"];
 }
 
-/** The drawing context of a canvas, sized to what it covers on the screen. */
-export function context(canvas) {
+/** The drawing context of a canvas that covers so much of the screen. */
+export function context(canvas, width, height) {
   const ratio = Math.min(2, window.devicePixelRatio || 1);
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
     canvas.width = Math.round(width * ratio);
     canvas.height = Math.round(height * ratio);

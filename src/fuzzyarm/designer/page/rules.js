@@ -11,10 +11,12 @@ const MOST_SENTENCES = 400;
 export function rulesPane(store, { setCell, goTo }) {
   const { section, body } = pane("rules", S.rules);
   let lit = []; // for each rule its element
+  let shown = []; // and the strength that it shows
 
   function build() {
     const { grids, rules, outputs } = store.scene;
     lit = [];
+    shown = [];
     body.replaceChildren();
     const cells = grids.reduce((sum, grid) => sum + grid.rows.length * grid.columns.length, 0);
     for (const grid of grids) body.append(table(grid, outputs, setCell && cells <= MOST_CELLS));
@@ -95,6 +97,8 @@ export function rulesPane(store, { setCell, goTo }) {
     const found = store.fired();
     lit.forEach((element, number) => {
       const strength = found?.strengths[number] ?? 0;
+      if (shown[number] === strength) return;
+      shown[number] = strength;
       element.classList.toggle("lit", strength > 0);
       element.title = strength > 0 ? `${S.strength} ${shortNumber(strength, 3)}` : "";
     });

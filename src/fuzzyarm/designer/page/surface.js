@@ -1,20 +1,44 @@
 // Surface: an output over two inputs, as a solid that turns or as a contour; over one as a line.
 //
-// Drawn on a plain canvas: 3,600 quadrilaterals, of which the far ones are drawn first. That needs
-// neither a library nor a graphics processor, and prints as it looks.
+// The solid is filled pixel by pixel, 3,600 quadrilaterals of which the far ones come first, and put
+// on a plain canvas. That needs neither a library nor a graphics processor, takes a millisecond or
+// two where as many paths take ten times that, and prints as it looks.
 
 import { clean, el, pane, choice, context, colourOf, SHADES, ticks, shortNumber, eachFrame } from "./draw.js";
 import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 
 const LEVELS = 9;
-const FILLS = SHADES.map((each) => `rgb(${each.join(" ")})`);
+const packed = (share) => SHADES.map(([r, g, b]) =>
+  ((255 << 24) | ((b * share) << 16) | ((g * share) << 8) | (r * share)) >>> 0);
+const FILLS = Uint32Array.from(packed(1));
+const DARKER = Uint32Array.from(packed(0.87)); // of the mesh
+const MESH = 6;
+
+/** Fill a triangle of an image of 32-bit pixels. */
+function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
+  if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
+  if (y2 < y0) [x0, y0, x2, y2] = [x2, y2, x0, y0];
+  if (y2 < y1) [x1, y1, x2, y2] = [x2, y2, x1, y1];
+  const end = Math.min(height, Math.ceil(y2 - 0.5));
+  for (let row = Math.max(0, Math.ceil(y0 - 0.5)); row < end; row++) {
+    const y = row + 0.5;
+    const a = x0 + ((x2 - x0) * (y - y0)) / (y2 - y0);
+    const b = y < y1 ? x0 + ((x1 - x0) * (y - y0)) / (y1 - y0) : x1 + ((x2 - x1) * (y - y1)) / (y2 - y1);
+    const from = row * width + Math.max(0, Math.ceil((a < b ? a : b) - 0.5));
+    const to = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
+    for (let at = from; at < to; at++) pixels[at] = colour;
+  }
+}
 
 export function surfacePane(store) {
   const { section, bar, body } = pane("surface", S.surface);
   const canvas = el("canvas", { tabIndex: 0, role: "img" });
   const turned = { azimuth: -0.65, elevation: 0.55 };
   let flat = false;
+  let image = null; // what the solid is filled into
+  let layer = null;
+  let size = { width: 0, height: 0 };
   body.append(canvas);
 
   function build() {
@@ -52,11 +76,11 @@ export function surfacePane(store) {
 
   function draw() {
     const { scene, axes } = store;
-    if (!scene) return;
+    if (!scene || !size.width) return;
     const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
     const output = scene.outputs[axes.output];
     canvas.setAttribute("aria-label", S.surfaceLabel(output.name, x.name, x === y ? "" : y.name));
-    const { g, width, height } = context(canvas);
+    const { g, width, height } = context(canvas, size.width, size.height);
     if (!store.running) {
       g.fillStyle = colourOf("--soft");
       g.font = "13px system-ui, sans-serif";
@@ -90,10 +114,10 @@ export function surfacePane(store) {
     const n = found.xs.length;
     const [ca, sa] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
     const [ce, se] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
-    const size = Math.min(width * 0.58, height * 0.68);
+    const reach = Math.min(width * 0.58, height * 0.68);
     const project = (u, v, w) => {
       const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
-      return [width / 2 + size * right, height * 0.5 - size * (0.62 * w * ce + depth * se)];
+      return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce + depth * se)];
     };
     const px = new Float64Array(n * n);
     const py = new Float64Array(n * n);
@@ -110,24 +134,32 @@ export function surfacePane(store) {
     // From far to near along both axes, so that what is in front covers what is behind.
     const is = order(n - 1, sa > 0);
     const js = order(n - 1, ca > 0);
-    g.lineWidth = 0.6;
+    const ratio = 2; // pixels of the image for one of the page: their mean smooths the edges
+    const [wide, tall] = [Math.round(ratio * width), Math.round(ratio * height)];
+    if (image?.width !== wide || image?.height !== tall) {
+      image = new ImageData(wide, tall);
+      layer = new OffscreenCanvas(wide, tall);
+    }
+    const pixels = new Uint32Array(image.data.buffer);
+    pixels.fill(0);
+    for (let k = 0; k < n * n; k++) {
+      px[k] *= ratio;
+      py[k] *= ratio;
+    }
     for (const j of js) {
       for (const i of is) {
         const [a, b] = [j * n + i, (j + 1) * n + i];
         const middle = 0.25 * (share[a] + share[a + 1] + share[b] + share[b + 1]);
         if (!(middle === middle)) continue; // no value at a corner
-        g.fillStyle = g.strokeStyle = FILLS[Math.max(0, Math.min(255, Math.round(255 * middle)))];
-        g.beginPath();
-        g.moveTo(px[a], py[a]);
-        g.lineTo(px[a + 1], py[a + 1]);
-        g.lineTo(px[b + 1], py[b + 1]);
-        g.lineTo(px[b], py[b]);
-        g.closePath();
-        g.fill();
-        g.stroke();
+        const fills = i % MESH && j % MESH ? FILLS : DARKER;
+        const colour = fills[Math.max(0, Math.min(255, Math.round(255 * middle)))];
+        const [c, d] = [a + 1, b + 1];
+        fillTriangle(pixels, wide, tall, px[a], py[a], px[c], py[c], px[d], py[d], colour);
+        fillTriangle(pixels, wide, tall, px[a], py[a], px[b], py[b], px[d], py[d], colour);
       }
     }
-    mesh(g, px, py, n);
+    layer.getContext("2d").putImageData(image, 0, 0);
+    g.drawImage(layer, 0, 0, width, height);
     const value = store.running.at(store.point)[store.axes.output];
     if (Number.isFinite(value)) {
       const [u, v] = [x, y].map((each, k) => place(each, store.point[k ? store.axes.y : store.axes.x]));
@@ -140,22 +172,6 @@ export function surfacePane(store) {
     const [low, high] = rangeOf(variable);
     return (value - low) / (high - low);
   };
-
-  /** A line at every sixth row and column. */
-  function mesh(g, px, py, n) {
-    if (n * n > 4000) return;
-    g.strokeStyle = "rgb(0 0 0 / 0.22)";
-    g.lineWidth = 0.7;
-    g.beginPath();
-    for (let j = 0; j < n; j += 6) {
-      for (const step of [1, n]) {
-        const start = step === 1 ? j * n : j;
-        g.moveTo(px[start], py[start]);
-        for (let i = 1; i < n; i++) g.lineTo(px[start + i * step], py[start + i * step]);
-      }
-    }
-    g.stroke();
-  }
 
   function frame(g, project, { x, y, low, high, output }) {
     g.strokeStyle = colourOf("--line");
@@ -202,17 +218,17 @@ export function surfacePane(store) {
   function drawContour({ g, width, height, found, low, high, x, y }) {
     const n = found.xs.length;
     const { left, top, wide, tall } = box(width, height);
-    const image = new ImageData(n, n);
+    const colours = new ImageData(n, n);
     for (let j = 0; j < n; j++) {
       for (let i = 0; i < n; i++) {
         const value = found.z[j * n + i];
         const at = 4 * ((n - 1 - j) * n + i);
         const shade = SHADES[Math.max(0, Math.min(255, Math.round((255 * (value - low)) / (high - low))))];
-        if (shade) image.data.set([...shade, 255], at);
+        if (shade) colours.data.set([...shade, 255], at);
       }
     }
     const small = new OffscreenCanvas(n, n);
-    small.getContext("2d").putImageData(image, 0, 0);
+    small.getContext("2d").putImageData(colours, 0, 0);
     g.imageSmoothingEnabled = true;
     // Pixels stand for points: the outer half of the outer ones lies beyond the range.
     g.drawImage(small, 0.5, 0.5, n - 1, n - 1, left, top, wide, tall);
@@ -360,6 +376,9 @@ export function surfacePane(store) {
   const redraw = eachFrame(draw);
   store.on("scene", build);
   for (const name of ["reshaped", "point", "axes", "theme"]) store.on(name, redraw);
-  new ResizeObserver(redraw).observe(body);
+  new ResizeObserver(() => {
+    size = { width: body.clientWidth, height: body.clientHeight };
+    redraw();
+  }).observe(body);
   return section;
 }

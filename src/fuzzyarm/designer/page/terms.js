@@ -42,6 +42,8 @@ export function termsPane(store, { edit, numbers }) {
   let drag = null;
   let moving = ""; // the variable that a hand is on
   let waiting = 0;
+  let wide = 0; // of the plots; asked for when it changes, as asking lays the page out
+  let partly = "";
 
   const each = () => [...store.scene.inputs, ...store.scene.outputs];
 
@@ -64,7 +66,7 @@ export function termsPane(store, { edit, numbers }) {
   }
 
   function scale(variable) {
-    const width = Math.max(160, body.clientWidth);
+    const width = Math.max(160, wide);
     const [low, high] = rangeOf(variable);
     const x = (value) => LEFT + ((value - low) / (high - low)) * (width - LEFT - RIGHT);
     const back = (pixel) => low + ((pixel - LEFT) / (width - LEFT - RIGHT)) * (high - low);
@@ -75,7 +77,11 @@ export function termsPane(store, { edit, numbers }) {
   function draw() {
     if (!store.scene) return;
     const focused = document.activeElement?.dataset?.handle;
-    each().forEach((variable, v) => drawOne(variable, v));
+    const only = partly; // the plot that a hand is on; the others have not changed
+    partly = "";
+    each().forEach((variable, v) => {
+      if (!only || variable.name === only) drawOne(variable, v);
+    });
     if (focused) {
       const same = [...body.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
       same?.focus({ preventScroll: true });
@@ -307,8 +313,17 @@ export function termsPane(store, { edit, numbers }) {
 
   const redraw = eachFrame(draw);
   store.on("scene", build);
-  store.on("reshaped", redraw);
-  store.on("point", redraw);
-  new ResizeObserver(redraw).observe(body);
+  store.on("reshaped", () => {
+    partly = store.busy ? moving : "";
+    redraw();
+  });
+  store.on("point", () => {
+    partly = "";
+    redraw();
+  });
+  new ResizeObserver(() => {
+    wide = body.clientWidth;
+    redraw();
+  }).observe(body);
   return section;
 }
