@@ -57,7 +57,10 @@ export function shortNumber(x, digits = 4) {
   return String(Number(x.toPrecision(digits)));
 }
 
-const HUES = ["#2563a8", "#c2571a", "#2f8f5b", "#a23b8f", "#8a6d00", "#0f8a9d", "#b3343f", "#6a5acd"];
+const HUES = [
+  ["#2563a8", "#74b3f7"], ["#b34e14", "#ff9e63"], ["#1f7a4a", "#66cf97"], ["#a23b8f", "#ec8fdc"],
+  ["#7a6000", "#dcbf45"], ["#0b7484", "#58cfe0"], ["#b3343f", "#ff8e97"], ["#5f50c0", "#b3a8ff"],
+].map((pair) => `light-dark(${pair.join(", ")})`);
 
 export function hue(index) {
   return HUES[index % HUES.length];

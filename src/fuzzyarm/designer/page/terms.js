@@ -109,7 +109,7 @@ export function termsPane(store, { edit, numbers }) {
       const key = `${variable.name}\n${term.name}`;
       const held = store.parameters(variable, term);
       const path = curve(variable, term, held, at);
-      parts.push(svg("path", { d: path, stroke: hue(t), class: key === chosen ? "chosen" : "" }));
+      parts.push(svg("path", { d: path, style: `stroke: ${hue(t)}`, class: key === chosen ? "chosen" : "" }));
       handles.push(...handlesOf(variable, term, t, held, at, key === chosen));
     });
     plot.setAttribute("width", at.width);
@@ -153,7 +153,7 @@ export function termsPane(store, { edit, numbers }) {
       if (value < at.low || value > at.high) return;
       const y = heightAt(variable, term, held, index, value);
       found.push(svg("circle", {
-        cx: at.x(value), cy: at.y(y), r: isChosen ? 5.5 : 4, stroke: hue(t),
+        cx: at.x(value), cy: at.y(y), r: isChosen ? 5.5 : 4, style: `stroke: ${hue(t)}`,
         ...target(variable, term, index, S.corner(variable.name, term.name, place + 1), value, at),
       }));
     });
