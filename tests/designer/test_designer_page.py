@@ -257,6 +257,25 @@ def test_a_hostile_file_is_text(served, window, tmp_path):
         assert each.evaluate("designer.store.scene.inputs[0].name") == "<b>x</b>"
 
 
+AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.min.js"
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed (make designer)")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_serious_fault_of_accessibility(served, browser, scheme):
+    for name in ("pd7", "tipper"):
+        address = put(served, f"axe-{name}.frb", shipped(f"{name}.frb").read_text())[1]
+        context = browser.new_context(bypass_csp=True, color_scheme=scheme)
+        page = context.new_page()
+        page.goto(address)
+        until(lambda page=page: page.evaluate("!!window.designer?.store.scene"), "a picture")
+        page.evaluate(AXE.read_text())
+        found = page.evaluate("axe.run(document, { resultTypes: ['violations'] })")["violations"]
+        context.close()
+        serious = [each for each in found if each["impact"] in {"serious", "critical"}]
+        assert [(each["id"], each["nodes"][0]["html"]) for each in serious] == []
+
+
 def test_a_written_page_needs_nothing(window, tmp_path):
     words = [sys.executable, "-m", "fuzzyarm", "designer", str(shipped("pd7.frb"))]
     subprocess.run([*words, "--export", str(tmp_path / "pd7.html")], check=True)

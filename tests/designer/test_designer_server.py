@@ -1,16 +1,22 @@
 """Who is let in, what a window may ask, and how texts are merged; without a browser."""
 
 import json
+import math
+import shutil
+import subprocess
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzzyarm.designer.assets import asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_source
+from fuzzyarm.inference.sets import straight_pieces
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_cell, set_shapes
 from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.model.shapes import polyline
 from fuzzyarm.shipped_files import shipped
 
 pytest.importorskip("starlette", reason="the extra designer is not installed")
@@ -78,6 +84,43 @@ def test_a_cell_is_replaced_and_columns_stay():
     assert again == PD7
     with pytest.raises(ReshapeError):
         set_cell(read(PD7), 1, 1, "NB")
+
+
+# --- what the page knows of shapes while a hand holds one ---
+
+SHAPES = [
+    ("triangle", (-1.0, 0.5, 2.0)), ("triangle", (0.0, 0.0, 1.0)), ("ramp", (2.0, -1.0)),
+    ("trapezoid", (-math.inf, -math.inf, 0.0, 0.5)), ("trapezoid", (-3.0, -1.0, 0.2, 5.0)),
+    ("trapezoid", (-math.inf,) * 2 + (math.inf,) * 2), ("rectangle", (-0.25, 0.75)),
+    ("ramp", (-1.0, 0.5)), ("points", (-2.0, 0.25, 0.0, 1.0, 0.0, 0.5, 4.0, 0.0)),
+]  # fmt: skip
+
+CORNERS = """
+import { cornersOf, piecesOf } from "./store.js";
+import { readFileSync } from "fs";
+console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, numbers]) => {
+  const corners = cornersOf({ kind, height: 0.5 }, numbers.map(Number));
+  return [corners, piecesOf(corners, -1, 1)];
+})));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_corners_and_pieces_in_the_page_are_those_of_python(tmp_path):
+    for name in ("engine.js", "store.js"):
+        (tmp_path / name).write_bytes(asset(name)[0])
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "run.js").write_text(CORNERS)
+    given_shapes = [(kind, [str(x).replace("inf", "Infinity") for x in p]) for kind, p in SHAPES]
+    done = subprocess.run(
+        ["node", str(tmp_path / "run.js")], input=json.dumps(given_shapes), capture_output=True,
+        text=True, check=True, timeout=60,
+    )  # fmt: skip
+    for (kind, numbers), (corners, pieces) in zip(SHAPES, json.loads(done.stdout), strict=True):
+        expected = polyline(Shape(kind, numbers, 0.5))
+        assert corners == [number for corner in expected for number in corner], kind
+        cut = [tuple(piece[:4]) for piece in straight_pieces(expected, -1.0, 1.0)]
+        assert list(zip(*[iter(pieces)] * 4, strict=True)) == cut, kind
 
 
 # --- the file on disk ---

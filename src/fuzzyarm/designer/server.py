@@ -182,7 +182,7 @@ class Designer:
         elif wanted == "settle":
             before = shared.version
             shared.settle(mine=bool(message["mine"]))
-            await self._changed(window.file, shared, before)
+            await self._changed(window.file, shared, before, disk=True)
 
     async def _opened(self, window: Window, message: dict[str, Any]) -> None:
         name = str(message["file"])
@@ -221,14 +221,16 @@ class Designer:
             shared.save()
         except ConflictError as error:
             await window.tell({"is": "failed", "message": str(error)})
-        await self._changed(window.file, shared, before)
+        await self._changed(window.file, shared, before, disk=True)
 
-    async def _changed(self, name: str, shared: SharedText, before: int) -> None:
+    async def _changed(
+        self, name: str, shared: SharedText, before: int, *, disk: bool = False
+    ) -> None:
         """Tell all windows on a file what has changed since a version, and check it again."""
         updates = shared.since(before) or []
-        news: list[dict[str, Any]] = [{"is": "status", **shared.status, "saved": shared.saved}]
-        if shared.conflict is not None:
-            news[0]["disk"] = shared.conflict
+        news: list[dict[str, Any]] = [{"is": "status", **shared.status}]
+        if disk:  # what is on disk may be long, and changes rarely
+            news[0]["saved"] = shared.saved
         if updates:
             news.insert(0, {"is": "updates", "version": before, "updates": updates})
         shared.forget()
@@ -267,7 +269,7 @@ class Designer:
                 shared = self.workspace.text(name)
                 before = shared.version
                 if shared.look():
-                    await self._changed(name, shared, before)
+                    await self._changed(name, shared, before, disk=True)
 
 
 class Guarded:

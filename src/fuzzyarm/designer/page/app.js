@@ -1,6 +1,6 @@
 // The page of the server: one socket, one file at a time.
 
-import { el } from "./draw.js";
+import { clean, el } from "./draw.js";
 import { frame } from "./frame.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
@@ -41,7 +41,7 @@ const link = {
     return true;
   },
   say(words) {
-    status.textContent = words;
+    status.textContent = clean(words);
   },
   edited(now) {
     mark(saved !== null && now !== saved);
@@ -68,7 +68,7 @@ frame(store, hand, text.section, [chooser, save, status, el("span", { class: "sp
 document.querySelector("main").before(banner);
 
 function tell(words, ...buttons) {
-  banner.replaceChildren(words, ...buttons);
+  banner.replaceChildren(clean(words), ...buttons);
   banner.hidden = !words;
 }
 
@@ -121,7 +121,7 @@ const TAKEN = {
     answers.delete(message.id);
   },
   status(message) {
-    saved = message.saved;
+    saved = message.saved ?? saved;
     mark(text.state().text !== saved);
     if (!message.conflict) {
       tell("");
@@ -132,7 +132,10 @@ const TAKEN = {
     });
     tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
   },
-  failed: (message) => link.say(message.message),
+  failed(message) {
+    if (text.state().epoch) link.say(message.message);
+    else tell(message.message); // the file cannot be opened
+  },
 };
 
 function take(message) {

@@ -84,7 +84,14 @@ export function heat(share) {
   const [r, g, b] = t < 0 ? [33, 102, 172] : [178, 24, 43];
   const strength = 0.85 * Math.abs(t);
   const mixed = [r, g, b].map((c) => Math.round(247 + strength * (c - 247)));
-  return [`rgb(${mixed.join(" ")})`, strength > 0.55 ? "#ffffff" : "#1b2330"];
+  // White on what reflects less than this has more contrast than black.
+  return [`rgb(${mixed.join(" ")})`, luminance(mixed) < 0.18 ? "#ffffff" : "#000000"];
+}
+
+/** How much light a colour reflects, 0 to 1, as accessibility rules weigh it. */
+function luminance(colour) {
+  const [r, g, b] = colour.map((c) => (c <= 10 ? c / 3294 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
 }
 
 /** The drawing context of a canvas that covers so much of the screen. */

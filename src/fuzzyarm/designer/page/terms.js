@@ -166,7 +166,7 @@ export function termsPane(store, { edit, numbers }) {
 
   function target(variable, term, index, label, value, at) {
     return {
-      tabindex: 0, role: "slider", "aria-label": label, "aria-valuenow": value,
+      tabindex: 0, role: "slider", "aria-label": label, "aria-valuenow": Math.min(at.high, Math.max(at.low, value)),
       "aria-valuemin": at.low, "aria-valuemax": at.high, "aria-valuetext": shortNumber(value, 6),
       "data-handle": `${variable.name}\n${term.name}\n${index}`,
       "data-variable": variable.name, "data-term": term.name, "data-index": index ?? "whole",

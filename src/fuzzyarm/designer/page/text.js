@@ -52,7 +52,7 @@ export function textPane(link, nonce) {
       extensions: [
         lineNumbers(), highlightSpecialChars(), history(), drawSelection(), highlightActiveLine(), highlightSelectionMatches(),
         EditorView.cspNonce.of(nonce), EditorState.lineSeparator.of("\n"), colourField,
-        EditorView.contentAttributes.of({ "aria-label": S.editor }),
+        EditorView.contentAttributes.of({ "aria-label": S.editor, tabindex: "0" }),
         autocompletion({ override: [completions] }), hoverTooltip(hovered),
         shared.of([]),
         keymap.of([
