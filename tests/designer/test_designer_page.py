@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
+from fuzzyarm.designer.written import page_of
 from fuzzyarm.shipped_files import shipped
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -146,8 +147,8 @@ def test_what_a_hand_changes_is_an_edit_of_the_text(served, window):
     # A cell is chosen: the columns stay aligned.
     page.get_by_label("rule for ZE, ZE").select_option("PM")
     until(lambda: "  ZE      NB  NM  NS  PM  PS  PM  PB\n" in text_of(page), "the cell")
+    page.keyboard.press("Control+z")  # wherever the focus is
     page.locator(".cm-content").focus()
-    page.keyboard.press("Control+z")
     page.keyboard.press("Control+z")
     assert text_of(page) == before
 
@@ -227,6 +228,20 @@ def test_other_writers_are_merged_or_shown(served, window):
     until(lambda: path.read_text().startswith("# mine\n"), "saved")
 
 
+def test_nothing_is_lost_with_the_connection(served, window):
+    address = put(served, "dropped.frb")[1]
+    one, other = window(address), window(address)
+    one.evaluate("designer.text.goTo([0, 0])")
+    one.evaluate("designer.drop()")
+    one.get_by_text("does not answer").wait_for()
+    one.keyboard.type("# typed alone\n")
+    other.evaluate("designer.text.goTo([27, 0])")
+    other.keyboard.type("# meanwhile\n")
+    until(lambda: "# typed alone" in text_of(other), "sent")
+    until(lambda: text_of(one) == text_of(other), "the same")
+    assert "# meanwhile" in text_of(one)
+
+
 def test_the_page_outlives_the_server(served, window):
     path, address = put(served, "restart.frb")
     page = window(address)
@@ -245,11 +260,7 @@ def test_a_hostile_file_is_text(served, window, tmp_path):
     path, address = put(served, "hostile.frb", HOSTILE)
     page = window(address)
     page.wait_for_selector(".rules select")
-    (tmp_path / "page.html").write_text("")
-    assert fuzzyarm.__version__
-    words = [sys.executable, "-m", "fuzzyarm", "designer", str(path)]
-    done = subprocess.run([*words, "--export", str(tmp_path / "page.html")], check=False)
-    assert done.returncode == 0
+    (tmp_path / "page.html").write_text(page_of(path))
     written = window((tmp_path / "page.html").as_uri())
     for each in (page, written):
         assert each.evaluate("window.caught") is None
@@ -261,9 +272,8 @@ AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.mi
 
 
 @pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed (make designer)")
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_no_serious_fault_of_accessibility(served, browser, scheme):
-    for name in ("pd7", "tipper"):
+def test_no_serious_fault_of_accessibility(served, browser):
+    for name, scheme in (("pd7", "light"), ("tipper", "dark")):
         address = put(served, f"axe-{name}.frb", shipped(f"{name}.frb").read_text())[1]
         context = browser.new_context(bypass_csp=True, color_scheme=scheme)
         page = context.new_page()
@@ -277,8 +287,7 @@ def test_no_serious_fault_of_accessibility(served, browser, scheme):
 
 
 def test_a_written_page_needs_nothing(window, tmp_path):
-    words = [sys.executable, "-m", "fuzzyarm", "designer", str(shipped("pd7.frb"))]
-    subprocess.run([*words, "--export", str(tmp_path / "pd7.html")], check=True)
+    (tmp_path / "pd7.html").write_text(page_of(shipped("pd7.frb")))
     page = window((tmp_path / "pd7.html").as_uri())
     requests = []
     page.on("request", lambda request: requests.append(request.url))

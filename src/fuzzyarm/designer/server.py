@@ -7,8 +7,8 @@ elsewhere and runs no text.
 
 The socket speaks JSON, an object each way. A window sends ``{"do": "open", "file": …}``, then
 ``push`` (changes and the version that they are for), ``ask`` (a question with an ``id``),
-``save`` and ``settle``; it hears ``opened``, ``updates``, ``findings``, ``scene``, ``answer``,
-``status`` and ``failed``, each under ``is``.
+``save`` and ``settle``; it hears ``opened`` or ``reopened``, ``updates``, ``findings``,
+``scene``, ``answer``, ``status`` and ``failed``, each under ``is``.
 """
 
 from __future__ import annotations
@@ -189,7 +189,14 @@ class Designer:
         shared = self.workspace.text(name)
         window.file = name
         before = shared.version
-        if "text" in message and message.get("epoch") != shared.epoch:
+        if message.get("epoch") == shared.epoch:  # the connection was lost, not the server
+            missed = shared.since(int(message["version"]))
+            if missed is not None:
+                again = {"is": "reopened", "version": message["version"], "updates": missed}
+                await window.tell({**again, "saved": shared.saved})
+                self._check(name, shared)
+                return
+        elif "text" in message:
             shared.resume(str(message["text"]), str(message["saved"]), "resumed")
         await window.tell(
             {

@@ -20,6 +20,7 @@ files.value = file;
 let saved = null; // the text on disk, as the server knows it
 let dirty = false;
 let lost = false;
+let turning = false; // to another file of this page
 let asked = 0;
 const answers = new Map();
 
@@ -87,7 +88,9 @@ function connect() {
   socket = new WebSocket(address);
   socket.onopen = () => {
     const { epoch, text: now } = text.state();
-    send(epoch ? { do: "open", file, epoch, text: now, saved } : { do: "open", file });
+    send(epoch
+      ? { do: "open", file, epoch, version: text.version(), text: now, saved }
+      : { do: "open", file });
   };
   socket.onmessage = (event) => take(JSON.parse(event.data));
   socket.onclose = () => {
@@ -108,6 +111,13 @@ const TAKEN = {
     lost = false;
     tell("");
     text.open(message);
+  },
+  reopened(message) {
+    saved = message.saved;
+    lost = false;
+    tell("");
+    text.receive(message); // and what was typed meanwhile is sent
+    mark(text.state().text !== saved);
   },
   updates: (message) => text.receive(message),
   findings: (message) => text.show(message),
@@ -144,18 +154,27 @@ function take(message) {
 
 /** Show another file; what is not saved stays with the server. */
 function turnTo(name) {
+  turning = true;
   location.hash = new URLSearchParams({ file: name });
   location.reload();
 }
 
 window.addEventListener("beforeunload", (event) => {
-  if (dirty && lost) event.preventDefault(); // the server has it otherwise
+  if (dirty && !turning) event.preventDefault();
 });
 window.addEventListener("keydown", (event) => {
-  if ((event.ctrlKey || event.metaKey) && event.key === "s") {
+  if (!event.ctrlKey && !event.metaKey) return;
+  const key = event.key.toLowerCase();
+  const writing = event.target.closest?.(".cm-editor, input[type='text']"); // has its own steps back
+  const act = key === "s" ? link.save
+    : writing ? null
+    : key === "y" || (key === "z" && event.shiftKey) ? text.redo
+    : key === "z" ? text.undo
+    : null;
+  if (act) {
     event.preventDefault();
-    link.save();
+    act();
   }
 });
 connect();
-window.designer = { store, text }; // for tests and the curious
+window.designer = { store, text, drop: () => socket.close() }; // for tests and the curious

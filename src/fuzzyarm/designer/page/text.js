@@ -255,6 +255,8 @@ export function textPane(link, nonce) {
     show,
     settled,
     state: () => ({ text: view.state.doc.toString(), epoch }),
+    undo: () => undo(view),
+    redo: () => redo(view),
     version: () => getSyncedVersion(view.state),
     goTo: (at) => select(offset(at), offset(at)),
     edit: async (what, details) => apply(await question(what, details), `input.${what}`),
