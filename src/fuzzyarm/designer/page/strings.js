@@ -29,6 +29,7 @@ export const S = {
   renameTo: "New name of",
   cancel: "Cancel",
   ok: "OK",
+  design: "Design",
   terms: "Terms",
   inputs: "input",
   outputs: "output",
