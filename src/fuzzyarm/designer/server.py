@@ -49,6 +49,10 @@ class OutsideError(FuzzyarmError, ValueError):
     """A file that is not in the folder, or of a kind that is not opened."""
 
 
+class PortError(FuzzyarmError, OSError):
+    """A port that is taken, or that may not be used."""
+
+
 class Workspace:
     """A folder, or one file of it.
 
@@ -364,7 +368,7 @@ def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
 
     Raises
     ------
-    OSError
+    PortError
         If the port is taken.
     """
     import uvicorn
@@ -373,7 +377,10 @@ def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
     token = token_for(path.resolve())
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listening.bind(("127.0.0.1", port))
+        try:
+            listening.bind(("127.0.0.1", port))
+        except OSError as error:
+            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
             Designer(workspace, token).app(),
