@@ -25,10 +25,15 @@ def names() -> frozenset[str]:
     return frozenset(name for name in found if Path(name).suffix in KINDS)
 
 
+@cache
+def _engine() -> bytes:
+    return f"{engine_source()}\nexport {{ Engine }};\n".encode()
+
+
 def asset(name: str) -> tuple[bytes, str] | None:
     """Return the content and the type of a file of the page; None where there is no such one."""
     if name == "engine.js":
-        return f"{engine_source()}\nexport {{ Engine }};\n".encode(), KINDS[".js"]
+        return _engine(), KINDS[".js"]
     if name not in names():
         return None
     return (PAGE / name).read_bytes(), KINDS[Path(name).suffix]
