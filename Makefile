@@ -4,7 +4,7 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
-.PHONY: demo test lint unit docs bench mutants fuzz editors lock clean help
+.PHONY: demo test lint unit docs bench mutants fuzz editors designer lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
@@ -14,6 +14,7 @@ help:
 	@echo "make mutants  change the source in 100 ways and see which a test notices"
 	@echo "make fuzz   damage files and make rule bases at random, 20,000 times each"
 	@echo "make editors  compile, test and package the extension for VS Code (needs node)"
+	@echo "make designer  build the editor of the designer's page (needs node)"
 	@echo "make lock   renew the lock files (needs uv)"
 
 demo: $(VENV)/.run
@@ -64,6 +65,9 @@ $(VENV)/.dev: requirements/dev.lock pyproject.toml | $(VENV)/bin/python
 
 editors:
 	cd editors/vscode && npm ci && npm test && npm run package
+
+designer:
+	cd editors/designer && npm ci && npm run build
 
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate -p 3.11 pyproject.toml -o requirements/run.lock

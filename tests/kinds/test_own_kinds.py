@@ -180,6 +180,7 @@ WORKS = [
     ("fmt", "{own}"),
     ("eval", "{own}", *AT),
     ("eval", "{own}", *AT, "--json"),
+    ("designer", "{own}", "--export", "{out}.html"),
     ("eval", "{own}", *AT, "--explain"),
     ("eval", "{own}", *AT, "--explain", "--json"),
     ("eval", "{own}", *AT, "--plot", "{out}.svg"),
@@ -214,6 +215,7 @@ ANSWERS = [
     ("compile", "{own}", "-o", "{out}.h", "--direct"),
     ("compile", "{own}", "-o", "{out}.c", "--direct"),
     ("compile", "{own}", "-o", "{out}.st", "--direct"),
+    ("compile", "{own}", "-o", "{out}.mjs"),
     *(
         ("convert", "{own}", "{out}" + suffix, "--for", producer, *more)
         for suffix, producers in PRODUCERS.items()

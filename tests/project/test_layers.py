@@ -41,6 +41,7 @@ ORDER = (
     "notebook",
     "lsp",
     "studio",
+    "designer",
     "cli",
 )
 """Every package, and every module beside them: each imports only what stands before it."""
@@ -49,6 +50,7 @@ FLOOR = {package: floor for floor, package in enumerate(ORDER)}
 
 HEAVY = (
     "numpy", "numba", "scipy", "skfuzzy", "sklearn", "matplotlib", "rich", "pygls", "textual",
+    "starlette", "uvicorn",
 )  # fmt: skip
 
 

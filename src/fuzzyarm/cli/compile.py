@@ -1,7 +1,8 @@
 """Compile a rule base to a lookup table or to source text, or a controller to a program.
 
 The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json. Source text:
-.h (a C99 header on its own), .c (with a .h beside it) or .st (IEC 61131-3 Structured Text).
+.h (a C99 header on its own), .c (with a .h beside it) or .st (IEC 61131-3 Structured Text);
+.mjs or .js is a module of JavaScript that infers the rules themselves.
 FILE may be a table already; it is then rewritten in the other format.
 
 The levels, bins and rounding are those of the file's `lookup` settings; an input without
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
 
 _EXPORTS = (".h", ".c", ".st")
 _UNIT = ".fmu"
+_MODULES = (".mjs", ".js")
 
 # Options that make no sense for some inputs or outputs, by their names.
 _SOURCE_ONLY = ("direct", "q", "precision", "name")
@@ -74,7 +76,10 @@ def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.table import SUFFIXES
 
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
-    suffix = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS, _UNIT))
+    suffix = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS, _UNIT, *_MODULES))
+    if suffix in _MODULES:
+        _write_module(arguments)
+        return 0
     exports = suffix not in SUFFIXES
     controller = load_controller(arguments.file) if exports else None
     if controller is not None:
@@ -87,6 +92,26 @@ def _run(arguments: argparse.Namespace) -> int:
     _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")
     _compile_sheet(arguments, exports=exports)
     return 0
+
+
+def _write_module(arguments: argparse.Namespace) -> None:
+    """Write a rule base as a module of JavaScript."""
+    from fuzzyarm.export.javascript import rule_base_module
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.text.files import write_atomically
+
+    model = load_sheet(arguments.file)
+    if not isinstance(model, RuleBase):
+        raise WordError(f"a module of JavaScript is made of a rule base, not {arguments.file}")
+    refused = (*_TABLES_ONLY, *_CONTROLLERS_ONLY, "precision", "output", "name")
+    _forbid(arguments, refused, "JavaScript infers the rules of all outputs")
+    text = rule_base_module(model, arguments.file)
+    write_atomically(arguments.out, text)
+    names = ", ".join(each.name for each in model.inputs)
+    if arguments.json:
+        print_json({"file": arguments.out, "bytes": len(text.encode())}, 2)
+    else:
+        say(f"{arguments.out}: infer({{{names}}}), {len(text.encode())} bytes")
 
 
 def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:

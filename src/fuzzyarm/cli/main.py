@@ -24,6 +24,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "check": ("check", "find mistakes and doubts in rule bases and tables"),
     "fmt": ("check", "rewrite rule bases in canonical form"),
     "studio": ("editing", "write a rule base and see what it means, as you type"),
+    "designer": ("designer", "a rule base as text and picture, in a browser"),
     "watch": ("editing", "draw a file again whenever it is saved"),
     "lsp": ("editing", "the language server for editors"),
     "eval": ("eval", "the outputs at one point, and why"),

@@ -50,9 +50,10 @@ class Operation(NamedTuple):
         The value of floats; never raises.
     array : str
         The function of NumPy, or empty where `scalar` tells it (``where``).
-    python, c, st : str
+    python, c, st, js : str
         Source text with ``{0}`` and so on for the arguments. Empty where a language has
-        none. In C a name behind ``@`` takes the suffix ``f`` in single precision.
+        none; in JavaScript it is then that of C. In C a name behind ``@`` takes the suffix
+        ``f`` in single precision.
     binds : int
         How tightly the text holds its parts together; 9 for a call.
     partials : callable or None
@@ -78,6 +79,7 @@ class Operation(NamedTuple):
     binds: int = 9
     exact: bool = False
     sort: str = "functions"
+    js: str = ""
 
     @property
     def is_condition(self) -> bool:
@@ -304,15 +306,17 @@ def _function(
     *,
     arity: int = 1,
     exact: bool = False,
+    js: str = "",
 ) -> Operation:
-    """Return a record whose text is a call in every language."""
+    """Return a record whose text is a call in every language; `js` where it is not as in C."""
     holes = ", ".join(f"{{{i}}}" for i in range(arity))
 
     def call(word: str) -> str:
         return f"{word}({holes})" if word else ""
 
     texts = call(python), call(f"@{c}"), call(st)
-    return Operation(name, arity, scalar, array, *texts, bounds, partials, exact=exact)
+    own = call(js or f"Math.{c}")
+    return Operation(name, arity, scalar, array, *texts, bounds, partials, exact=exact, js=own)
 
 
 _TABLE = (
@@ -342,29 +346,30 @@ _TABLE = (
     ),
     _function(
         "remainder", _quiet(math.fmod), "fmod", "fmod", "fmod", "", _remainder_bounds,
-        lambda a, b: (_ONE, -_call("truncate", a / b)), arity=2,
+        lambda a, b: (_ONE, -_call("truncate", a / b)), arity=2, js="remainder",
     ),
     _function(
-        "power", _power, "power", "pow", "pow", "EXPT", _power_bounds, _power_partials, arity=2
+        "power", _power, "power", "pow", "pow", "EXPT", _power_bounds, _power_partials, arity=2,
+        js="power",
     ),
     Operation(
         "minimum", 2, min, "",
         "min({0}, {1})", "minimum({0}, {1})", "minimum({0}, {1})",
         lambda a, b: Interval(min(a.low, b.low), min(a.high, b.high)),
         lambda a, b: (_where_node(b < a, 0.0, 1.0), _where_node(b < a, 1.0, 0.0)),
-        exact=True, sort=_COMPARISONS + " of two",
+        exact=True, sort=_COMPARISONS + " of two", js="min({0}, {1})",
     ),
     Operation(
         "maximum", 2, max, "",
         "max({0}, {1})", "maximum({0}, {1})", "maximum({0}, {1})",
         lambda a, b: Interval(max(a.low, b.low), max(a.high, b.high)),
         lambda a, b: (_where_node(b > a, 0.0, 1.0), _where_node(b > a, 1.0, 0.0)),
-        exact=True, sort=_COMPARISONS + " of two",
+        exact=True, sort=_COMPARISONS + " of two", js="max({0}, {1})",
     ),
     # Functions.
     _function(
         "absolute", abs, "abs", "abs", "fabs", "ABS", _even(abs),
-        _of_one(lambda a: _where_node(a < 0.0, -1.0, 1.0)), exact=True,
+        _of_one(lambda a: _where_node(a < 0.0, -1.0, 1.0)), exact=True, js="Math.abs",
     ),
     _function(
         "sqrt", _quiet(math.sqrt), "sqrt", "sqrt", "sqrt", "SQRT", _rising(math.sqrt, 0.0),
@@ -431,7 +436,8 @@ _TABLE = (
         exact=True,
     ),
     _function(  # of two equally near whole numbers the even one, in every language
-        "round", _whole(round), "round", "rint", "rint", "", _rising(_whole(round)), exact=True
+        "round", _whole(round), "round", "rint", "rint", "", _rising(_whole(round)), exact=True,
+        js="rint",
     ),
     _function(
         "truncate", _whole(math.trunc), "trunc", "trunc", "trunc", "", _rising(_whole(math.trunc)),
@@ -449,7 +455,7 @@ _TABLE = (
     ),
     Operation(
         "equal", 2, lambda a, b: a == b, "equal", "{0} == {1}", "{0} == {1}", "{0} = {1}",
-        _equal_bounds, binds=4, exact=True, sort=_COMPARISONS,
+        _equal_bounds, binds=4, exact=True, sort=_COMPARISONS, js="{0} === {1}",
     ),
     Operation(
         "both", 2, lambda a, b: a and b, "logical_and", "{0} and {1}", "{0} && {1}", "{0} AND {1}",

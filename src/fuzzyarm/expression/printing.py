@@ -1,4 +1,4 @@
-"""Expressions as source text: Python, C99, Structured Text.
+"""Expressions as source text: Python, C99, Structured Text, JavaScript.
 
 An expression is first written as statements (:func:`statements`): a part that is used twice
 becomes a variable, a choice becomes an ``if``. A variable is set only where every path needs
@@ -28,6 +28,7 @@ from fuzzyarm.expression.nodes import (
 from fuzzyarm.expression.operations import OPERATIONS, Operation
 
 __all__ = [
+    "JAVASCRIPT",
     "PYTHON",
     "STRUCTURED_TEXT",
     "Assign",
@@ -363,6 +364,27 @@ def c_language(real: str = "double") -> Language:
         " /* {} */",
         {},
     )
+
+
+def javascript_number(value: float) -> str:
+    """Return a float as JavaScript has it."""
+    if math.isfinite(value):
+        return repr(float(value))
+    return "NaN" if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
+
+
+JAVASCRIPT = Language(
+    "JavaScript",
+    lambda operation: operation.js or operation.c,
+    javascript_number,
+    "{name} = {value};",
+    "const {name} = {value};",
+    "let {name};",
+    ("if ({condition}) {{", "} else {", "}"),
+    "  // {}",
+    {},
+)
+"""JavaScript; `min`, `max`, `power`, `rint` and `remainder` are functions of the export."""
 
 
 def _structured_number(value: float) -> str:

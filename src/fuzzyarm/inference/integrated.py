@@ -259,6 +259,13 @@ def halve(
 
 
 @kernel
+def move_bits(row: Any, index: int, steps: int) -> None:
+    """Move a float to a neighbour of it: floats of one sign are ordered as their bits are."""
+    bits = row.view(np.int64)
+    bits[index] += steps
+
+
+@kernel
 def integral(
     k: Any, f: Any, room: Any, heap: Any, point: int, x_0: float, x_1: float, centre: float
 ) -> tuple[float, float]:
@@ -273,16 +280,14 @@ def integral(
         nodes[2 * i], nodes[2 * i + 1] = middle - step, middle + step
     # The ends just inside, for the value on this side of a vertical edge.
     nodes[6], nodes[7] = x_0, x_1
-    # Floats of one sign are ordered as their bits are.
-    bits = heap.view(np.int64)
     if x_0 == 0.0:
         nodes[6] = 5e-324
     else:
-        bits[6] += 1 if x_0 > 0.0 else -1
+        move_bits(heap, 6, 1 if x_0 > 0.0 else -1)
     if x_1 == 0.0:
         nodes[7] = -5e-324
     else:
-        bits[7] += 1 if x_1 < 0.0 else -1
+        move_bits(heap, 7, 1 if x_1 < 0.0 else -1)
     for i in range(ROW):
         so_far[i] = 0.0
     fold = k[head + AGGREGATION]

@@ -12,7 +12,7 @@ import struct
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate, product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +82,8 @@ class Layout(NamedTuple):
         How many cells of all inputs together there are.
     rows, samples : int
         How many rows the kernel works in, and how long the row of samples has to be.
+    marks : tuple of Mark
+        Of a loose layout: where the numbers of each term stand.
     """
 
     whole: list[int]
@@ -89,6 +91,35 @@ class Layout(NamedTuple):
     programs: int
     rows: int
     samples: int
+    marks: tuple[Mark, ...] = ()
+
+
+class Mark(NamedTuple):
+    """Where the numbers of a term stand in a loose layout.
+
+    Attributes
+    ----------
+    sort : str
+        ``curve`` (the numbers of its row function), ``pieces`` (four floats each), ``samples``
+        (a degree for each position) or ``value``.
+    variable, term : str
+        The term; as it is, without hedges.
+    row : int
+        Of a curve the row that its degrees are written to; of pieces where in the whole numbers
+        their count stands.
+    floats, room : int
+        Where its numbers begin, and for how many there is room.
+    scaled : bool
+        Of a set: whether its rules scale it rather than cut it.
+    """
+
+    sort: str
+    variable: str
+    term: str
+    row: int
+    floats: int
+    room: int
+    scaled: bool = False
 
 
 class Block(NamedTuple):
@@ -160,10 +191,7 @@ def _row_function(
 
 
 def norm_address(norm: Norm, sort: str, *, compiled: bool) -> int:
-    """Return what a program calls a norm: a number of the kernel's own, or an address."""
-    own = _OWN_NORMS.get((sort, norm.name))
-    if own is not None:
-        return own
+    """Return the address of a norm that the kernel does not do by itself."""
     function = _row_function(norm.expression, norm.symbols, (), norm.name)
     return address_of(function, 4, compiled=compiled)
 
@@ -241,6 +269,50 @@ def _hedged_polyline_row(x: Any, numbers: Any, into: Any) -> None:
     call(numbers.view(np.int64)[0], into, numbers[0:0], into)
 
 
+class Addresses(Protocol):
+    """Who gives the functions that a program calls their numbers."""
+
+    def norm(self, norm: Norm, sort: str) -> int:
+        """Return the number of a norm beside the kernel's own; `sort` is ``T`` or ``S``."""
+
+    def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
+        """Return the number of a term's row function, and what it takes."""
+
+    def hedged(self, hedges: tuple[Hedge, ...]) -> int:
+        """Return the number of a row function of hedges."""
+
+    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+        """Return the number of a kernel that takes the block."""
+
+
+def norm_number(norm: Norm, sort: str, addresses: Addresses) -> int:
+    """Return what a program calls a norm: a number of the kernel's own, or another."""
+    own = _OWN_NORMS.get((sort, norm.name))
+    return addresses.norm(norm, sort) if own is None else own
+
+
+class InMemory(NamedTuple):
+    """Numbers that are addresses in this process, of machine code or of plain Python."""
+
+    compiled: bool
+
+    def norm(self, norm: Norm, sort: str) -> int:
+        """See :class:`Addresses`."""
+        return norm_address(norm, sort, compiled=self.compiled)
+
+    def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
+        """See :class:`Addresses`."""
+        return curve_of(shape, hedges, compiled=self.compiled)
+
+    def hedged(self, hedges: tuple[Hedge, ...]) -> int:
+        """See :class:`Addresses`."""
+        return hedge_row(hedges, compiled=self.compiled)
+
+    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+        """See :class:`Addresses`."""
+        return address_of(function, 1, compiled=self.compiled, inline=inline)
+
+
 # ── the writer ───────────────────────────────────────────────────────────────────────
 
 
@@ -262,7 +334,9 @@ class _Rule(NamedTuple):
     threshold: float
 
 
-def lay_out(plan: Plan, *, compiled: bool) -> Layout:
+def lay_out(
+    plan: Plan, *, compiled: bool = False, addresses: Addresses | None = None, loose: str = ""
+) -> Layout:
     """Write a plan as numbers.
 
     Parameters
@@ -271,6 +345,12 @@ def lay_out(plan: Plan, *, compiled: bool) -> Layout:
         Of any rule base.
     compiled : bool
         Whether the kernel will run as machine code: row functions have other addresses then.
+    addresses : Addresses, optional
+        Who numbers the functions; by default they are addresses in this process.
+    loose : str
+        A variable whose terms are to have numbers of their own, so that they can be changed in
+        place: an input without cells, an output without closed forms. It takes longer to
+        evaluate, and its last bits differ.
 
     Returns
     -------
@@ -282,7 +362,7 @@ def lay_out(plan: Plan, *, compiled: bool) -> Layout:
     NotCoveredError
         If the kernel cannot evaluate it.
     """
-    return _Writer(plan, compiled=compiled).layout()
+    return _Writer(plan, addresses or InMemory(compiled), loose=loose).layout()
 
 
 def what_is_not_covered(plan: Plan) -> str:
@@ -295,11 +375,13 @@ def what_is_not_covered(plan: Plan) -> str:
 
 
 class _Writer:
-    def __init__(self, plan: Plan, *, compiled: bool) -> None:
+    def __init__(self, plan: Plan, addresses: Addresses, *, loose: str) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
             raise NotCoveredError("there is nothing to evaluate")
         self.plan = plan
-        self.compiled = compiled
+        self.addresses = addresses
+        self.loose = loose
+        self.marks: list[Mark] = []
         self.numbers: dict[Proposition, int] = {}
         self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
         self.rules = [self._rule(i, planned) for i, planned in enumerate(plan.rules)]
@@ -325,7 +407,10 @@ class _Writer:
         sort, norms = ("T", TNORMS) if conjunction else ("S", SNORMS)
         record = norms[planned.conjunction if conjunction else planned.disjunction]
         operands = tuple(self._number(each, planned) for each in expression.operands)
-        return norm_address(record, sort, compiled=self.compiled), operands
+        return self.norm(record, sort), operands
+
+    def norm(self, norm: Norm, sort: str) -> int:
+        return norm_number(norm, sort, self.addresses)
 
     def _number(self, expression: Expression, planned: PlannedRule) -> int:
         if isinstance(expression, Is):
@@ -335,7 +420,7 @@ class _Writer:
         if key not in self.truths:
             hedges = 0
             if isinstance(expression, Hedged):
-                hedges = hedge_row(expression.hedges, compiled=self.compiled)
+                hedges = self.addresses.hedged(expression.hedges)
                 expression = expression.operand
             norm, operands = self._joined(expression, planned)
             self.truths[key] = _Truth(-1 - len(self.truths), norm, operands, hedges)
@@ -345,14 +430,14 @@ class _Writer:
 
     def _cut_inputs(self) -> None:
         """Cut the inputs into cells; not all of them where that would make too many programs."""
-        uncut: set[str] = set()
+        inputs = self.plan.rulebase.inputs
+        uncut = {self.loose}
         while True:
             self._cut(uncut)
             self.known = [{n for lines in cells.lines for n in lines} for cells in self.cells]
             programs = math.prod(len(cells.lines) for cells in self.cells)
             if programs <= MOST_PROGRAMS and self._entries() <= MOST_ENTRIES:
                 return
-            inputs = self.plan.rulebase.inputs
             sizes = {v.name: len(cells.lines) for v, cells in zip(inputs, self.cells, strict=True)}
             largest = max(sizes, key=lambda name: sizes[name])
             if sizes[largest] == 1:
@@ -373,7 +458,7 @@ class _Writer:
                 if name not in uncut and is_straight(shape, hedges):
                     straight.append((number, shape, hedges))
                 else:
-                    curves.append((number, curve_of(shape, hedges, compiled=self.compiled)))
+                    curves.append((number, self.addresses.curve(shape, hedges)))
             bounded = variable.outside != "extend"
             low, high = (variable.low, variable.high) if bounded else (-math.inf, math.inf)
             self.cells.append(cut_into_cells(straight, low, high))
@@ -444,8 +529,9 @@ class _Writer:
         self.whole[: at.POINTS] = [
             inputs, len(outputs), self.operands, row, work, programs, heads, stride, samples,
         ]  # fmt: skip
-        self.whole[at.RUN] = address_of(at.run, 1, compiled=self.compiled)
-        return Layout(self.whole, self.floats, stride, work + at.WORK_ROWS, samples)
+        self.whole[at.RUN] = self.addresses.program(at.run)
+        rows = work + at.WORK_ROWS
+        return Layout(self.whole, self.floats, stride, rows, samples, tuple(self.marks))
 
     def _write_input(self, i: int, cells: Cells, row: int, stride: int) -> None:
         variable = self.plan.rulebase.inputs[i]
@@ -467,9 +553,14 @@ class _Writer:
                 self.floats += lines[part]
         self.lines.append(here)
         curves = len(self.whole)
-        for _, curve in self.curves[i]:
-            self.whole += [curve.address, len(self.floats), len(curve.numbers)]
+        terms = {number: (term, hedges) for (_, term, hedges), number in self.numbers.items()}
+        for j, (number, curve) in enumerate(self.curves[i]):
+            begin, (term, hedges) = len(self.floats), terms[number]
+            self.whole += [curve.address, begin, len(curve.numbers)]
             self.floats += curve.numbers
+            if variable.name == self.loose and not hedges:
+                mark = ("curve", variable.name, term, row + most + j, begin, len(curve.numbers))
+                self.marks.append(Mark(*mark))
         always = {part: row + most + j for j, (part, _) in enumerate(self.curves[i])}
         self.rows.append(
             [{part: row + j for j, part in enumerate(found)} | always for found in listed]
@@ -515,7 +606,8 @@ class _OutputWriter:
         self.base, self.plan = base, plan
         self.heights = self.samples = 0
         output, whole = plan.output, base.whole
-        self.defuzzifier = _defuzzifier(plan)
+        self.loose = output.name == base.loose
+        self.defuzzifier = _defuzzifier(plan, loose=self.loose)
         mode = {"clamp": at.CLAMP, "extend": at.EXTEND, "error": at.ERROR}[output.outside]
         floats = len(base.floats)
         silent = math.nan if isinstance(output.no_rule, str) else float(output.no_rule)
@@ -537,8 +629,8 @@ class _OutputWriter:
         else:
             detail = self._write_values()
         is_mean = output.defuzzifier.method not in {"weighted-sum", "bisector"}
-        fold = norm_address(SNORMS[output.aggregation], "S", compiled=base.compiled)
-        address = address_of(self.defuzzifier, 1, compiled=base.compiled, inline=True)
+        fold = base.norm(SNORMS[output.aggregation], "S")
+        address = base.addresses.program(self.defuzzifier, inline=True)
         whole[head : head + at.OUTPUT_HEAD] = [
             address, floats, fold, mode, detail, int(is_mean),
         ]  # fmt: skip
@@ -573,11 +665,25 @@ class _OutputWriter:
             found = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
             )
-            begin, end = found.first, found.first + len(found.heights)
+            begin, heights = found.first, list(found.heights)
+            if (
+                self.base.loose == "outputs"
+            ):  # a sample for each position, also where the set is 0 now
+                behind = count - begin - len(heights)
+                begin, heights = 0, [*[0.0] * begin, *heights, *[0.0] * behind]
             self.consequents[i] = len(self.base.whole)
-            cut = norm_address(TNORMS[member.implication], "T", compiled=self.base.compiled)
-            self.base.whole += [begin, end, self._floats(found.heights), cut]
+            cut = self.base.norm(TNORMS[member.implication], "T")
+            self.base.whole += [begin, begin + len(heights), self._floats(heights), cut]
+            self._mark("samples", i, len(floats) - len(heights), len(heights))
         return count
+
+    def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
+        """Note where the numbers of a consequent without hedges stand in a loose layout."""
+        found, output = self.plan.members[member], self.plan.output
+        if self.loose and not found.hedges:
+            counted, scaled = self.consequents[member], found.implication == "product"
+            mark = Mark(sort, output.name, found.term.name, counted, begin, room, scaled)
+            self.base.marks.append(mark)
 
     def _write_pieces(self) -> None:
         pieces = 0
@@ -585,8 +691,13 @@ class _OutputWriter:
             self.consequents[i] = len(self.base.whole)
             scaled = int(member.implication == "product")
             self.base.whole += [len(member.pieces), len(self.base.floats), scaled]
-            self.base.floats += [end for piece in member.pieces for end in piece[:4]]
-            pieces += len(member.pieces)
+            room = len(member.pieces)
+            if self.loose:  # a corner may move into the range, or off another one
+                room = max(room, len(polyline(member.term.shape)) + 1)
+            ends = [end for piece in member.pieces for end in piece[:4]]
+            self._floats([*ends, *[0.0] * (at.PIECE * room - len(ends))])
+            self._mark("pieces", i, len(self.base.floats) - at.PIECE * room, room)
+            pieces += room
         # Cutting may split a piece in two; each end is an event. There are two rows of samples.
         self.samples = (2 * at.PIECE * pieces + 4 * pieces) // 2 + 1
 
@@ -594,8 +705,8 @@ class _OutputWriter:
         """Write what the quadrature reads; see :mod:`fuzzyarm.inference.integrated`."""
         plan, whole = self.plan, self.base.whole
         for i, member in enumerate(plan.members):
-            curve = curve_of(member.term.shape, member.hedges, compiled=self.base.compiled)
-            cut = norm_address(TNORMS[member.implication], "T", compiled=self.base.compiled)
+            curve = self.base.addresses.curve(member.term.shape, member.hedges)
+            cut = self.base.norm(TNORMS[member.implication], "T")
             sloping = [each for each in member.pieces if each.straight and each.y0 != each.y1]
             clips = CLIPPING.get(member.implication, ())
             lines = lines_of(member.implication)
@@ -639,6 +750,7 @@ class _OutputWriter:
             self.consequents[i] = len(self.base.floats)
             if member.value is not None:
                 self.base.floats += [member.value, *[0.0] * count]
+                self._mark("value", i, self.consequents[i], 1)
             else:
                 *coefficients, constant_term = member.term.shape.parameters
                 self.base.floats += [constant_term, *coefficients]
@@ -697,13 +809,15 @@ class _OutputWriter:
         self.heights = max(self.heights, len(members) + len(unions))
 
 
-def _defuzzifier(plan: OutputPlan) -> Callable[[Any], None]:
+def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], None]:
     if plan.discrete:
         return at.weighted
     if plan.output.defuzzifier.resolution is not None:
         return at.sampled_centroid
     if plan.output.defuzzifier.method == "bisector" and plan.members:
         return integrated.integrated_bisector
+    if plan.members and loose and has_envelope(plan):
+        return at.enveloped_centroid
     if plan.closed is not None or not plan.members:
         return at.closed_centroid
     return at.enveloped_centroid if has_envelope(plan) else integrated.integrated_centroid
@@ -719,10 +833,9 @@ def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
 
 
 def has_envelope(plan: OutputPlan) -> bool:
-    """Whether the sets have no closed form, but are straight under min or product, and max."""
+    """Whether the sets are straight under min or product, and max."""
     return (
-        plan.closed is None
-        and plan.output.aggregation == "max"
+        plan.output.aggregation == "max"
         and all(member.implication in {"min", "product"} for member in plan.members)
         and all(piece.straight for member in plan.members for piece in member.pieces)
     )

@@ -24,6 +24,7 @@ from fuzzyarm.language.queries.references import (
     references,
     rename,
 )
+from fuzzyarm.language.queries.reshape import ReshapeError, set_cell, set_shapes
 from fuzzyarm.lazy import lazily
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "Occurrence",
     "Reading",
     "RenameError",
+    "ReshapeError",
     "Symbol",
     "apply_edits",
     "coloured",
@@ -51,6 +53,8 @@ __all__ = [
     "read",
     "references",
     "rename",
+    "set_cell",
+    "set_shapes",
     "symbols",
 ]
 

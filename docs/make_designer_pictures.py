@@ -1,0 +1,88 @@
+"""Make the pictures of docs/designer.md: `python docs/make_designer_pictures.py`.
+
+They are what a browser shows of the running designer, driven by hand movements.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import sync_playwright
+
+ROOT = Path(__file__).parents[1]
+HERE = ROOT / "docs" / "pictures"
+SIZE: Any = {"width": 1280, "height": 720}
+
+
+def open_page(browser: Any, address: str, name: str, scheme: str = "light") -> Any:
+    """Open a file and wait for its picture."""
+    page = browser.new_page(viewport=SIZE, color_scheme=scheme)
+    page.goto(f"{address}#file={name}.frb")
+    while not page.evaluate("!!window.designer?.store.scene"):
+        page.wait_for_timeout(50)
+    page.wait_for_timeout(400)
+    return page
+
+
+def drag(page: Any, selector: str, dx: int) -> None:
+    """Move a handle to the side; the hand stays on it."""
+    box = page.locator(selector).first.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.wait_for_timeout(300)
+    page.mouse.move(x + dx, y, steps=5)
+    page.wait_for_timeout(300)
+
+
+def draw(browser: Any, address: str) -> None:
+    """Draw every picture."""
+    page = open_page(browser, address, "pd7")
+    page.screenshot(path=HERE / "designer.png")
+    page.get_by_label("Partition").check()
+    drag(page, 'circle[data-variable="e"][data-term="ZE"]', 46)
+    page.mouse.up()
+    page.wait_for_timeout(600)
+    page.screenshot(path=HERE / "designer_terms.png")
+    page.close()
+
+    page = open_page(browser, address, "thermostat", "dark")
+    page.locator(".surface select").last.select_option("contour")
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_dark.png")
+    page.close()
+
+    page = open_page(browser, address, "tipper")
+    page.evaluate("designer.text.goTo([17, 0])")
+    page.keyboard.type("rule if service is GOOT then tip is AVERAGE\n")
+    page.wait_for_timeout(900)
+    page.screenshot(path=HERE / "designer_mistake.png")
+
+
+def main() -> None:
+    """Serve copies of shipped files, and look at them."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("pd7", "thermostat", "tipper"):
+            shutil.copy(ROOT / "rulebases" / f"{name}.frb", folder)
+        words = [sys.executable, "-m", "fuzzyarm", "designer", folder, "--no-browser"]
+        state = {**os.environ, "XDG_STATE_HOME": folder}
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=state) as server:
+            assert server.stdout is not None
+            address = server.stdout.readline().strip()
+            with sync_playwright() as playwright:
+                browser = playwright.chromium.launch(
+                    executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+                )
+                draw(browser, address)
+                browser.close()
+            server.terminate()
+
+
+if __name__ == "__main__":
+    main()

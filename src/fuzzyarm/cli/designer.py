@@ -1,0 +1,86 @@
+"""A rule base as text and as a picture, in a browser.
+
+The text stays what counts: a corner that is dragged and a cell that is chosen are edits of the
+text, and what is typed is drawn at once. With a folder its files are offered; nothing outside it
+is read or written. The page is served to this machine only, under an address with a token, which
+is the first line of the output. Ctrl-C ends it. Needs: pip install "fuzzyarm[designer]"
+
+With --export one page is written that needs neither a server nor a network: the rule base with
+its text, terms, rules, surface and inference, to be mailed or linked.
+
+  fuzzyarm designer rulebases/pd7.frb
+  fuzzyarm designer rulebases/pd7.frb --export pd7.html
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+from pathlib import Path
+
+from fuzzyarm.cli.command import WordError, argument, command, flag, require_suffix, say
+from fuzzyarm.errors import FuzzyarmError, demand_extra
+
+
+class DesignerError(FuzzyarmError, OSError):
+    """The designer cannot be opened."""
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    path = Path(arguments.file)
+    if not path.exists():
+        raise DesignerError(f"there is no file or folder {arguments.file}")
+    if arguments.export is not None:
+        _export(path, arguments)
+        return 0
+    demand_extra("starlette", "designer", "the designer")
+    demand_extra("uvicorn", "designer", "the designer")
+    demand_extra("websockets", "designer", "the designer")
+    from fuzzyarm.designer.server import SUFFIXES, serve
+
+    if path.is_file() and path.suffix.lower() not in SUFFIXES:
+        raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")
+
+    def announce(address: str) -> None:
+        print(address, flush=True)
+        if not arguments.no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    with contextlib.suppress(KeyboardInterrupt):
+        serve(path, arguments.port, announce)
+    return 0
+
+
+def _export(path: Path, arguments: argparse.Namespace) -> None:
+    from fuzzyarm.designer.written import page_of
+    from fuzzyarm.text.files import write_atomically
+
+    require_suffix(arguments.export, (".html", ".htm"))
+    if path.is_dir():
+        raise WordError(f"{arguments.file} is a folder: a page is made of one file")
+    page = page_of(path)
+    write_atomically(arguments.export, page)
+    say(f"{arguments.export}: {len(page.encode()):,} bytes, needs neither a server nor a network")
+
+
+def _port(text: str) -> int:
+    if not text.isdigit() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a port, 0 to 65535")
+    return int(text)
+
+
+COMMANDS = (
+    command(
+        "designer",
+        __doc__,
+        _run,
+        argument("file FILE", "a .frb or .lut file, or a folder of them"),
+        argument(
+            "--port N", "where to serve; 0, the default: any free port", type=_port, default=0
+        ),
+        flag("--no-browser", "only print the address"),
+        argument("--export PAGE", "write one page that needs no server (.html)"),
+    ),
+)

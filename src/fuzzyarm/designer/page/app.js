@@ -1,0 +1,180 @@
+// The page of the server: one socket, one file at a time.
+
+import { clean, el } from "./draw.js";
+import { frame } from "./frame.js";
+import { Store } from "./store.js";
+import { textPane } from "./text.js";
+import { S } from "./strings.js";
+
+const start = JSON.parse(document.getElementById("start").textContent);
+const store = new Store();
+const status = el("span", { id: "status", role: "status" });
+const save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => link.save() });
+const files = el("select", { "aria-label": S.file, onchange: () => turnTo(files.value) });
+for (const name of start.files) files.append(el("option", { value: name, textContent: name }));
+
+let socket = null;
+let file = new URLSearchParams(location.hash.slice(1)).get("file") ?? start.files[0] ?? "";
+if (!start.files.includes(file)) file = start.files[0] ?? "";
+files.value = file;
+let saved = null; // the text on disk, as the server knows it
+let dirty = false;
+let lost = false;
+let turning = false; // to another file of this page
+let asked = 0;
+const answers = new Map();
+
+const link = {
+  push: (version, updates) => send({ do: "push", version, updates }),
+  ask(question) {
+    const id = ++asked;
+    return new Promise((resolve) => {
+      if (send({ do: "ask", id, ...question })) answers.set(id, resolve);
+      else resolve({ error: S.gone });
+    });
+  },
+  save() {
+    const trySave = () => {
+      if (!text.settled()) setTimeout(trySave, 20);
+      else send({ do: "save" });
+    };
+    trySave();
+    return true;
+  },
+  say(words) {
+    status.textContent = clean(words);
+  },
+  edited(now) {
+    mark(saved !== null && now !== saved);
+  },
+};
+
+function mark(changed) {
+  dirty = changed;
+  save.disabled = !changed;
+  if (!lost) status.textContent = changed ? S.unsaved : S.saved;
+  document.title = `${changed ? "● " : ""}${file} – ${S.designer}`;
+}
+
+const text = textPane(link, start.nonce);
+const hand = {
+  edit: (shapes) => text.edit("shapes", { shapes }),
+  numbers: (variable) => text.numbers(variable),
+  setCell: (cell, term) => text.edit("cell", { cell, term }),
+  goTo: (at) => text.goTo(at),
+};
+const banner = el("div", { class: "banner", role: "alert", hidden: true });
+const chooser = start.files.length > 1 ? files : el("strong", { textContent: file });
+frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })]);
+document.querySelector("main").before(banner);
+
+function tell(words, ...buttons) {
+  banner.replaceChildren(clean(words), ...buttons);
+  banner.hidden = !words;
+}
+
+// --- the socket ---
+
+function send(message) {
+  if (socket?.readyState !== WebSocket.OPEN) return false;
+  socket.send(JSON.stringify(message));
+  return true;
+}
+
+function connect() {
+  const address = new URL("socket", location.href);
+  address.protocol = "ws:";
+  address.hash = "";
+  socket = new WebSocket(address);
+  socket.onopen = () => {
+    const { epoch, text: now } = text.state();
+    send(epoch
+      ? { do: "open", file, epoch, version: text.version(), text: now, saved }
+      : { do: "open", file });
+  };
+  socket.onmessage = (event) => take(JSON.parse(event.data));
+  socket.onclose = () => {
+    for (const resolve of answers.values()) resolve({ error: S.gone });
+    answers.clear();
+    if (!lost) {
+      lost = true;
+      tell(S.gone);
+    }
+    setTimeout(connect, 700);
+  };
+}
+
+const TAKEN = {
+  opened(message) {
+    saved = message.saved;
+    if (lost) link.say(S.back);
+    lost = false;
+    tell("");
+    text.open(message);
+  },
+  reopened(message) {
+    saved = message.saved;
+    lost = false;
+    tell("");
+    text.receive(message); // and what was typed meanwhile is sent
+    mark(text.state().text !== saved);
+  },
+  updates: (message) => text.receive(message),
+  findings: (message) => text.show(message),
+  scene(message) {
+    if (message.version !== text.version()) return;
+    if (message.scene) store.show(message.scene);
+    else store.mistaken(message.why);
+  },
+  answer(message) {
+    answers.get(message.id)?.(message);
+    answers.delete(message.id);
+  },
+  status(message) {
+    saved = message.saved ?? saved;
+    mark(text.state().text !== saved);
+    if (!message.conflict) {
+      tell("");
+      return;
+    }
+    const settle = (words, mine) => el("button", {
+      textContent: words, onclick: () => send({ do: "settle", mine }),
+    });
+    tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
+  },
+  failed(message) {
+    if (text.state().epoch) link.say(message.message);
+    else tell(message.message); // the file cannot be opened
+  },
+};
+
+function take(message) {
+  TAKEN[message.is]?.(message);
+}
+
+/** Show another file; what is not saved stays with the server. */
+function turnTo(name) {
+  turning = true;
+  location.hash = new URLSearchParams({ file: name });
+  location.reload();
+}
+
+window.addEventListener("beforeunload", (event) => {
+  if (dirty && !turning) event.preventDefault();
+});
+window.addEventListener("keydown", (event) => {
+  if (!event.ctrlKey && !event.metaKey) return;
+  const key = event.key.toLowerCase();
+  const writing = event.target.closest?.(".cm-editor, input[type='text']"); // has its own steps back
+  const act = key === "s" ? link.save
+    : writing ? null
+    : key === "y" || (key === "z" && event.shiftKey) ? text.redo
+    : key === "z" ? text.undo
+    : null;
+  if (act) {
+    event.preventDefault();
+    act();
+  }
+});
+connect();
+window.designer = { store, text, drop: () => socket.close() }; // for tests and the curious

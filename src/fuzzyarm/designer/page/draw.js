@@ -1,0 +1,135 @@
+// What several panes draw with: elements, colours, numbers as text, canvases.
+
+const UNSEEN = /[\u0000-\u0008\u000b-\u001f\u007f-\u009f\u200e\u200f\u2028-\u202e\u2066-\u2069]/g;
+
+/** A text without controls and without marks that turn the direction of what follows. */
+export function clean(text) {
+  return String(text).replace(UNSEEN, "\ufffd");
+}
+
+const cleaned = (children) => children.map((each) => (typeof each === "string" ? clean(each) : each));
+
+/** An element with properties and children; text is only ever text. */
+export function el(name, properties = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(properties)) {
+    if (key === "class") made.className = value;
+    else if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key === "textContent" || key === "title") made[key] = clean(value);
+    else if (key in made && key !== "list") made[key] = value;
+    else made.setAttribute(key, typeof value === "string" ? clean(value) : value);
+  }
+  made.append(...cleaned(children));
+  return made;
+}
+
+export function svg(name, attributes = {}, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    else if (key === "style") made.style.cssText = value; // an attribute would be refused
+    else made.setAttribute(key, value);
+  }
+  made.append(...cleaned(children));
+  return made;
+}
+
+/** A pane with a title bar; returns its parts. */
+export function pane(kind, title) {
+  const id = `title-${kind}`;
+  const bar = el("div", { class: "bar" }, el("h2", { id, textContent: title }));
+  const body = el("div", { class: "body" });
+  const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id }, bar, body);
+  return { section, bar, body };
+}
+
+export function choice(label, options, chosen, onchange) {
+  const select = el("select", { onchange: () => onchange(select.value) });
+  for (const [value, text] of options) {
+    select.append(el("option", { value, textContent: text, selected: value === chosen }));
+  }
+  return el("label", { class: "small" }, label, select);
+}
+
+/** A number to so many significant digits, without zeros that say nothing. */
+export function shortNumber(x, digits = 4) {
+  if (!Number.isFinite(x)) return "–";
+  return String(Number(x.toPrecision(digits)));
+}
+
+const HUES = [
+  ["#2563a8", "#74b3f7"], ["#b34e14", "#ff9e63"], ["#1f7a4a", "#66cf97"], ["#a23b8f", "#ec8fdc"],
+  ["#7a6000", "#dcbf45"], ["#0b7484", "#58cfe0"], ["#b3343f", "#ff8e97"], ["#5f50c0", "#b3a8ff"],
+].map((pair) => `light-dark(${pair.join(", ")})`);
+
+export function hue(index) {
+  return HUES[index % HUES.length];
+}
+
+const STOPS = [
+  [68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129],
+  [92, 200, 99], [170, 220, 50], [253, 231, 37],
+];
+
+/** The colours of surfaces: from dark to light, told apart by people who see no red or green. */
+export const SHADES = Array.from({ length: 256 }, (_, i) => {
+  const at = (i / 255) * (STOPS.length - 1);
+  const low = Math.min(Math.floor(at), STOPS.length - 2);
+  return STOPS[low].map((c, k) => Math.round(c + (at - low) * (STOPS[low + 1][k] - c)));
+});
+
+/** The colours of rules: blue below the middle of the range, red above it; and that of the text. */
+export function heat(share) {
+  const t = Math.max(-1, Math.min(1, 2 * share - 1));
+  const [r, g, b] = t < 0 ? [33, 102, 172] : [178, 24, 43];
+  const strength = 0.85 * Math.abs(t);
+  const mixed = [r, g, b].map((c) => Math.round(247 + strength * (c - 247)));
+  // White on what reflects less than this has more contrast than black.
+  return [`rgb(${mixed.join(" ")})`, luminance(mixed) < 0.18 ? "#ffffff" : "#000000"];
+}
+
+/** How much light a colour reflects, 0 to 1, as accessibility rules weigh it. */
+function luminance(colour) {
+  const [r, g, b] = colour.map((c) => (c <= 10 ? c / 3294 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+}
+
+/** The drawing context of a canvas that covers so much of the screen. */
+export function context(canvas, width, height) {
+  const ratio = Math.min(2, window.devicePixelRatio || 1);
+  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+  }
+  const g = canvas.getContext("2d");
+  g.setTransform(ratio, 0, 0, ratio, 0, 0);
+  g.clearRect(0, 0, width, height);
+  return { g, width, height };
+}
+
+export function colourOf(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+/** Round numbers between two, about so many. */
+export function ticks(low, high, wanted = 5) {
+  const raw = (high - low) / wanted;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((x) => x * power).find((x) => x >= raw) ?? raw;
+  const found = [];
+  for (let x = Math.ceil(low / step - 1e-9); x * step <= high + 1e-9 * step; x++) {
+    found.push(Number((x * step).toPrecision(12)));
+  }
+  return found;
+}
+
+/** Call a function once before the next frame, however often it is asked for. */
+export function eachFrame(draw) {
+  let asked = 0;
+  return () => {
+    asked ||= requestAnimationFrame(() => {
+      asked = 0;
+      draw();
+    });
+  };
+}

@@ -1,0 +1,25 @@
+// The page without a server: the terms can be moved, the text follows.
+
+import { el } from "./draw.js";
+import { frame } from "./frame.js";
+import { listingPane } from "./listing.js";
+import { Store } from "./store.js";
+import { S } from "./strings.js";
+
+const given = JSON.parse(document.getElementById("start").textContent);
+const model = new Store();
+const listing = listingPane(given);
+const actions = {
+  edit: (shapes) => listing.reshape(shapes),
+  numbers: async (variable) => given.held[variable],
+  setCell: null,
+  goTo: null,
+};
+frame(model, actions, listing.section, [
+  el("strong", { textContent: given.scene.name }),
+  el("span", { id: "status", textContent: given.scene.description }),
+  el("span", { class: "space" }),
+  el("small", { textContent: S.madeBy(given.version) }),
+]);
+model.show(given.scene);
+window.designer = { store: model };

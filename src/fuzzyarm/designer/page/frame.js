@@ -1,0 +1,70 @@
+// The frame of the page: the bar on top and the panes that draw.
+
+import { el } from "./draw.js";
+import { termsPane } from "./terms.js";
+import { rulesPane } from "./rules.js";
+import { surfacePane } from "./surface.js";
+import { viewerPane } from "./viewer.js";
+import { S } from "./strings.js";
+
+/**
+ * What can stand beside the text, one at a time. Another pane is another function in a list: it
+ * takes the store and what a hand may do, and returns its element. Another view is another entry,
+ * and from two on there are tabs. A view that is `drawn` needs a sound rule base.
+ */
+export const VIEWS = [
+  {
+    name: "design", title: S.design, drawn: true,
+    panes: [termsPane, surfacePane, rulesPane, viewerPane],
+  },
+];
+
+/** Build the page around the text; `hand` says what a change in a picture does. */
+export function frame(store, hand, text, controls) {
+  const note = el("p", { class: "note" });
+  const views = VIEWS.map(({ name, panes }) => {
+    const made = panes.map((make) => make(store, hand));
+    return el("div", { class: `pictures view-${name}`, id: `view-${name}`, hidden: true }, ...made);
+  });
+  const area = el("div", { class: "area" }, note, ...views);
+  const main = el("main", { class: "design" }, text, area);
+  const header = el("header", {}, el("h1", { textContent: S.designer }), ...controls, themeButton(store));
+  let shown = 0;
+  const tabs = VIEWS.map(({ name, title }, i) => el("button", {
+    role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i),
+  }));
+  if (tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...tabs));
+  document.body.append(header, main);
+
+  function turn(to) {
+    shown = to;
+    note.hidden = !VIEWS[shown].drawn || Boolean(store.scene);
+    views.forEach((view, i) => {
+      view.hidden = i !== shown || !note.hidden;
+    });
+    tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === shown)));
+  }
+
+  turn(0);
+  store.on("scene", () => {
+    area.classList.remove("stale");
+    turn(shown);
+  });
+  store.on("stale", () => {
+    note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
+    area.classList.add("stale"); // what is drawn is that of the last sound text
+  });
+}
+
+function themeButton(store) {
+  const root = document.documentElement;
+  const dark = () => (root.dataset.theme
+    ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches);
+  const button = el("button", { title: S.theme, textContent: dark() ? S.light : S.dark });
+  button.addEventListener("click", () => {
+    root.dataset.theme = dark() ? "light" : "dark";
+    button.textContent = dark() ? S.light : S.dark;
+    store.emit("theme");
+  });
+  return button;
+}

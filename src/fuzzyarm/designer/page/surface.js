@@ -1,0 +1,384 @@
+// Surface: an output over two inputs, as a solid that turns or as a contour; over one as a line.
+//
+// The solid is filled pixel by pixel, 3,600 quadrilaterals of which the far ones come first, and put
+// on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
+// frame against as many paths, and prints as it looks.
+
+import { clean, el, pane, choice, context, colourOf, SHADES, ticks, shortNumber, eachFrame } from "./draw.js";
+import { rangeOf } from "./store.js";
+import { S } from "./strings.js";
+
+const LEVELS = 9;
+const packed = (share) => SHADES.map(([r, g, b]) =>
+  ((255 << 24) | ((b * share) << 16) | ((g * share) << 8) | (r * share)) >>> 0);
+const FILLS = Uint32Array.from(packed(1));
+const DARKER = Uint32Array.from(packed(0.87)); // of the mesh
+const MESH = 6;
+
+/** Fill a triangle of an image of 32-bit pixels. */
+function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
+  if (y1 < y0) [x0, y0, x1, y1] = [x1, y1, x0, y0];
+  if (y2 < y0) [x0, y0, x2, y2] = [x2, y2, x0, y0];
+  if (y2 < y1) [x1, y1, x2, y2] = [x2, y2, x1, y1];
+  const end = Math.min(height, Math.ceil(y2 - 0.5));
+  for (let row = Math.max(0, Math.ceil(y0 - 0.5)); row < end; row++) {
+    const y = row + 0.5;
+    const a = x0 + ((x2 - x0) * (y - y0)) / (y2 - y0);
+    const b = y < y1 ? x0 + ((x1 - x0) * (y - y0)) / (y1 - y0) : x1 + ((x2 - x1) * (y - y1)) / (y2 - y1);
+    const from = row * width + Math.max(0, Math.ceil((a < b ? a : b) - 0.5));
+    const to = row * width + Math.min(width, Math.ceil((a < b ? b : a) - 0.5));
+    for (let at = from; at < to; at++) pixels[at] = colour;
+  }
+}
+
+export function surfacePane(store) {
+  const { section, bar, body } = pane("surface", S.surface);
+  const canvas = el("canvas", { tabIndex: 0, role: "img" });
+  const turned = { azimuth: -0.65, elevation: 0.55 };
+  let flat = false;
+  let image = null; // what the solid is filled into
+  let layer = null;
+  let size = { width: 0, height: 0 };
+  body.append(canvas);
+
+  function build() {
+    while (bar.childNodes.length > 1) bar.lastChild.remove();
+    bar.append(el("span", { class: "space" }));
+    const { inputs, outputs } = store.scene;
+    const names = inputs.map((each, i) => [String(i), each.name]);
+    if (inputs.length > 2) {
+      bar.append(
+        choice(S.horizontal, names, String(store.axes.x), (i) => pick({ x: Number(i) })),
+        choice(S.vertical, names, String(store.axes.y), (i) => pick({ y: Number(i) })),
+      );
+    }
+    if (outputs.length > 1) {
+      const shown = outputs.map((each, i) => [String(i), each.name]);
+      bar.append(choice(S.shown, shown, String(store.axes.output), (i) => pick({ output: Number(i) })));
+    }
+    if (inputs.length > 1) {
+      const views = [["solid", S.solid], ["contour", S.contour]];
+      bar.append(choice(S.view, views, flat ? "contour" : "solid", (view) => {
+        flat = view === "contour";
+        redraw();
+      }));
+    }
+    redraw();
+  }
+
+  function pick(axes) {
+    const { x, y } = store.axes;
+    // Two inputs cannot be one: they change places.
+    if (axes.x === y) axes.y = x;
+    else if (axes.y === x) axes.x = y;
+    store.setAxes(axes);
+  }
+
+  function draw() {
+    const { scene, axes } = store;
+    if (!scene || !size.width) return;
+    const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
+    const output = scene.outputs[axes.output];
+    canvas.setAttribute("aria-label", S.surfaceLabel(output.name, x.name, x === y ? "" : y.name));
+    const { g, width, height } = context(canvas, size.width, size.height);
+    if (!store.running) {
+      g.fillStyle = colourOf("--soft");
+      g.font = "13px system-ui, sans-serif";
+      wrapped(g, clean(S.notHere(scene.reason)), 12, 24, width - 24);
+      return;
+    }
+    const found = store.surface();
+    const [low, high] = limits(found.z, output);
+    const picture = { g, width, height, found, low, high, x, y, output };
+    if (x === y) drawLine(picture);
+    else if (flat) drawContour(picture);
+    else drawSolid(picture);
+  }
+
+  function limits(z, output) {
+    let [low, high] = [output.low, output.high];
+    if (low === null || high === null) {
+      [low, high] = [Infinity, -Infinity];
+      for (const value of z) {
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+    }
+    return low < high ? [low, high] : [low - 1, low + 1];
+  }
+
+  // --- the solid ---
+
+  function drawSolid({ g, width, height, found, low, high, x, y, output }) {
+    const { z } = found;
+    const n = found.xs.length;
+    const [ca, sa] = [Math.cos(turned.azimuth), Math.sin(turned.azimuth)];
+    const [ce, se] = [Math.cos(turned.elevation), Math.sin(turned.elevation)];
+    const reach = Math.min(width * 0.58, height * 0.68);
+    const project = (u, v, w) => {
+      const [right, depth] = [u * ca - v * sa, u * sa + v * ca];
+      return [width / 2 + reach * right, height * 0.5 - reach * (0.62 * w * ce + depth * se)];
+    };
+    const px = new Float64Array(n * n);
+    const py = new Float64Array(n * n);
+    const share = new Float64Array(n * n);
+    for (let j = 0, k = 0; j < n; j++) {
+      for (let i = 0; i < n; i++, k++) {
+        share[k] = (z[k] - low) / (high - low);
+        const at = project(i / (n - 1) - 0.5, j / (n - 1) - 0.5, share[k] - 0.5);
+        px[k] = at[0];
+        py[k] = at[1];
+      }
+    }
+    frame(g, project, { x, y, low, high, output });
+    // From far to near along both axes, so that what is in front covers what is behind.
+    const is = order(n - 1, sa > 0);
+    const js = order(n - 1, ca > 0);
+    const ratio = 2; // pixels of the image for one of the page: their mean smooths the edges
+    const [wide, tall] = [Math.round(ratio * width), Math.round(ratio * height)];
+    if (image?.width !== wide || image?.height !== tall) {
+      image = new ImageData(wide, tall);
+      layer = new OffscreenCanvas(wide, tall);
+    }
+    const pixels = new Uint32Array(image.data.buffer);
+    pixels.fill(0);
+    for (let k = 0; k < n * n; k++) {
+      px[k] *= ratio;
+      py[k] *= ratio;
+    }
+    for (const j of js) {
+      for (const i of is) {
+        const [a, b] = [j * n + i, (j + 1) * n + i];
+        const middle = 0.25 * (share[a] + share[a + 1] + share[b] + share[b + 1]);
+        if (!(middle === middle)) continue; // no value at a corner
+        const fills = i % MESH && j % MESH ? FILLS : DARKER;
+        const colour = fills[Math.max(0, Math.min(255, Math.round(255 * middle)))];
+        const [c, d] = [a + 1, b + 1];
+        fillTriangle(pixels, wide, tall, px[a], py[a], px[c], py[c], px[d], py[d], colour);
+        fillTriangle(pixels, wide, tall, px[a], py[a], px[b], py[b], px[d], py[d], colour);
+      }
+    }
+    layer.getContext("2d").putImageData(image, 0, 0);
+    g.drawImage(layer, 0, 0, width, height);
+    const value = store.running.at(store.point)[store.axes.output];
+    if (Number.isFinite(value)) {
+      const [u, v] = [x, y].map((each, k) => place(each, store.point[k ? store.axes.y : store.axes.x]));
+      dot(g, ...project(u - 0.5, v - 0.5, (value - low) / (high - low) - 0.5));
+    }
+  }
+
+  const order = (count, forward) => Array.from({ length: count }, (_, i) => (forward ? count - 1 - i : i));
+  const place = (variable, value) => {
+    const [low, high] = rangeOf(variable);
+    return (value - low) / (high - low);
+  };
+
+  function frame(g, project, { x, y, low, high, output }) {
+    g.strokeStyle = colourOf("--line");
+    g.fillStyle = colourOf("--soft");
+    g.font = "11px system-ui, sans-serif";
+    g.textAlign = "center";
+    g.lineWidth = 1;
+    const base = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([u, v]) => project(u, v, -0.5));
+    g.beginPath();
+    base.forEach((at, i) => (i ? g.lineTo(...at) : g.moveTo(...at)));
+    g.closePath();
+    g.stroke();
+    const near = Math.cos(turned.azimuth) > 0 ? -0.5 : 0.5;
+    const side = Math.sin(turned.azimuth) > 0 ? -0.5 : 0.5;
+    const axis = (variable, at) => {
+      const [a, b] = rangeOf(variable);
+      for (const tick of ticks(a, b, 4)) {
+        g.fillText(shortNumber(tick), ...at((tick - a) / (b - a) - 0.5, 1.1));
+      }
+      g.font = "600 12px system-ui, sans-serif";
+      g.fillText(clean(variable.name).slice(0, 24), ...at(0, 1.32));
+      g.font = "11px system-ui, sans-serif";
+    };
+    axis(x, (t, out) => project(t, near * out, -0.5));
+    axis(y, (t, out) => project(side * out, t, -0.5));
+    g.textAlign = "left";
+    g.fillText(`${clean(output.name).slice(0, 24)}: ${shortNumber(low)} … ${shortNumber(high)}`, 8, 15);
+  }
+
+  function dot(g, x, y) {
+    g.fillStyle = colourOf("--lit");
+    g.strokeStyle = "#ffffff";
+    g.lineWidth = 1.5;
+    g.beginPath();
+    g.arc(x, y, 4.5, 0, 2 * Math.PI);
+    g.fill();
+    g.stroke();
+  }
+
+  // --- the contour ---
+
+  const box = (width, height) => ({ left: 44, top: 10, wide: width - 56, tall: height - 48 });
+
+  function drawContour({ g, width, height, found, low, high, x, y }) {
+    const n = found.xs.length;
+    const { left, top, wide, tall } = box(width, height);
+    const colours = new ImageData(n, n);
+    for (let j = 0; j < n; j++) {
+      for (let i = 0; i < n; i++) {
+        const value = found.z[j * n + i];
+        const at = 4 * ((n - 1 - j) * n + i);
+        const shade = SHADES[Math.max(0, Math.min(255, Math.round((255 * (value - low)) / (high - low))))];
+        if (shade) colours.data.set([...shade, 255], at);
+      }
+    }
+    const small = new OffscreenCanvas(n, n);
+    small.getContext("2d").putImageData(colours, 0, 0);
+    g.imageSmoothingEnabled = true;
+    // Pixels stand for points: the outer half of the outer ones lies beyond the range.
+    g.drawImage(small, 0.5, 0.5, n - 1, n - 1, left, top, wide, tall);
+    g.strokeStyle = "rgb(255 255 255 / 0.75)";
+    g.lineWidth = 1;
+    g.beginPath();
+    for (let level = 1; level < LEVELS; level++) {
+      lines(g, found.z, n, low + ((high - low) * level) / LEVELS, (i, j) =>
+        [left + (wide * i) / (n - 1), top + tall - (tall * j) / (n - 1)]);
+    }
+    g.stroke();
+    axes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
+    const [u, v] = [place(x, store.point[store.axes.x]), place(y, store.point[store.axes.y])];
+    g.strokeStyle = "rgb(255 255 255 / 0.6)";
+    g.setLineDash([4, 4]);
+    g.strokeRect(left, top + tall * (1 - v), wide, 0);
+    g.strokeRect(left + wide * u, top, 0, tall);
+    g.setLineDash([]);
+    dot(g, left + wide * u, top + tall * (1 - v));
+  }
+
+  /** Where a level crosses the sides of each cell, joined two by two. */
+  function lines(g, z, n, level, at) {
+    for (let j = 0; j + 1 < n; j++) {
+      for (let i = 0; i + 1 < n; i++) {
+        const k = j * n + i;
+        const [a, b, c, d] = [z[k] - level, z[k + 1] - level, z[k + n + 1] - level, z[k + n] - level];
+        const found = [];
+        if (a < 0 !== b < 0) found.push(at(i + a / (a - b), j));
+        if (b < 0 !== c < 0) found.push(at(i + 1, j + b / (b - c)));
+        if (d < 0 !== c < 0) found.push(at(i + d / (d - c), j + 1));
+        if (a < 0 !== d < 0) found.push(at(i, j + a / (a - d)));
+        for (let m = 0; m + 1 < found.length; m += 2) {
+          g.moveTo(...found[m]);
+          g.lineTo(...found[m + 1]);
+        }
+      }
+    }
+  }
+
+  function axes(g, { left, top, wide, tall }, across, up, name, other) {
+    g.fillStyle = colourOf("--soft");
+    g.font = "11px system-ui, sans-serif";
+    g.textAlign = "center";
+    const [a, b] = across;
+    for (const tick of ticks(a, b, wide / 70)) {
+      g.fillText(shortNumber(tick), left + (wide * (tick - a)) / (b - a), top + tall + 14);
+    }
+    g.textAlign = "right";
+    const [c, d] = up;
+    for (const tick of ticks(c, d, tall / 40)) {
+      g.fillText(shortNumber(tick), left - 5, top + tall - (tall * (tick - c)) / (d - c) + 4);
+    }
+    g.font = "600 12px system-ui, sans-serif";
+    g.textAlign = "center";
+    g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
+    g.save();
+    g.translate(11, top + tall / 2);
+    g.rotate(-Math.PI / 2);
+    g.fillText(clean(other).slice(0, 24), 0, 0);
+    g.restore();
+  }
+
+  // --- one input ---
+
+  function drawLine({ g, width, height, found, low, high, x, output }) {
+    const { left, top, wide, tall } = box(width, height);
+    axes(g, { left, top, wide, tall }, rangeOf(x), [low, high], x.name, output.name);
+    g.strokeStyle = colourOf("--accent");
+    g.lineWidth = 2;
+    g.beginPath();
+    let down = false;
+    found.z.forEach((value, i) => {
+      const at = [left + (wide * i) / (found.xs.length - 1), top + tall * (1 - (value - low) / (high - low))];
+      if (Number.isFinite(value)) {
+        if (down) g.lineTo(...at);
+        else g.moveTo(...at);
+      }
+      down = Number.isFinite(value);
+    });
+    g.stroke();
+    const value = store.running.at(store.point)[store.axes.output];
+    if (Number.isFinite(value)) {
+      dot(g, left + wide * place(x, store.point[0]), top + tall * (1 - (value - low) / (high - low)));
+    }
+  }
+
+  function wrapped(g, text, x, y, width) {
+    let line = "";
+    for (const word of text.split(" ")) {
+      if (line && g.measureText(`${line} ${word}`).width > width) {
+        g.fillText(line, x, y);
+        [line, y] = [word, y + 18];
+      } else line = line ? `${line} ${word}` : word;
+    }
+    g.fillText(line, x, y);
+  }
+
+  // --- hands ---
+
+  function aim(event) {
+    const { left, top, wide, tall } = box(canvas.clientWidth, canvas.clientHeight);
+    const { x, y } = store.axes;
+    const shares = [(event.offsetX - left) / wide, 1 - (event.offsetY - top) / tall];
+    [x, y].forEach((input, k) => {
+      if (k && x === y) return;
+      const [low, high] = rangeOf(store.scene.inputs[input]);
+      store.setPoint(input, low + Math.min(1, Math.max(0, shares[k])) * (high - low));
+    });
+  }
+
+  const isPlane = () => flat || store.axes.x === store.axes.y;
+  canvas.addEventListener("pointerdown", (event) => {
+    if (!store.scene) return;
+    canvas.setPointerCapture(event.pointerId);
+    if (isPlane()) aim(event);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!store.scene || !event.buttons) return;
+    if (isPlane()) {
+      aim(event);
+      return;
+    }
+    turn(0.01 * event.movementX, 0.01 * event.movementY);
+  });
+  canvas.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (!step || !store.scene) return;
+    event.preventDefault();
+    if (!isPlane()) {
+      turn(0.1 * step[0], 0.1 * step[1]);
+      return;
+    }
+    const input = step[0] ? store.axes.x : store.axes.y;
+    const [low, high] = rangeOf(store.scene.inputs[input]);
+    store.setPoint(input, store.point[input] + (step[0] + step[1]) * 0.01 * (high - low));
+  });
+
+  function turn(azimuth, elevation) {
+    turned.azimuth -= azimuth;
+    turned.elevation = Math.min(1.5, Math.max(0.05, turned.elevation + elevation));
+    redraw();
+  }
+
+  const redraw = eachFrame(draw);
+  store.on("scene", build);
+  for (const name of ["reshaped", "point", "axes", "theme"]) store.on(name, redraw);
+  new ResizeObserver(() => {
+    size = { width: body.clientWidth, height: body.clientHeight };
+    redraw();
+  }).observe(body);
+  return section;
+}

@@ -1,0 +1,241 @@
+"""What a page draws of a rule base, as plain data: variables, terms, rules, and the numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from fuzzyarm.export.javascript import Functions, numbers_of
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.inference.layout import NotCoveredError, norm_number
+from fuzzyarm.inference.plan import Plan, plan
+from fuzzyarm.inference.trace import sentence
+from fuzzyarm.language.queries import Reading
+from fuzzyarm.language.rules import GridNode
+from fuzzyarm.lsp.session import UTF16, to_position
+from fuzzyarm.model.rulebase import Input, Output, Rule, RuleBase, Term, propositions
+from fuzzyarm.model.shapes import centre
+from fuzzyarm.text.diagnostic import Span
+
+__all__ = ["Positions", "held_numbers", "scene_of"]
+
+WIDTHS = frozenset({
+    "deviation", "left-deviation", "right-deviation", "width", "slope", "slope1", "slope2",
+    "direction",
+})  # fmt: skip
+"""Parameters of shapes that are not positions on the axis."""
+
+MOST_RULES = 20_000
+"""A page draws the rules of a file with no more than this."""
+
+
+class Positions:
+    """Positions of a text as a page counts them: line and UTF-16 unit, from 0."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self.lines = lines
+
+    def of(self, span: Span) -> list[list[int]]:
+        """Return start and end of a span."""
+        start = to_position(self.lines, span.line, span.column, UTF16)
+        end = to_position(self.lines, span.end_line, span.end_column, UTF16)
+        return [list(start), list(max(start, end))]
+
+
+def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
+    """Return what a page draws of a rule base.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    reading : Reading
+        The text that it is the meaning of.
+
+    Returns
+    -------
+    dict
+        Fit for JSON. ``numbers`` is None where the kernel does not evaluate the rule base; then
+        ``reason`` says what it does not do.
+    """
+    positions = Positions(reading.raw_lines)
+    functions = Functions()
+    made = plan(rulebase)
+    numbers, reason = None, ""
+    try:
+        numbers = numbers_of(rulebase, functions)
+    except NotCoveredError as error:
+        reason = str(error)
+    return {
+        "name": rulebase.name,
+        "description": rulebase.description,
+        "inputs": [_variable(each, functions, positions) for each in rulebase.inputs],
+        "outputs": [
+            {**_variable(each, functions, positions), **_output(each, made, functions)}
+            for each in rulebase.outputs
+        ],
+        "rules": _rules(rulebase, made, positions),
+        "grids": _grids(rulebase, reading, positions),
+        "numbers": numbers,
+        "functions": functions.described,  # those of the curves to be drawn among them
+        "reason": reason,
+    }
+
+
+def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
+    """Return the numbers of a rule base while a hand moves the terms of a variable."""
+    try:
+        return numbers_of(rulebase, loose=variable)
+    except NotCoveredError:
+        return None
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _number(value: float) -> float | str:
+    """Return a number for JSON, which has no infinite ones."""
+    return value if math.isfinite(value) else "Infinity" if value > 0.0 else "-Infinity"
+
+
+def _variable(
+    variable: Input | Output, functions: Functions, positions: Positions
+) -> dict[str, Any]:
+    return {
+        "name": variable.name,
+        "description": variable.description,
+        "low": _finite(variable.low),
+        "high": _finite(variable.high),
+        "outside": variable.outside,
+        "terms": [_term(each, variable, functions, positions) for each in variable.terms],
+    }
+
+
+def _term(
+    term: Term, variable: Input | Output, functions: Functions, positions: Positions
+) -> dict[str, Any]:
+    shape, kind = term.shape, SHAPES[term.shape.kind]
+    found: dict[str, Any] = {
+        "name": term.name,
+        "kind": shape.kind,
+        "parameters": list(map(_number, shape.parameters)),
+        "height": shape.height,
+        "at": positions.of(term.span)[0],
+        "centre": None,
+        "curve": None,
+        "ordered": kind.ordered,
+        "straight": kind.straight,
+        "handles": [],
+    }
+    if not kind.fuzzy:
+        return found
+    found["centre"] = centre(shape, variable.low, variable.high)
+    curve = functions.curve(shape, ())
+    found["curve"] = {"address": curve.address, "numbers": list(map(_number, curve.numbers))}
+    if shape.kind == "points":
+        found["handles"] = list(range(0, len(shape.parameters), 2))
+    elif shape.kind != "formula":
+        names = enumerate(zip(kind.parameters, shape.parameters, strict=True))
+        found["handles"] = [
+            i for i, (name, value) in names if name not in WIDTHS and math.isfinite(value)
+        ]
+    return found
+
+
+def _output(output: Output, made: Plan, functions: Functions) -> dict[str, Any]:
+    found = made.outputs[output.name]
+    members = []
+    for member in found.members:
+        values = member.value is not None or not SHAPES[member.term.shape.kind].fuzzy
+        curve = None if values else functions.curve(member.term.shape, member.hedges)
+        members.append(
+            {
+                "term": member.term.name,
+                "words": " ".join([*(hedge.name for hedge in member.hedges), member.term.name]),
+                "value": None if member.value is None else _finite(member.value),
+                "curve": curve
+                and {"address": curve.address, "numbers": list(map(_number, curve.numbers))},
+                "implication": norm_number(TNORMS[member.implication], "T", functions),
+            }
+        )
+    return {
+        "defuzzifier": str(output.defuzzifier),
+        "aggregation": norm_number(SNORMS[output.aggregation], "S", functions),
+        "discrete": found.discrete,
+        "noRule": output.no_rule if isinstance(output.no_rule, str) else _finite(output.no_rule),
+        "members": members,
+    }
+
+
+def _rules(rulebase: RuleBase, made: Plan, positions: Positions) -> list[dict[str, Any]]:
+    if len(made.rules) > MOST_RULES:
+        return []
+    concluded: dict[int, list[list[int]]] = {}
+    for o, output in enumerate(made.outputs.values()):
+        for member, index in output.contributions:
+            concluded.setdefault(index, []).append([o, member])
+    names = [each.name for each in rulebase.inputs]
+    found = []
+    for number, rule in enumerate(rulebase.rules):
+        found.append(
+            {
+                "text": sentence(rule),
+                "weight": rule.weight,
+                "at": positions.of(rule.span)[0],
+                "inGrid": rule.in_grid,
+                "parts": list(_parts(rule, names)),
+                "concludes": concluded.get(number, []),
+            }
+        )
+    return found
+
+
+def _parts(rule: Rule, names: list[str]) -> Iterable[list[Any]]:
+    """Yield the propositions about inputs: which, the term, and hedges in words."""
+    for part in propositions(rule.antecedent):
+        if part.variable in names:
+            hedges = " ".join(hedge.name for hedge in part.hedges)
+            yield [names.index(part.variable), part.term, hedges]
+
+
+def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[dict[str, Any]]:
+    numbers = {
+        (rule.span.line, rule.span.column, consequent.variable): number
+        for number, rule in enumerate(rulebase.rules)
+        for consequent in rule.consequents
+        if rule.in_grid
+    }
+    nodes = [statement.node for statement in reading.document.statements]
+    grids = [node for node in nodes if isinstance(node, GridNode)]
+    return [
+        {
+            "output": part.output.text,
+            "condition": "" if part.condition is None else str(part.condition),
+            "row": None if part.row is None else part.row.text,
+            "column": part.column.text,
+            "columns": [word.text for word in part.columns],
+            "joined": bool(grid.joined),
+            "rows": [
+                {
+                    "label": row.label.text,
+                    "cells": [
+                        {
+                            "term": None if cell.term is None else cell.term.text,
+                            "weight": None if cell.weight is None else str(cell.weight),
+                            "at": [cell.span.line, cell.span.column],
+                            "range": positions.of(cell.span),
+                            "rule": numbers.get(
+                                (cell.span.line, cell.span.column, part.output.text)
+                            ),
+                        }
+                        for cell in row.cells
+                    ],
+                }
+                for row in part.rows
+            ],
+        }
+        for grid in grids
+        for part in grid.parts
+    ]

@@ -1,0 +1,401 @@
+"""The server of the designer: one folder, on this machine only, for those who know the token.
+
+Every address begins with the token, so that whatever the page asks for carries it; without it
+the answer is 403. The names in `Host` and `Origin` are checked, against pages of other sites
+that reach this machine through the browser. The content policy lets nothing be loaded from
+elsewhere and runs no text.
+
+The socket speaks JSON, an object each way. A window sends ``{"do": "open", "file": …}``, then
+``push`` (changes and the version that they are for), ``ask`` (a question with an ``id``),
+``save`` and ``settle``; it hears ``opened`` or ``reopened``, ``updates``, ``findings``,
+``scene``, ``answer``, ``status`` and ``failed``, each under ``is``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hashlib
+import hmac
+import json
+import os
+import secrets
+import socket
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from fuzzyarm.designer.assets import asset, index_page
+from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.errors import FuzzyarmError
+
+SUFFIXES = (".frb", ".lut")
+"""Files that are opened."""
+
+LARGEST_MESSAGE = 32 * 1024 * 1024
+LOOK_EVERY = 0.4
+"""Seconds between two looks at the open files."""
+
+
+class OutsideError(FuzzyarmError, ValueError):
+    """A file that is not in the folder, or of a kind that is not opened."""
+
+
+class PortError(FuzzyarmError, OSError):
+    """A port that is taken, or that may not be used."""
+
+
+class Workspace:
+    """A folder, or one file of it.
+
+    Parameters
+    ----------
+    path : Path
+        The folder, or the file; nothing else is read or written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        path = path.resolve()
+        self.only = None if path.is_dir() else path.name
+        self.folder = path if path.is_dir() else path.parent
+        self._open: dict[str, SharedText] = {}
+
+    def files(self) -> list[str]:
+        """Return the names of the files that can be opened."""
+        if self.only is not None:
+            return [self.only]
+        found = [each.name for each in self.folder.iterdir() if each.suffix.lower() in SUFFIXES]
+        return sorted(found)
+
+    def text(self, name: str) -> SharedText:
+        """Return the open file of a name.
+
+        Raises
+        ------
+        OutsideError
+            If it is not one of the folder's.
+        """
+        if name not in self._open:
+            # A link of the folder may lead out of it.
+            listed = name in self.files()
+            if not listed or (self.folder / name).resolve().parent != self.folder:
+                raise OutsideError(f"'{name}' is not a file of this folder")
+            self._open[name] = SharedText(self.folder / name)
+        return self._open[name]
+
+
+class Window:
+    """A page that is connected."""
+
+    def __init__(self, socket: WebSocket) -> None:
+        self.socket = socket
+        self.file = ""
+
+    async def tell(self, message: dict[str, Any]) -> None:
+        """Send a message; a window that has gone hears nothing."""
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            await self.socket.send_text(json.dumps(message, ensure_ascii=True))
+
+
+class Designer:
+    """The open files and the windows on them."""
+
+    def __init__(self, workspace: Workspace, token: str) -> None:
+        self.workspace = workspace
+        self.token = token
+        self.windows: list[Window] = []
+        self._checks: dict[str, asyncio.Task[None]] = {}
+
+    def app(self) -> ASGIApp:
+        """Return the application."""
+        routes = [
+            Route("/{token}/", self._index),
+            Route("/{token}/page/{name:path}", self._asset),
+            WebSocketRoute("/{token}/socket", self._socket),
+        ]
+        return Guarded(Starlette(routes=routes, lifespan=self._lifespan), self.token)
+
+    @contextlib.asynccontextmanager
+    async def _lifespan(self, _app: Starlette) -> Any:
+        task = asyncio.create_task(self._watch())
+        yield
+        task.cancel()
+
+    # --- Pages ---
+
+    async def _index(self, _request: Request) -> Response:
+        nonce = secrets.token_urlsafe(16)
+        policy = (
+            "default-src 'none'; script-src 'self'; connect-src 'self'; img-src 'self' data:;"
+            f" style-src 'self' 'nonce-{nonce}'; base-uri 'none'; form-action 'none';"
+            " frame-ancestors 'none'"
+        )
+        page = index_page(self.workspace.files(), nonce)
+        headers = {"Content-Security-Policy": policy}
+        return Response(page, media_type="text/html; charset=utf-8", headers=headers)
+
+    async def _asset(self, request: Request) -> Response:
+        found = asset(request.path_params["name"])
+        if found is None:
+            return PlainTextResponse("not found", 404)
+        content, kind = found
+        return Response(content, media_type=kind)
+
+    # --- The socket ---
+
+    async def _socket(self, socket: WebSocket) -> None:
+        await socket.accept()
+        window = Window(socket)
+        self.windows.append(window)
+        try:
+            while True:
+                try:
+                    message = json.loads(await socket.receive_text())
+                    await self._take(window, message)
+                except (FuzzyarmError, OSError) as error:
+                    await window.tell({"is": "failed", "message": str(error)})
+                except (KeyError, TypeError, ValueError, AttributeError):
+                    await window.tell({"is": "failed", "message": "a message is not understood"})
+        except (WebSocketDisconnect, RuntimeError):
+            pass
+        finally:
+            self.windows.remove(window)
+
+    async def _take(self, window: Window, message: dict[str, Any]) -> None:
+        """Do what a window says."""
+        wanted = message["do"]
+        if wanted == "open":
+            await self._opened(window, message)
+            return
+        shared = self.workspace.text(window.file)
+        if wanted == "push":
+            await self._pushed(window, shared, message)
+        elif wanted == "ask":
+            answer = {"is": "answer", "id": message["id"], **shared.answer(message)}
+            await window.tell(answer)
+        elif wanted == "save":
+            await self._saved(window, shared)
+        elif wanted == "settle":
+            before = shared.version
+            shared.settle(mine=bool(message["mine"]))
+            await self._changed(window.file, shared, before, disk=True)
+
+    async def _opened(self, window: Window, message: dict[str, Any]) -> None:
+        name = str(message["file"])
+        shared = self.workspace.text(name)
+        window.file = name
+        before = shared.version
+        if message.get("epoch") == shared.epoch:  # the connection was lost, not the server
+            missed = shared.since(int(message["version"]))
+            if missed is not None:
+                again = {"is": "reopened", "version": message["version"], "updates": missed}
+                await window.tell({**again, "saved": shared.saved})
+                self._check(name, shared)
+                return
+        elif "text" in message:
+            shared.resume(str(message["text"]), str(message["saved"]), "resumed")
+        await window.tell(
+            {
+                "is": "opened",
+                "file": name,
+                "text": shared.text,
+                "saved": shared.saved,
+                "version": shared.version,
+                "epoch": shared.epoch,
+            }
+        )
+        await self._changed(name, shared, before)
+        self._check(name, shared)
+
+    async def _pushed(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
+        version = int(message["version"])
+        if shared.push(version, message["updates"]):
+            await self._changed(window.file, shared, version)
+            return
+        missed = shared.since(version)
+        if missed is None:
+            await self._opened(window, {"file": window.file})
+        else:
+            await window.tell({"is": "updates", "version": version, "updates": missed})
+
+    async def _saved(self, window: Window, shared: SharedText) -> None:
+        before = shared.version
+        try:
+            shared.save()
+        except ConflictError as error:
+            await window.tell({"is": "failed", "message": str(error)})
+        await self._changed(window.file, shared, before, disk=True)
+
+    async def _changed(
+        self, name: str, shared: SharedText, before: int, *, disk: bool = False
+    ) -> None:
+        """Tell all windows on a file what has changed since a version, and check it again."""
+        updates = shared.since(before) or []
+        news: list[dict[str, Any]] = [{"is": "status", **shared.status}]
+        if disk:  # what is on disk may be long, and changes rarely
+            news[0]["saved"] = shared.saved
+        if updates:
+            news.insert(0, {"is": "updates", "version": before, "updates": updates})
+        shared.forget()
+        for window in [each for each in self.windows if each.file == name]:
+            for each in news:
+                await window.tell(each)
+        if updates:
+            self._check(name, shared)
+
+    def _check(self, name: str, shared: SharedText) -> None:
+        """Check a text beside the answering of questions; a newer text takes its turn."""
+        running = self._checks.get(name)
+        if running is not None and not running.done():
+            return  # it looks at the version again when it is done
+        self._checks[name] = asyncio.create_task(self._checked(name, shared))
+
+    async def _checked(self, name: str, shared: SharedText) -> None:
+        while True:
+            copy = shared.session.copy()
+            copy.version = shared.version
+            for question in (shared.findings, shared.scene):
+                message = await asyncio.to_thread(question, copy)
+                if copy.version != shared.version:
+                    break
+                shared.session.adopt(copy)
+                for window in [each for each in self.windows if each.file == name]:
+                    await window.tell(message)
+            if copy.version == shared.version:
+                return
+
+    async def _watch(self) -> None:
+        """Look at the open files now and then."""
+        while True:
+            await asyncio.sleep(LOOK_EVERY)
+            for name in {window.file for window in self.windows if window.file}:
+                shared = self.workspace.text(name)
+                before = shared.version
+                if shared.look():
+                    await self._changed(name, shared, before, disk=True)
+
+
+class Guarded:
+    """Lets in who knows the token and asks by this machine's own names."""
+
+    def __init__(self, app: ASGIApp, token: str) -> None:
+        self.app, self.token = app, token
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer 403 to everybody else."""
+        if scope["type"] == "lifespan" or self._welcome(scope):
+            await self.app(scope, receive, _with_headers(send))
+            return
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008})
+            return
+        await PlainTextResponse("forbidden", 403)(scope, receive, send)
+
+    def _welcome(self, scope: Scope) -> bool:
+        headers = dict(scope["headers"])
+        host = headers.get(b"host", b"").decode("latin-1")
+        token = scope["path"].split("/")[1] if "/" in scope["path"] else ""
+        names = {"127.0.0.1", "localhost", "::1"}
+        parts = urlsplit(f"//{host}")
+        if parts.hostname not in names or not secrets.compare_digest(
+            token.encode(), self.token.encode()
+        ):
+            return False
+        origin = headers.get(b"origin")
+        if origin is None:
+            return bool(scope["type"] == "http" and scope["method"] in {"GET", "HEAD"})
+        return bool(origin.decode("latin-1") == f"http://{host}")
+
+
+def _with_headers(send: Send) -> Send:
+    """Add what every answer says to the browser."""
+    fixed = [
+        (b"x-content-type-options", b"nosniff"),
+        (b"referrer-policy", b"no-referrer"),
+        (b"cross-origin-resource-policy", b"same-origin"),
+        (b"cache-control", b"no-store"),
+    ]
+
+    async def sending(message: Any) -> None:
+        if message["type"] == "http.response.start":
+            message = {**message, "headers": [*message["headers"], *fixed]}
+        await send(message)
+
+    return sending
+
+
+def token_for(folder: Path) -> str:
+    """Return the token of a folder: the same after a restart, so that open pages find back.
+
+    It is made from a random key in a file of the user's own; without one it is random each time.
+    """
+    base = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA")
+    home = Path(base) if base else Path.home() / ".local" / "state"
+    key = home / "fuzzyarm" / "designer.key"
+    try:
+        key.parent.mkdir(parents=True, exist_ok=True)
+        with contextlib.suppress(FileExistsError):
+            handle = os.open(key, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with os.fdopen(handle, "w") as file:
+                file.write(secrets.token_hex(32))
+        secret = key.read_bytes()
+    except OSError:
+        secret = b""
+    if len(secret) < 64:
+        return secrets.token_urlsafe(24)
+    return hmac.new(secret, str(folder).encode(), hashlib.sha256).hexdigest()[:32]
+
+
+def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
+    """Serve a folder or a file until it is interrupted.
+
+    Parameters
+    ----------
+    path : Path
+        The folder or the file.
+    port : int
+        Where; 0 for any that is free.
+    announce : callable
+        Takes the address with its token, when it can be opened.
+
+    Raises
+    ------
+    PortError
+        If the port is taken.
+    """
+    import uvicorn
+
+    workspace = Workspace(path)
+    token = token_for(path.resolve())
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listening.bind(("127.0.0.1", port))
+        except OSError as error:
+            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+        address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
+        config = uvicorn.Config(
+            Designer(workspace, token).app(),
+            log_level="error",
+            ws="websockets-sansio",
+            ws_max_size=LARGEST_MESSAGE,
+            timeout_graceful_shutdown=1,
+        )
+        server = uvicorn.Server(config)
+
+        async def main() -> None:
+            serving = asyncio.create_task(server.serve(sockets=[listening]))
+            while not server.started and not serving.done():
+                await asyncio.sleep(0.01)
+            announce(address)
+            await serving
+
+        asyncio.run(main())

@@ -1,0 +1,338 @@
+"""An open file that several windows share: its text, its versions, and the file on disk.
+
+The text here is the one that counts. A window sends its changes with the version that they are
+made for; what is late is not taken, and the window puts it on top of what it missed. The file on
+disk is read again when somebody else has written it: other lines are merged, the same lines are
+a conflict, which is shown until a person decides. Nothing is overwritten in silence.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
+from fuzzyarm.designer.scene import Positions, held_numbers, scene_of
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.language import read_text
+from fuzzyarm.language.queries import (
+    COLOURS,
+    Edit,
+    Reading,
+    RenameError,
+    ReshapeError,
+    set_cell,
+    set_shapes,
+)
+from fuzzyarm.lsp.session import UTF16, Session, to_place
+from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.files import stamp_of, write_atomically
+
+LONGEST_HISTORY = 2_000
+"""Changes that are kept for windows that fell behind; an older window gets the whole text."""
+
+DISK = "disk"
+"""Who made a change that came from the file."""
+
+
+class ConflictError(FuzzyarmError, ValueError):
+    """The file has changed on disk, in the same lines."""
+
+
+class SharedText:
+    r"""The text of a file, shared by windows.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Attributes
+    ----------
+    session : Session
+        The text as the language server has it; lines end with ``\n``.
+    version : int
+        How many changes there have been since it was opened.
+    epoch : str
+        Which opening this is: versions of another one mean nothing.
+    saved : str
+        The text that is on disk, as far as is known.
+    conflict : str or None
+        What is on disk where it cannot be merged.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.epoch = secrets.token_hex(8)
+        self.version = 0
+        self.updates: list[dict[str, Any]] = []
+        self.stamp = stamp_of(path)
+        text = read_text(path)
+        self.newline = "\r\n" if "\r\n" in text else "\n"
+        self.saved = _unix(text)
+        self.conflict: str | None = None
+        self.session = Session(str(path), self.saved, 0)
+
+    @property
+    def text(self) -> str:
+        """The text as it is now."""
+        return self.session.text
+
+    @property
+    def status(self) -> dict[str, Any]:
+        """Whether it is saved, and whether the file says something else."""
+        return {
+            "dirty": self.text != self.saved,
+            "conflict": self.conflict is not None,
+            "version": self.version,
+        }
+
+    # --- Changes ---
+
+    def push(self, version: int, updates: Sequence[dict[str, Any]]) -> bool:
+        """Take changes of a window; False where they are made for another version."""
+        if version != self.version:
+            return False
+        text = self.text
+        for update in updates:
+            text = applied(text, update.get("changes"))
+        for update in updates:
+            kept = {"clientID": str(update.get("clientID", "")), "changes": update["changes"]}
+            self.updates.append(kept)
+        self.version += len(updates)
+        self.session.replace(text, self.version)
+        return True
+
+    def since(self, version: int) -> list[dict[str, Any]] | None:
+        """Return the changes from a version on; None where they are not known any more."""
+        known = self.version - len(self.updates)
+        if not known <= version <= self.version:
+            return None
+        return self.updates[version - known :]
+
+    def forget(self) -> None:
+        """Drop the oldest changes."""
+        del self.updates[:-LONGEST_HISTORY]
+
+    def replace(self, text: str, who: str) -> None:
+        """Put another text in the place of this one, as a change."""
+        if text != self.text:
+            self.push(self.version, [{"clientID": who, "changes": difference(self.text, text)}])
+
+    def resume(self, text: str, saved: str, who: str) -> None:
+        """Take the text of a window that outlived the server: merged with what is here."""
+        both = merged(saved, text, self.text)
+        if both is not None:
+            self.replace(both, who)
+        elif text != self.text:
+            self.conflict = self.text
+            self.replace(text, who)
+
+    # --- The file ---
+
+    def look(self) -> bool:
+        """Read the file again if it has changed; return whether anything is to be told."""
+        stamp = stamp_of(self.path)
+        if stamp is None or stamp == self.stamp:
+            return False
+        try:
+            disk = _unix(read_text(self.path))
+        except (OSError, RuleBaseError):
+            return False
+        self.stamp = stamp
+        if disk == self.saved:
+            return False
+        both = merged(self.saved, self.text, disk)
+        if both is None:
+            self.conflict = disk
+            return True
+        self.saved, self.conflict = disk, None
+        self.replace(both, DISK)
+        return True
+
+    def save(self) -> None:
+        """Write the file.
+
+        Raises
+        ------
+        ConflictError
+            If somebody else has written it, in the same lines.
+        OSError
+            If it cannot be written.
+        """
+        self.look()
+        if self.conflict is not None:
+            raise ConflictError("the file has changed on disk in the same lines")
+        content = self.text.replace("\n", self.newline)
+        write_atomically(self.path, content.encode("utf-8"))
+        self.saved, self.stamp = self.text, stamp_of(self.path)
+
+    def settle(self, *, mine: bool) -> None:
+        """End a conflict: with the text here (the next save writes it), or with that on disk."""
+        disk, self.conflict = self.conflict, None
+        if disk is not None:
+            self.saved = disk
+            if not mine:
+                self.replace(disk, DISK)
+
+    # --- What a page is told ---
+
+    def findings(self, session: Session) -> dict[str, Any]:
+        """Return the findings and the colours of a session's text."""
+        review = session.review()
+        positions = Positions(session.lines)
+        return {
+            "is": "findings",
+            "version": session.version,
+            "summary": review.summary,
+            "findings": [
+                {
+                    "name": each.name,
+                    "severity": str(each.severity),
+                    "message": each.message,
+                    "hint": each.hint,
+                    "range": positions.of(each.span),
+                }
+                for each in review.diagnostics
+            ],
+            "colours": [
+                [*positions.of(_span(word))[0], positions.of(_span(word))[1][1], word.colour]
+                for word in session.kind.coloured(session.reading)
+            ],
+        }
+
+    def scene(self, session: Session) -> dict[str, Any]:
+        """Return what is drawn of a session's text; nothing where it has mistakes."""
+        reading = session.reading
+        found, why = None, "mistakes" if session.review().failed else "other"
+        if isinstance(reading, Reading):
+            rulebase = session.review().rulebase
+            if rulebase is not None and rulebase.inputs and rulebase.outputs:
+                found = scene_of(rulebase, reading)
+        return {"is": "scene", "version": session.version, "scene": found, "why": why}
+
+    # --- What a page asks ---
+
+    def answer(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Answer a question about the text; an error is said in words."""
+        question = _QUESTIONS.get(str(asked.get("what")))
+        if question is None:
+            return {"error": "unknown question"}
+        try:
+            return question(self, asked)
+        except (RenameError, ReshapeError, ChangeError) as error:
+            return {"error": str(error)}
+        except (KeyError, TypeError, ValueError, IndexError):
+            return {"error": "a question that is not understood"}
+
+    def _at(self, asked: dict[str, Any]) -> tuple[int, int]:
+        line, unit = asked["at"]
+        return to_place(self.session.lines, int(line), int(unit), UTF16)
+
+    def _edits(self, edits: Sequence[Edit]) -> dict[str, Any]:
+        positions = Positions(self.session.lines)
+        changes = [{"range": positions.of(edit.span), "text": edit.text} for edit in edits]
+        return {"version": self.version, "edits": changes}
+
+    def _complete(self, asked: dict[str, Any]) -> dict[str, Any]:
+        kind, positions = self.session.kind, Positions(self.session.lines)
+        found = kind.complete(self.session.quick_reading, *self._at(asked))
+        return {
+            "options": [
+                {
+                    "label": each.label,
+                    "detail": each.detail,
+                    "kind": each.kind,
+                    "insert": each.insert,
+                    "range": positions.of(each.span) if each.span else None,
+                }
+                for each in found
+            ]
+        }
+
+    def _hover(self, asked: dict[str, Any]) -> dict[str, Any]:
+        found = self.session.hover(*self._at(asked))
+        if found is None:
+            return {"markdown": ""}
+        return {
+            "markdown": found.markdown,
+            "range": Positions(self.session.lines).of(found.span),
+        }
+
+    def _rename(self, asked: dict[str, Any]) -> dict[str, Any]:
+        reading, place = self.session.reading, self._at(asked)
+        if "name" not in asked:
+            found = self.session.kind.name_at(reading, *place)
+            return {"name": None if found is None else found[0]}
+        return self._edits(self.session.kind.rename(reading, *place, str(asked["name"])))
+
+    def _fixes(self, asked: dict[str, Any]) -> dict[str, Any]:
+        line = self._at(asked)[0]
+        found = self.session.review().diagnostics if self.session.reviewed else ()
+        return {
+            "fixes": [
+                {"title": fix.title, "of": each.name, **self._edits(fix.edits)}
+                for each in found
+                if each.span.line <= line <= each.span.end_line
+                for fix in self.session.kind.fixes(self.session.reading, each)
+            ]
+        }
+
+    def _format(self, _asked: dict[str, Any]) -> dict[str, Any]:
+        text = self.session.kind.formatted(self.session.reading)
+        if text is None:
+            return {"error": "a text with mistakes is not formatted"}
+        return {"version": self.version, "changes": difference(self.text, text)}
+
+    def _shapes(self, asked: dict[str, Any]) -> dict[str, Any]:
+        shapes = []
+        for each in asked["shapes"]:
+            if each["kind"] not in SHAPES:
+                raise KeyError(each["kind"])
+            numbers = tuple(float(number) for number in each["parameters"])
+            shape = Shape(str(each["kind"]), numbers, float(each.get("height", 1.0)))
+            shapes.append((str(each["variable"]), str(each["term"]), shape))
+        return self._edits(set_shapes(self.session.reading, shapes))
+
+    def _cell(self, asked: dict[str, Any]) -> dict[str, Any]:
+        line, column = asked["cell"]
+        term = asked["term"]
+        term = None if term is None else str(term)
+        return self._edits(set_cell(self.session.reading, int(line), int(column), term))
+
+    def _numbers(self, asked: dict[str, Any]) -> dict[str, Any]:
+        rulebase = self.session.reading.parsed.rulebase
+        if rulebase is None:
+            return {"numbers": None}
+        found = held_numbers(rulebase, str(asked["variable"]))
+        return {"version": self.version, "numbers": found}
+
+
+_QUESTIONS = {
+    "complete": SharedText._complete,
+    "hover": SharedText._hover,
+    "rename": SharedText._rename,
+    "fixes": SharedText._fixes,
+    "format": SharedText._format,
+    "shapes": SharedText._shapes,
+    "cell": SharedText._cell,
+    "numbers": SharedText._numbers,
+}
+"""What a page may ask → who answers."""
+
+
+def _unix(text: str) -> str:
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _span(word: Any) -> Any:
+    from fuzzyarm.text.diagnostic import Span
+
+    return Span(word.line, word.column, word.line, word.end)
+
+
+__all__ = ["COLOURS", "ConflictError", "SharedText"]

@@ -1,0 +1,375 @@
+"""A rule base in JavaScript: an ES module that infers in a page or in node.
+
+Three things make it: the kernel, translated from its own source (:mod:`.translation`); shapes,
+norms and hedges, printed from their expressions by the table of operations; and the rule base
+as the flat list of numbers that the kernel reads (:mod:`fuzzyarm.inference.layout`). So a page
+that changes a rule base gets other numbers, not another program: nothing is compiled, no text
+is run, and a strict content policy holds. Where only + − × ÷, min and max occur the bits are
+those of Python; functions such as ``exp`` may differ in their last bits between engines.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import struct
+from collections.abc import Callable, Iterable, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace, symbol
+from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.expression.printing import JAVASCRIPT, printed
+from fuzzyarm.expression.records import Kind, degree_on_polyline
+from fuzzyarm.inference import integrated, kernel
+from fuzzyarm.inference.layout import Curve, Layout, NotCoveredError, lay_out
+from fuzzyarm.inference.plan import Plan, plan
+from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.model.rulebase import POSITION, Hedge, RuleBase, Shape
+from fuzzyarm.model.shapes import polyline
+from fuzzyarm.text.names import printable
+from fuzzyarm.version import __version__
+
+__all__ = ["engine_source", "numbers_of", "rule_base_module"]
+
+PROGRAMS: tuple[Callable[..., Any], ...] = (
+    kernel.run,
+    kernel.closed_centroid,
+    kernel.weighted,
+    kernel.sampled_centroid,
+    kernel.enveloped_centroid,
+    integrated.integrated_centroid,
+    integrated.integrated_bisector,
+)
+"""What a layout calls by its number."""
+
+OWN_NORMS = 4
+"""Numbers below are norms that the kernel does by itself."""
+
+
+class Library(NamedTuple):
+    """The kinds that a module has."""
+
+    shapes: Sequence[str]
+    tnorms: Sequence[str]
+    snorms: Sequence[str]
+    hedges: Sequence[str]
+
+
+def every_kind() -> Library:
+    """Return all kinds that are known now, those of users among them."""
+    return Library(tuple(SHAPES), tuple(TNORMS), tuple(SNORMS), tuple(HEDGES))
+
+
+# ── the numbers of a rule base ───────────────────────────────────────────────────────
+
+
+class Functions:
+    """Numbers the functions that a layout calls, and describes them for the engine."""
+
+    def __init__(self) -> None:
+        self.described: list[dict[str, Any]] = []
+        self._known: dict[str, int] = {}
+
+    def _number(self, described: dict[str, Any]) -> int:
+        key = json.dumps(described, sort_keys=True)
+        if key not in self._known:
+            self._known[key] = OWN_NORMS + len(self.described)
+            self.described.append(described)
+        return self._known[key]
+
+    def norm(self, norm: Norm, sort: str) -> int:
+        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        return self._number({"norm": norm.name, "sort": sort})
+
+    def hedged(self, hedges: tuple[Hedge, ...]) -> int:
+        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        return self._number({"hedges": _hedges(hedges)})
+
+    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        return self._number({"program": function.__name__})
+
+    def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
+        """See :class:`fuzzyarm.inference.layout.Addresses`."""
+        described: dict[str, Any] = {"hedges": _hedges(hedges)} if hedges else {}
+        if shape.kind == "points":
+            corners = tuple(number for corner in polyline(shape) for number in corner)
+            return Curve(self._number({"shape": "points", **described}), corners)
+        height = () if shape.height == 1.0 else (shape.height,)
+        if height:
+            described["height"] = True
+        if shape.kind == "formula":
+            root = replace(formula_of(shape).with_constants((POSITION,)), {POSITION: symbol("x")})
+            return Curve(self._number({"formula": _tree(root), **described}), height)
+        return Curve(self._number({"shape": shape.kind, **described}), (*shape.parameters, *height))
+
+
+def _hedges(hedges: tuple[Hedge, ...]) -> list[tuple[str, float | None]]:
+    """Return hedges in the order in which they act."""
+    return [(hedge.name, hedge.exponent) for hedge in reversed(hedges)]
+
+
+def _tree(node: Node) -> Any:
+    """Return an expression as nested lists, fit for JSON."""
+    if isinstance(node, Constant):
+        finite = math.isfinite(node.value)
+        return node.value if finite else JAVASCRIPT.number(node.value)
+    if isinstance(node, Symbol):
+        return node.name
+    return [getattr(node, "operation"), *map(_tree, children(node))]  # noqa: B009
+
+
+def numbers_of(
+    rulebase: RuleBase, functions: Functions | None = None, *, loose: str = ""
+) -> dict[str, Any]:
+    """Return the numbers of a rule base for an ``Engine``, fit for JSON.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The model.
+    functions : Functions, optional
+        Who numbers the functions; for further curves.
+    loose : str
+        A variable whose terms are to be changed in place; see
+        :func:`fuzzyarm.inference.layout.lay_out`.
+
+    Returns
+    -------
+    dict
+        ``whole`` and ``floats`` in base64 (32-bit and 64-bit numbers, little-endian),
+        ``programs``, ``rows``, ``samples``, ``rules``, ``weights`` (where those of the first rule
+        stand), ``functions`` and ``marks``.
+
+    Raises
+    ------
+    NotCoveredError
+        If the kernel does not evaluate it.
+    """
+    functions = functions or Functions()
+    made = plan(rulebase)
+    layout = lay_out(made, addresses=functions, loose=loose)
+    return {
+        "whole": _base64("i", layout.whole),
+        "floats": _base64("d", layout.floats),
+        "programs": layout.programs,
+        "rows": layout.rows,
+        "samples": layout.samples,
+        "rules": len(made.rules),
+        "weights": _first_weight(made, layout),
+        "functions": functions.described,
+        "marks": [mark._asdict() for mark in layout.marks],
+    }
+
+
+def _first_weight(made: Plan, layout: Layout) -> int:
+    """Return where the weights of the rules begin in the floats: in front of the first output's."""
+    first = layout.whole[layout.whole[kernel.OUTPUTS_AT] + kernel.FLOATS_AT]
+    return first - 2 * len(made.rules)
+
+
+def _base64(letter: str, numbers: Sequence[float]) -> str:
+    return base64.b64encode(struct.pack(f"<{len(numbers)}{letter}", *numbers)).decode()
+
+
+# ── the text ─────────────────────────────────────────────────────────────────────────
+
+
+def engine_source(library: Library | None = None) -> str:
+    """Return the engine as text: constants, kinds, the kernel and the class ``Engine``.
+
+    Parameters
+    ----------
+    library : Library, optional
+        The kinds that it is to have; by default all that are known.
+
+    Returns
+    -------
+    str
+        For the top level of an ES module; nothing is exported.
+    """
+    has = library or every_kind()
+    parts = [
+        _constants(),
+        Path(__file__).with_name("engine.js").read_text(encoding="utf-8"),
+        kernel_source(),
+        _object("SHAPES", {name: _shape_row(name) for name in has.shapes if _is_set(name)}),
+        _object("TNORMS", {name: _norm_row(TNORMS[name]) for name in has.tnorms}),
+        _object("SNORMS", {name: _norm_row(SNORMS[name]) for name in has.snorms}),
+        _object("HEDGES", {name: _function(HEDGES[name], "") for name in has.hedges}),
+        _object("OPERATIONS", {name: _operation(name) for name in OPERATIONS}),
+    ]
+    return "\n".join(parts)
+
+
+@cache
+def kernel_source() -> str:
+    """Return the kernel, translated from its own source."""
+    from fuzzyarm.export.translation import javascript_of
+
+    first: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep, degree_on_polyline)
+    roots = (*first, *PROGRAMS)
+    names = ", ".join(program.__name__ for program in PROGRAMS)
+    return f"{javascript_of(roots)}\nconst PROGRAMS_BY_NAME = {{ {names} }};\n"
+
+
+def _constants() -> str:
+    """Return the names of the places in a block, by the kernel's own."""
+    names = (
+        "INPUTS OUTPUTS OPERANDS PROGRAMS_AT OUTPUTS_AT POINTS WIDTH FLOATS ROOM COLUMNS RESULTS"
+        " ORDERED ORDER ENDS SIZE AGGREGATION DEFUZZIFIER OUTPUT_HEAD GROUP_HEAD RULE_HEAD"
+        " TRUTH_HEAD ONES PROGRAM FLOATS_AT DETAIL OUTPUT_RANGE"
+    )
+    listed = [f"{name} = {getattr(kernel, name)}" for name in names.split()]
+    return f"const {', '.join(listed)};\n"
+
+
+def _object(name: str, parts: dict[str, str]) -> str:
+    lines = [f"  {json.dumps(key)}: {text}," for key, text in parts.items()]
+    return "\n".join([f"const {name} = {{", *lines, "};", ""])
+
+
+def _is_set(name: str) -> bool:
+    return SHAPES[name].fuzzy and name != "formula"
+
+
+def _shape_row(name: str) -> str:
+    """Return a function that fills a row with the degrees of a kind of shape."""
+    if name == "points":
+        body = "into[i] = degree_on_polyline(numbers, x_row[i]);"
+        return f"(x_row, numbers, into) => {{ for (let i = 0; i < into.length; i++) {body} }}"
+    kind = SHAPES[name]
+    root = replace(kind.expression, _plain_names(kind, "x"))
+    count = len(kind.symbols) - 1
+    heads = [f"    const p{i} = numbers[{i}];" for i in range(count)]
+    lines, result = printed(root, JAVASCRIPT, taken=("x", "i", *(f"p{i}" for i in range(count))))
+    each = [f"      {line}" for line in ("const x = x_row[i];", *lines, f"into[i] = {result};")]
+    loop = ["    for (let i = 0; i < into.length; i++) {", *each, "    }"]
+    return "\n".join(["(x_row, numbers, into) => {", *heads, *loop, "  }"])
+
+
+def _norm_row(norm: Norm) -> str:
+    body = _function(norm, "b").replace("\n", "\n    ")
+    loop = "for (let i = 0; i < into.length; i++) into[i] = norm(a_row[i], b_row[i]);"
+    return f"((norm) => (a_row, b_row, numbers, into) => {{ {loop} }})({body})"
+
+
+def _function(kind: Kind, second: str) -> str:
+    """Return a function of floats: of one (a degree) or two (`second`), then of its numbers."""
+    firsts = ["a", second] if second else ["a"]
+    root = replace(kind.expression, _plain_names(kind, *firsts))
+    numbers = [f"p{i}" for i in range(len(kind.symbols) - len(firsts))]
+    lines, result = printed(root, JAVASCRIPT, taken=(*firsts, *numbers))
+    arguments = ", ".join([*firsts, *numbers])
+    if not lines:
+        return f"({arguments}) => {result}"
+    return "\n".join([f"({arguments}) => {{", *(f"    {each}" for each in lines),
+                      f"    return {result};", "  }"])  # fmt: skip
+
+
+def _plain_names(kind: Kind, *firsts: str) -> dict[str, Node]:
+    """Return new names for the symbols of a kind: its own may be words of the language."""
+    names = [*firsts, *(f"p{i}" for i in range(len(kind.symbols) - len(firsts)))]
+    return {old: symbol(new) for old, new in zip(kind.symbols, names, strict=True)}
+
+
+def _operation(name: str) -> str:
+    operation = OPERATIONS[name]
+    names = ("a", "b", "c")[: operation.arity]
+    return f"({', '.join(names)}) => {JAVASCRIPT.text(operation).format(*names)}"
+
+
+def rule_base_module(rulebase: RuleBase, source: str = "") -> str:
+    """Return an ES module that infers a rule base.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What the kernel covers.
+    source : str
+        Named in the head.
+
+    Returns
+    -------
+    str
+        It exports ``infer`` (inputs by name to outputs by name), ``inferMany`` (columns by name
+        to rows by name), ``inputs`` and ``outputs``. Where there is no value it gives NaN.
+
+    Raises
+    ------
+    ExportError
+        If the kernel does not evaluate it.
+    """
+    try:
+        numbers = numbers_of(rulebase)
+    except NotCoveredError as error:
+        raise ExportError(f"JavaScript has no direct inference of '{rulebase.name}': {error}") \
+            from error  # fmt: skip
+    ranges = {
+        "inputs": [_range(each) for each in rulebase.inputs],
+        "outputs": [_range(each) for each in rulebase.outputs],
+    }
+    origin = _comment(f"{rulebase.name} {rulebase.description}".strip(), source)
+    parts = [
+        *origin,
+        engine_source(_used(numbers["functions"])),
+        *(f"export const {name} = {_json(found)};" for name, found in ranges.items()),
+        f"const engine = new Engine({_json(numbers)});",
+        _INTERFACE,
+    ]
+    return "\n".join(parts)
+
+
+_INTERFACE = """
+/** The outputs by name, from the inputs by name; NaN where there is no value. */
+export function infer(given) {
+  const found = engine.at(inputs.map((each) => Number(given[each.name])));
+  return Object.fromEntries(outputs.map((each, o) => [each.name, found[o]]));
+}
+
+/** Rows of outputs by name, from columns of inputs by name (arrays of one length). */
+export function inferMany(given) {
+  const found = engine.many(inputs.map((each) => given[each.name]));
+  return Object.fromEntries(outputs.map((each, o) => [each.name, found[o]]));
+}
+"""
+
+
+def _comment(title: str, source: str) -> list[str]:
+    made = f"made by fuzzyarm {__version__}; do not edit: make it again from its source"
+    lines = [made, f"rule base: {printable(title)}"]
+    lines += [f"source: {printable(source)}"] if source else []
+    return [f"// {line}" for line in lines]
+
+
+def _range(variable: Any) -> dict[str, Any]:
+    ends = (variable.low, variable.high)
+    low, high = (end if math.isfinite(end) else None for end in ends)
+    return {"name": variable.name, "low": low, "high": high, "description": variable.description}
+
+
+def _json(data: Any) -> str:
+    """Return JSON that may also stand inside an element of HTML."""
+    return script_json(data)
+
+
+def script_json(data: Any) -> str:
+    """Return JSON in which no character can end a script, an element or a line."""
+    text = json.dumps(data, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _used(functions: Iterable[dict[str, Any]]) -> Library:
+    """Return the kinds that some functions are made of."""
+    shapes, tnorms, snorms, hedges = set[str](), set[str](), set[str](), set[str]()
+    for each in functions:
+        shapes |= {each["shape"]} if "shape" in each else set()
+        hedges |= {name for name, _ in each.get("hedges", ())}
+        if "norm" in each:
+            (tnorms if each["sort"] == "T" else snorms).add(each["norm"])
+    return Library(sorted(shapes), sorted(tnorms), sorted(snorms), sorted(hedges))

@@ -1,0 +1,258 @@
+"""Who is let in, what a window may ask, and how texts are merged; without a browser."""
+
+import json
+import math
+import shutil
+import subprocess
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzyarm.designer.assets import asset
+from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
+from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_source
+from fuzzyarm.inference.sets import straight_pieces
+from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_cell, set_shapes
+from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.model.shapes import polyline
+from fuzzyarm.shipped_files import shipped
+
+pytest.importorskip("starlette", reason="the extra designer is not installed")
+
+TOKEN = "a" * 32
+PD7 = shipped("pd7.frb").read_text()
+
+# --- changes ---
+
+texts = st.text(st.sampled_from("ab\n\U0001f600é"), max_size=12)
+
+
+@given(texts, texts)
+def test_a_difference_leads_from_one_text_to_the_other(old, new):
+    assert applied(old, difference(old, new)) == new
+
+
+@pytest.mark.parametrize("changes", [None, [3], [-1], [[1, 2]], [[]], ["x"], [True, [0, "a"], 9]])
+def test_changes_of_another_text_are_refused(changes):
+    with pytest.raises(ChangeError):
+        applied("ab", changes)
+
+
+lines = st.lists(st.sampled_from(["a\n", "b\n", "c\n"]), max_size=5).map("".join)
+
+
+@given(lines, lines)
+def test_one_writer_is_no_conflict(base, other):
+    assert merged(base, base, other) == other
+    assert merged(base, other, base) == other
+    assert merged(base, other, other) == other
+
+
+def test_other_lines_are_merged_and_the_same_are_not():
+    base = "one\ntwo\nthree\nfour\n"
+    mine = base.replace("one", "ONE")
+    assert merged(base, mine, base.replace("four", "FOUR")) == "ONE\ntwo\nthree\nFOUR\n"
+    assert merged(base, mine, base.replace("one", "eins")) is None
+
+
+# --- edits of the text ---
+
+
+def test_a_term_of_a_family_gets_a_line_of_its_own_and_keeps_it():
+    text = PD7
+    for right in (3.0, 2.5):
+        shape = Shape("triangle", (-2.0, 0.0, right))
+        text = apply_edits(text, set_shapes(read(text), [("e", "ZE", shape)]))
+        assert read(text).model.variable("e").term("ZE").shape == shape
+    assert text.count("term e ZE: triangle -2 0 2.5\n") == 1
+    assert text.replace("term e ZE: triangle -2 0 2.5\n", "") == PD7
+
+
+def test_comments_stay_where_a_term_changes():
+    text = 'rulebase r "r"\ninput x 0 .. 1\nterm x A: triangle 0 0.5 1 height 0.5  # half\n'
+    edits = set_shapes(read(text), [("x", "A", Shape("triangle", (0.0, 0.25, 1.0), 0.5))])
+    assert apply_edits(text, edits) == text.replace("0 0.5 1", "0 0.25 1")
+
+
+def test_a_cell_is_replaced_and_columns_stay():
+    rows = [rule.span for rule in read(PD7).model.rules]
+    text = apply_edits(PD7, set_cell(read(PD7), rows[0].line, rows[0].column, None))
+    assert "  NB      .   NB  NB  NM  NS  NS  ZE\n" in text
+    again = apply_edits(text, set_cell(read(text), rows[0].line, rows[0].column, "NB"))
+    assert again == PD7
+    with pytest.raises(ReshapeError):
+        set_cell(read(PD7), 1, 1, "NB")
+
+
+# --- what the page knows of shapes while a hand holds one ---
+
+SHAPES = [
+    ("triangle", (-1.0, 0.5, 2.0)), ("triangle", (0.0, 0.0, 1.0)), ("ramp", (2.0, -1.0)),
+    ("trapezoid", (-math.inf, -math.inf, 0.0, 0.5)), ("trapezoid", (-3.0, -1.0, 0.2, 5.0)),
+    ("trapezoid", (-math.inf,) * 2 + (math.inf,) * 2), ("rectangle", (-0.25, 0.75)),
+    ("ramp", (-1.0, 0.5)), ("points", (-2.0, 0.25, 0.0, 1.0, 0.0, 0.5, 4.0, 0.0)),
+]  # fmt: skip
+
+CORNERS = """
+import { cornersOf, piecesOf } from "./store.js";
+import { readFileSync } from "fs";
+console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, numbers]) => {
+  const corners = cornersOf({ kind, height: 0.5 }, numbers.map(Number));
+  return [corners, piecesOf(corners, -1, 1)];
+})));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_corners_and_pieces_in_the_page_are_those_of_python(tmp_path):
+    for name in ("engine.js", "store.js"):
+        (tmp_path / name).write_bytes(asset(name)[0])
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "run.js").write_text(CORNERS)
+    given_shapes = [(kind, [str(x).replace("inf", "Infinity") for x in p]) for kind, p in SHAPES]
+    done = subprocess.run(
+        ["node", str(tmp_path / "run.js")], input=json.dumps(given_shapes), capture_output=True,
+        text=True, check=True, timeout=60,
+    )  # fmt: skip
+    for (kind, numbers), (corners, pieces) in zip(SHAPES, json.loads(done.stdout), strict=True):
+        expected = polyline(Shape(kind, numbers, 0.5))
+        assert corners == [number for corner in expected for number in corner], kind
+        cut = [tuple(piece[:4]) for piece in straight_pieces(expected, -1.0, 1.0)]
+        assert list(zip(*[iter(pieces)] * 4, strict=True)) == cut, kind
+
+
+# --- the file on disk ---
+
+
+@pytest.fixture
+def shared(tmp_path):
+    (tmp_path / "pd7.frb").write_bytes(PD7.replace("\n", "\r\n").encode())
+    return SharedText(tmp_path / "pd7.frb")
+
+
+def test_what_is_late_is_not_taken(shared):
+    first = difference(shared.text, "# a\n" + shared.text)
+    assert shared.push(0, [{"clientID": "one", "changes": first}])
+    assert not shared.push(0, [{"clientID": "other", "changes": first}])
+    assert [each["clientID"] for each in shared.since(0)] == ["one"]
+    assert shared.since(2) is None
+
+
+def test_saving_keeps_line_ends_and_heeds_other_writers(shared):
+    shared.replace("# mine\n" + shared.text, "me")
+    shared.save()
+    assert shared.path.read_bytes().startswith(b"# mine\r\n# Joint")
+    shared.replace(shared.text.replace("# mine", "# changed"), "me")
+    shared.path.write_text("# theirs\n")
+    with pytest.raises(ConflictError):
+        shared.save()
+    assert shared.path.read_text() == "# theirs\n"
+    shared.settle(mine=True)
+    shared.save()
+    assert shared.path.read_bytes().startswith(b"# changed\r\n")
+
+
+def test_a_question_that_is_not_understood_is_answered(shared):
+    for asked in ({}, {"what": "hover"}, {"what": "shapes", "shapes": [{}]}, {"what": "cell"},
+                  {"what": "cell", "cell": [1, 1], "term": "<b>"}, {"what": "complete", "at": "x"},
+                  {"what": "shapes", "shapes": [{"kind": "none", "parameters": []}]}):  # fmt: skip
+        assert "error" in shared.answer(asked), asked
+
+
+# --- the server ---
+
+
+@pytest.fixture
+def client(tmp_path):
+    from starlette.testclient import TestClient
+
+    from fuzzyarm.designer.server import Designer, Workspace
+
+    (tmp_path / "inside").mkdir()
+    (tmp_path / "inside" / "pd7.frb").write_text(PD7)
+    (tmp_path / "outside.frb").write_text(PD7)
+    (tmp_path / "inside" / "link.frb").symlink_to(tmp_path / "outside.frb")
+    app = Designer(Workspace(tmp_path / "inside"), TOKEN).app()
+    with TestClient(app, base_url="http://127.0.0.1:8000") as found:
+        yield found
+
+
+def socket_of(client, path=f"/{TOKEN}/socket", origin="http://127.0.0.1:8000"):
+    return client.websocket_connect(
+        f"ws://127.0.0.1:8000{path}", headers={"origin": origin} if origin else {}
+    )
+
+
+def test_only_who_knows_the_token_is_let_in(client):
+    from starlette.websockets import WebSocketDisconnect
+
+    page = client.get(f"/{TOKEN}/")
+    assert page.status_code == 200
+    assert "default-src 'none'" in page.headers["content-security-policy"]
+    assert "unsafe" not in page.headers["content-security-policy"]
+    for path in ("/", "/page/app.js", f"/{TOKEN[:-1]}/", f"/{TOKEN}x/", "//", f"/x/{TOKEN}/"):
+        assert client.get(path).status_code == 403, path
+    for headers in ({"host": "evil.example"}, {"origin": "http://evil.example"},
+                    {"host": "127.0.0.1.evil.example"}, {"host": ""}):  # fmt: skip
+        assert client.get(f"/{TOKEN}/", headers=headers).status_code == 403, headers
+    assert client.post(f"/{TOKEN}/").status_code == 403
+    for path, origin in (("/socket", "http://127.0.0.1:8000"), (f"/{TOKEN}/socket", None),
+                         (f"/{TOKEN}/socket", "http://evil.example"),
+                         (f"/{TOKEN}/socket", "null")):  # fmt: skip
+        with pytest.raises(WebSocketDisconnect), socket_of(client, path, origin):
+            pass
+
+
+def test_only_files_of_the_page_are_served(client):
+    for name in ("index.html", "../server.py", "..%2fserver.py", "%2e%2e/assets.py", "vendor", ""):
+        assert client.get(f"/{TOKEN}/page/{name}").status_code in {403, 404}, name
+    for name in ("app.js", "engine.js", "vendor/codemirror.js", "style.css"):
+        assert client.get(f"/{TOKEN}/page/{name}").status_code == 200, name
+
+
+def test_only_files_of_the_folder_are_opened(client, tmp_path):
+    with socket_of(client) as socket:
+        for name in ("../outside.frb", str(tmp_path / "outside.frb"), "link.frb", "x\0.frb", ""):
+            socket.send_text(json.dumps({"do": "open", "file": name}))
+            assert json.loads(socket.receive_text())["is"] == "failed", name
+        for message in ("", "[]", "{}", '{"do": "push"}', '{"do": 3, "file": 1}'):
+            socket.send_text(message)
+            assert json.loads(socket.receive_text())["is"] == "failed", message
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        assert json.loads(socket.receive_text())["text"] == PD7
+
+
+def test_a_text_is_checked_and_drawn(client):
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        heard = [json.loads(socket.receive_text()) for _ in range(4)]
+        assert [each["is"] for each in heard] == ["opened", "status", "findings", "scene"]
+        assert len(heard[3]["scene"]["rules"]) == 49
+        change = difference(PD7, PD7.replace("terms", "tern"))
+        push = {"do": "push", "version": 0, "updates": [{"clientID": "x", "changes": change}]}
+        socket.send_text(json.dumps(push))
+        heard = [json.loads(socket.receive_text()) for _ in range(4)]
+        assert heard[0]["updates"][0]["changes"] == change
+        assert heard[2]["findings"][0]["severity"] == "error"
+        assert heard[3]["scene"] is None
+
+
+# --- pages without a server ---
+
+
+def test_no_page_is_made_of_what_is_not_a_rule_base():
+    for name in ("servo.frb", "thesis-6.1.lut"):
+        with pytest.raises(NotWrittenError):
+            page_of(shipped(name))
+
+
+def test_the_modules_of_a_page_are_one_script():
+    script = script_source()
+    assert "import " not in script.replace("important", "")
+    assert "\nexport " not in script
+    declared = [line.split()[1].split("(")[0] for line in script.splitlines()
+                if line.startswith(("function ", "const ", "class ", "let "))]  # fmt: skip
+    assert len(declared) == len(set(declared))
+    assert MODULES[-1] == "exported"

@@ -1,0 +1,210 @@
+"""Rule bases in JavaScript, run by node, against Python."""
+
+import json
+import math
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import SMOOTH, STRAIGHT, plain_mamdani
+
+import fuzzyarm
+from fuzzyarm.export import ExportError
+from fuzzyarm.export.javascript import engine_source, numbers_of, rule_base_module, script_json
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.expression.op import inf
+from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.inference.engine import Compiled
+from fuzzyarm.inference.layout import NotCoveredError
+from fuzzyarm.model.rulebase import Defuzzifier
+from fuzzyarm.shipped_files import shipped
+
+NODE = shutil.which("node")
+pytestmark = pytest.mark.skipif(NODE is None, reason="node is not installed")
+
+SHIPPED = (
+    "alpha7", "balance", "fan", "fine7", "pd7", "pd7-study", "roompi", "slide7", "thermostat",
+    "tipper",
+)  # fmt: skip
+
+
+def run(folder, script, data=None):
+    """Run a module of node that prints JSON; return it, with null as NaN."""
+    (folder / "run.mjs").write_text(script)
+    words = [NODE, str(folder / "run.mjs")]
+    done = subprocess.run(
+        words, input=json.dumps(data), capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+MANY = """
+import { inferMany } from "./rules.mjs";
+import { readFileSync } from "fs";
+const given = JSON.parse(readFileSync(0));
+for (const name in given) given[name] = Float64Array.from(given[name]);
+const found = inferMany(given);
+for (const name in found) found[name] = Array.from(found[name]);
+console.log(JSON.stringify(found));
+"""
+
+
+def in_node(folder, rulebase, points):
+    (folder / "rules.mjs").write_text(rule_base_module(rulebase, "rules.frb"))
+    found = run(folder, MANY, {name: list(column) for name, column in points.items()})
+    return {
+        name: np.array([np.nan if x is None else x for x in row]) for name, row in found.items()
+    }
+
+
+def points_of(rulebase, count):
+    """Points in and beyond the ranges."""
+    random = np.random.default_rng(len(rulebase.name))
+    wide = {v.name: (v.low - 0.1 * (v.high - v.low), v.high + 0.1 * (v.high - v.low))
+            for v in rulebase.inputs}  # fmt: skip
+    return {name: random.uniform(*ends, count) for name, ends in wide.items()}
+
+
+def is_plain(rulebase):
+    """Whether only + - × ÷ min max occur: no function of a library."""
+    named = json.dumps(numbers_of(rulebase)["functions"])
+    curved = [kind.name for kind in SHAPES.values() if kind.fuzzy and not kind.straight]
+    return not any(f'"{word}"' in named for word in (*curved, "power", "formula"))
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_rule_bases_have_the_values_of_python(name, tmp_path):
+    rulebase = fuzzyarm.load(shipped(f"{name}.frb"))
+    points = points_of(rulebase, 500)
+    expected = fuzzyarm.compiled(rulebase)(dict(points))
+    found = in_node(tmp_path, rulebase, points)
+    assert found.keys() == expected.keys()
+    for output, values in expected.items():
+        if is_plain(rulebase):
+            np.testing.assert_array_equal(found[output], values)
+        else:
+            np.testing.assert_allclose(found[output], values, rtol=0, atol=1e-12)
+
+
+KERNEL = st.one_of(
+    plain_mamdani(aggregations=("max", "sum"), implications=("min", "product")),
+    plain_mamdani(kinds=STRAIGHT + SMOOTH, defuzzifier=Defuzzifier("centroid", 51)),
+    plain_mamdani(kinds=STRAIGHT + SMOOTH, aggregations=("max", "probor")),
+)
+
+
+@settings(max_examples=15)
+@given(KERNEL)
+def test_any_rule_base_has_the_values_of_the_kernel(tmp_path_factory, rulebase):
+    folder = tmp_path_factory.mktemp("node")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FUZZYARM_JIT", "0")
+        made = Compiled(rulebase)
+    assert made.kernel == "python", made.reason
+    points = points_of(rulebase, 12)
+    expected = np.array([
+        made._engine.one(each) or [np.nan] * len(rulebase.outputs)
+        for each in zip(*points.values(), strict=True)
+    ]).T  # fmt: skip
+    for values, row in zip(expected, in_node(folder, rulebase, points).values(), strict=True):
+        ordinary = ~np.isnan(values)
+        np.testing.assert_allclose(row[ordinary], values[ordinary], rtol=1e-12, atol=1e-12)
+        if is_plain(rulebase):
+            np.testing.assert_array_equal(row[ordinary], values[ordinary])
+
+
+def test_what_the_kernel_does_not_cover_is_refused_by_name(tmp_path):
+    text = shipped("pd7.frb").read_text().replace("centroid exact", "mean-of-maximum")
+    (tmp_path / "maxima.frb").write_text(text)
+    with pytest.raises(ExportError, match="mean-of-maximum of 'u'"):
+        rule_base_module(fuzzyarm.load(tmp_path / "maxima.frb"))
+
+
+ALL = """
+import { readFileSync } from "fs";
+const { names, numbers } = JSON.parse(readFileSync(0));
+const found = {};
+const as = (x) => (typeof x === "boolean" ? Number(x) : Number.isFinite(x) ? x : String(x));
+for (const [name, arity, logic] of names) {
+  const values = numbers.map((text) => (logic ? Number(text) < 0 : Number(text)));
+  found[name] = values.flatMap((a) => arity === 1 ? as(OPERATIONS[name](a)) :
+    values.map((b) => as(arity === 2 ? OPERATIONS[name](a, b) : OPERATIONS[name](a < 0, a, b))));
+}
+console.log(JSON.stringify(found));
+"""
+
+
+def test_every_operation_is_that_of_the_table(tmp_path):
+    numbers = [0.0, -0.5, 0.5, 1.0, -1.0, 1.5, 2.5, -2.5, 3.7, 1e300, -7.25]
+    texts = [*map(repr, numbers), "Infinity", "-Infinity", "NaN"]
+    names = [(name, each.arity, each.sort == "logic") for name, each in OPERATIONS.items()]
+    found = run(tmp_path, engine_source() + ALL, {"names": names, "numbers": texts})
+    for name, operation in OPERATIONS.items():
+        values = [*numbers, inf, -inf, math.nan]
+        values = [x < 0 for x in values] if operation.sort == "logic" else values
+        if operation.arity == 1:
+            expected = [operation.scalar(a) for a in values]
+        elif operation.arity == 2:
+            expected = [operation.scalar(a, b) for a in values for b in values]
+        else:
+            expected = [operation.scalar(a < 0, a, b) for a in values for b in values]
+        same = [float(x) for x in found[name]]
+        np.testing.assert_allclose(
+            same, [float(x) for x in expected], rtol=1e-14, atol=0, err_msg=name
+        )
+
+
+LOOSE = """
+import { readFileSync } from "fs";
+const { before, after, columns, count } = JSON.parse(readFileSync(0));
+const [one, other] = [new Engine(before), new Engine(after)];
+const given = columns.map((each) => Float64Array.from(each));
+one.many(given);
+one.patch(AT, NUMBERS);
+if (count) one.patchWhole(count, 2);
+const strengths = count ? [] : Array.from(one.fired([0.4, -1.3]).strengths);
+const rows = [one, other].map((engine) => Array.from(engine.many(given)[0]));
+console.log(JSON.stringify([...rows, strengths]));
+"""
+
+
+@pytest.mark.parametrize(
+    ("loose", "line", "term", "numbers"),
+    [
+        ("e", "e NB: triangle -7 -5.5 -4", ("e", "NB"), "[-7, -5.5, -4]"),
+        ("u", "u PB: triangle 3 5 9", ("u", "PB"), "[3, 0, 5, 1, 5, 1, 6, 0.75]"),
+    ],
+)
+def test_a_loose_layout_takes_other_numbers_in_place(loose, line, term, numbers, tmp_path):
+    text = shipped("pd7.frb").read_text()
+    (tmp_path / "before.frb").write_text(text)
+    (tmp_path / "after.frb").write_text(text.replace("\ninference", f"term {line}\n\ninference"))
+    before, after = (fuzzyarm.load(tmp_path / f"{name}.frb") for name in ("before", "after"))
+    made = numbers_of(before, loose=loose)
+    mark = {(mark["variable"], mark["term"]): mark for mark in made["marks"]}[term]
+    script = LOOSE.replace("AT", str(mark["floats"])).replace("NUMBERS", numbers)
+    columns = [np.clip(column, -6, 6).tolist() for column in points_of(before, 200).values()]
+    data = {"before": made, "after": numbers_of(after), "columns": columns}
+    data["count"] = mark["row"] if loose == "u" else 0
+    changed, expected, strengths = run(tmp_path, engine_source() + script, data)
+    np.testing.assert_allclose(changed, expected, rtol=0, atol=1e-12)
+    if strengths:
+        traced = fuzzyarm.explain(after, e=0.4, ce=-1.3)
+        np.testing.assert_allclose(strengths, [rule.strength for rule in traced.rules], atol=1e-15)
+
+
+def test_data_cannot_end_the_element_that_holds_it():
+    text = script_json({"</script><!--": "&\u2028"})
+    assert not set(text) & set("<>&\u2028")
+    assert json.loads(text) == {"</script><!--": "&\u2028"}
+
+
+def test_an_engine_is_one_text_for_all_rule_bases():
+    with pytest.raises(NotCoveredError):
+        numbers_of(fuzzyarm.load(shipped("pd7.frb")).__class__("empty"))
+    assert "eval(" not in engine_source()
+    assert "new Function" not in engine_source()
