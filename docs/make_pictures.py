@@ -140,6 +140,12 @@ def draw_phase() -> None:
     main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
 
 
+def draw_sector() -> None:
+    """Draw the sectors of the shipped servo, for the page of proofs."""
+    out = str(PICTURES / "servo-sector.png")
+    main(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
+
+
 # --- Of docs/authoring.md: what the editor, the commands and the studio show ---
 
 _FONT_FACE = re.compile(r"@font-face\s*\{.*?\}", re.DOTALL)
@@ -293,6 +299,7 @@ if __name__ == "__main__":
         draw_surface()
         draw_map()
         draw_phase()
+        draw_sector()
     if not words or words == ["authoring"]:
         draw_authoring()
     if not words or words == ["structures"] or set(words) & set(STRUCTURES):

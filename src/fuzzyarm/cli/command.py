@@ -62,9 +62,16 @@ class Command(NamedTuple):
             # it the question how wide the terminal is, and the imports for that.
             formatter_class=partial(argparse.RawDescriptionHelpFormatter, width=80),
         )
+        self.add_to(parser)
+        parser.formatter_class = argparse.RawDescriptionHelpFormatter
+        return parser
+
+    def add_to(self, parser: argparse.ArgumentParser) -> list[argparse.Action]:
+        """Add the arguments to a parser, each in its group; return what became of them."""
         # A list of numbers with a sign, such as the way point -30,45, is not an option.
         parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
         groups: dict[tuple[str, str], Any] = {("", ""): parser}
+        made: list[argparse.Action] = []
         for each in self.arguments:
             if (each.group, "") not in groups:
                 groups[each.group, ""] = parser.add_argument_group(each.group)
@@ -73,9 +80,8 @@ class Command(NamedTuple):
                 if (each.group, each.either) not in groups:
                     groups[each.group, each.either] = home.add_mutually_exclusive_group()
                 home = groups[each.group, each.either]
-            home.add_argument(*each.names, **each.options)
-        parser.formatter_class = argparse.RawDescriptionHelpFormatter
-        return parser
+            made.append(home.add_argument(*each.names, **each.options))
+        return made
 
 
 def command(
@@ -118,7 +124,7 @@ def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
 
 MODEL = argument("file FILE", "a rule base or a table")
 MODE = argument("--mode", "how to look a table up", choices=("bins", "nearest", "linear"))
-JSON = flag("--json")
+JSON = flag("--json", "print the result as JSON")
 SET = argument("--set GAIN=V[,V]", "override a gain", action="append", default=[])
 
 
@@ -230,7 +236,7 @@ def require_suffix(path: str, known: Iterable[str]) -> str:
     name = os.path.basename(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix not in known:
-        raise WordError(f"'{name}' does not tell a format", hint=f"known: {', '.join(known)}")
+        raise WordError(f"cannot tell the format of '{name}'", hint=f"known: {', '.join(known)}")
     return suffix
 
 

@@ -49,7 +49,7 @@ def _studio(arguments: argparse.Namespace) -> int:
     if not Path(arguments.file).exists():
         name = Path(arguments.file).with_suffix("")
         raise StudioError(
-            f"there is no file {arguments.file}", hint=f"fuzzyarm new {typed(name)} writes one"
+            f"no such file: {arguments.file}", hint=f"fuzzyarm new {typed(name)} writes one"
         )
     from fuzzyarm.studio.document import StudioDocument
 

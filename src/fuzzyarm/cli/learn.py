@@ -144,7 +144,7 @@ def _check_files(arguments: argparse.Namespace) -> None:
         require_animation(arguments.animate)
     for path in filter(None, (arguments.out, arguments.plot, arguments.animate)):
         if not Path(path).parent.is_dir():
-            raise WordError(f"there is no folder '{Path(path).parent}'")
+            raise WordError(f"no such folder: '{Path(path).parent}'")
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:

@@ -118,7 +118,9 @@ def _print_notes(name: str) -> None:
 def _sweep(arguments: argparse.Namespace) -> int:
     single = ("csv", "show_gains", "animate", "watch")
     if len(arguments.controller) > 1 or any(getattr(arguments, name) for name in single):
-        raise WordError("--sweep takes one controller, no --csv, --animate, --watch, --show-gains")
+        raise WordError(
+            "--sweep takes one controller, not --csv, --animate, --watch or --show-gains"
+        )
     arguments.controller = arguments.controller[0]
     return sweep(arguments)
 

@@ -360,7 +360,7 @@ def _tell() -> int:
     print(text)
     _say("It is checked: for mistakes, and for what is allowed but probably not meant.")
     statuses = [_step("check", "pd7.frb") == 0]
-    _say("Every mistake of a file is found in one run, with its place and a hint.")
+    _say("Every mistake of a file is found in one run, with its position and a hint.")
     Path("broken.frb").write_text(_broken(text), encoding="utf-8")
     statuses.append(_step("check", "broken.frb") == 1)
     _say("It is drawn: terms as small plots, rules as a grid.")
@@ -411,8 +411,8 @@ COMMANDS = (
         "new",
         _NEW,
         _new,
-        argument("name NAME", "of the rule base; NAME.frb is written"),
-        argument("--kind", "what it is for (pd)", choices=tuple(_KINDS), default="pd"),
+        argument("name NAME", "name of the rule base; writes NAME.frb"),
+        argument("--kind", "what it is for; pd by default", choices=tuple(_KINDS), default="pd"),
         argument("--input SPEC", f"an input: {_FORM}", action="append", type=_read_variable),
         argument("--output SPEC", "the output, likewise", type=_read_variable),
         flag("--force", "replace a file that is there"),

@@ -69,6 +69,10 @@ def defuzzify_at_point(
         from fuzzyarm.inference.maxima import discrete_at_point
 
         return discrete_at_point(plan, fired, value_of)
+    if plan.output.defuzzifier.joined:
+        from fuzzyarm.inference.joined import joined_at_point
+
+        return joined_at_point(plan, fired)
     if method == "centroid":
         return _centroid_at_point(plan, fired)
     from fuzzyarm.inference.maxima import (
@@ -168,6 +172,10 @@ def defuzzify_over_arrays(
         average = method == "centroid" or method in WEIGHTED
         many = weighted_over_arrays if average else discrete_over_arrays
         value, weight = many(plan, strengths, value_of)
+    elif plan.output.defuzzifier.joined:
+        from fuzzyarm.inference.joined import joined_over_arrays
+
+        value, weight = joined_over_arrays(plan, strengths)
     elif method == "centroid":
         value, weight = _centroid_over_arrays(plan, strengths)
     elif method == "bisector":

@@ -22,7 +22,15 @@ if TYPE_CHECKING:
 
 
 def number_words(x: float, digits: int = 6) -> str:
-    """Return `x` to at most `digits` significant digits, for reading."""
+    """Return `x` to at most `digits` significant digits, for reading.
+
+    Parameters
+    ----------
+    x : float
+        Any number.
+    digits : int
+        At least 1.
+    """
     rounded = float(f"{x:.{digits}g}") + 0.0
     return number_text(rounded)
 
@@ -60,11 +68,21 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
                     yield Segment("\n".join(map(printable, text.split("\n"))), style)
 
     settings: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
+    if file is not None:
+        settings["force_jupyter"] = False  # else a notebook would show it as well
     return PrintableConsole(file=file, **(settings | options))
 
 
 def plain_text(drawing: RenderableType, width: int = 80) -> str:
-    """Return a drawing as text without colours, for logs, hovers and reports."""
+    """Return a drawing as text without colours, for logs, hovers and reports.
+
+    Parameters
+    ----------
+    drawing : renderable of rich
+        What a function of :mod:`fuzzyarm.show` returns.
+    width : int
+        Columns.
+    """
     import io
 
     out = io.StringIO()

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions
     from rich.text import Text
 
+FAILS = "✗"
+"""Where a property fails."""
+
 _NOTHING = "#808080"
 _LEFT = 8
 """Letters of the name of what goes down or up."""
@@ -34,6 +37,8 @@ class SurfaceMap:
         Name and ends of what goes down and of what goes across.
     mark : (int, int) or None
         Row and column of the crisp inputs.
+    fails : frozenset of (int, int)
+        Rows and columns at which a property fails.
     """
 
     values: Sequence[Sequence[float]]
@@ -41,6 +46,7 @@ class SurfaceMap:
     rows: tuple[str, float, float]
     columns: tuple[str, float, float]
     mark: tuple[int, int] | None = None
+    fails: frozenset[tuple[int, int]] = frozenset()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
         from rich.text import Text
@@ -66,7 +72,12 @@ class SurfaceMap:
     def _is_marked(self, i: int, j: int) -> bool:
         return self.mark is not None and (self.mark[0] // 2 * 2, self.mark[1]) == (i, j)
 
+    def _fails(self, i: int, j: int) -> bool:
+        return bool(self.fails & {(i, j), (i + 1, j)})
+
     def _cell(self, i: int, j: int, upper: float, lower: float) -> tuple[str, str]:
+        if self._fails(i, j):
+            return FAILS, f"bold red on {self._colour(upper)}"
         if self._is_marked(i, j):
             value = upper if self.mark == (i, j) else lower
             ink = "black" if math.isnan(value) else self.scale.ink(value)
@@ -74,6 +85,9 @@ class SurfaceMap:
         return "▀", f"{self._colour(upper)} on {self._colour(lower)}"
 
     def _shade(self, i: int, j: int, upper: float, lower: float) -> tuple[str, str]:
+        """Return the darker the higher, for terminals and files without colours."""
+        if self._fails(i, j):
+            return FAILS, ""
         if self._is_marked(i, j):
             return "◆", ""
         known = [value for value in (upper, lower) if not math.isnan(value)]
@@ -100,6 +114,8 @@ class LinePlot:
         Name and ends of the input and of the output.
     mark : int or None
         Which value is that of the crisp input.
+    fails : frozenset of int
+        Values at which a property fails.
     """
 
     values: Sequence[float]
@@ -107,6 +123,7 @@ class LinePlot:
     across: tuple[str, float, float]
     up: tuple[str, float, float]
     mark: int | None = None
+    fails: frozenset[int] = frozenset()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
         from rich.text import Text
@@ -129,15 +146,26 @@ class LinePlot:
         labels.setdefault(self.height // 2, fitted(name, _LEFT))
         left = max(map(len, labels.values()))
         marked = None if self.mark is None else self.mark // 2
+        failing = {i // 2: self._line_of(i, low, high) for i in self.fails if i < len(self.values)}
         for k, row in enumerate(cells):
             line = Text(f"{labels.get(k, ''):>{left}} ", no_wrap=True, end="\n")
             for j, bits in enumerate(row):
-                style = "bold red" if j == marked else "cyan"
+                style = "bold red" if j == marked or failing.get(j) == k else "cyan"
+                if failing.get(j) == k:
+                    line.append(FAILS, style)
+                    continue
                 line.append(chr(0x2800 + bits) if bits or j != marked else "┊", style)
             yield line
         variable, first, last = self.across
         axis = ruler(first, last, width, variable)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
+
+    def _line_of(self, index: int, low: float, high: float) -> int:
+        """Return the line of text that a value stands in; the lowest where there is none."""
+        value = self.values[index]
+        return (
+            self.height - 1 if math.isnan(value) else _dot(value, low, high, 4 * self.height) // 4
+        )
 
 
 def _dot(value: float, low: float, high: float, dots: int) -> int:

@@ -28,7 +28,17 @@ def is_set(shape: Shape) -> bool:
 def shape_words(
     shape: Shape, rulebase: RuleBase | None = None, *, digits: int | None = None
 ) -> str:
-    """Return a shape with its numbers, in full or to a few `digits`."""
+    """Return a shape with its numbers, in full or to a few `digits`.
+
+    Parameters
+    ----------
+    shape : Shape
+        Any.
+    rulebase : RuleBase, optional
+        Which names the inputs of a ``linear``.
+    digits : int, optional
+        Significant ones; by default all.
+    """
     if shape.kind == "formula":
         return f"formula {shape.formula}"
     spell = number_text if digits is None else partial(number_words, digits=digits)
@@ -55,7 +65,13 @@ def _linear_words(shape: Shape, rulebase: RuleBase | None, spell: Callable[[floa
 
 
 def visible_range(variable: Variable) -> tuple[float, float]:
-    """Return the range to draw: that of the variable, or of its terms where it is unbounded."""
+    """Return the range to draw: that of the variable, or of its terms where it is unbounded.
+
+    Parameters
+    ----------
+    variable : Variable
+        Any.
+    """
     corners = [x for term in variable.terms for x in corner_points(term.shape)]
     low = variable.low if math.isfinite(variable.low) else min(corners, default=-1.0)
     high = variable.high if math.isfinite(variable.high) else max(corners, default=1.0)

@@ -60,7 +60,13 @@ def silence_view(silence: Silence) -> Group:
 
 
 def firing_view(trace: Trace) -> Group:
-    """Return the same for narrow columns: only what fires, without lines and columns."""
+    """Return the same for narrow columns: only what fires, without lines and columns.
+
+    Parameters
+    ----------
+    trace : Trace
+        From :func:`fuzzyarm.inference.explain`.
+    """
     from rich.console import Group
     from rich.text import Text
 

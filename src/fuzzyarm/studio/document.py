@@ -108,7 +108,7 @@ class StudioDocument:
         # Contradictions and failed expectations are errors, but the rules can be shown.
         if rulebase is None or not rulebase.inputs:
             return None
-        return RulebaseScene(rulebase, reading, self.scene)
+        return RulebaseScene(rulebase, reading, self.scene, self.session.verdicts)
 
     def formatted(self) -> str:
         """Return the text in canonical form; as it is where that cannot be."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rich.console import Group, RenderableType
     from rich.text import Text
 
+    from fuzzyarm.proof import Verdict
 
 FINE, COARSE = 60, 12
 """Steps from one end of a range to the other, with an arrow key and with shift."""
@@ -127,7 +128,11 @@ class Scene(ABC):
         from rich.console import Group
 
         across = (self.across, *self.ranges[self.across])
-        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark))
+        low, high = self.ranges[self.across]
+        fails = frozenset(
+            _index(point[self.across], (low, high), len(values)) for point in self._failing()
+        )
+        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark, fails))
 
     def _map(
         self,
@@ -144,8 +149,20 @@ class Scene(ABC):
         down, across = ((name, *self.ranges[name]) for name in (self.down, self.across))
         if upward:
             down = (down[0], down[2], down[1])
-        shown = SurfaceMap(values, scale, down, across, mark)
+        sizes = len(values), len(values[0])
+        fails = frozenset(
+            (
+                _index(point[self.down], down[1:], sizes[0]),
+                _index(point[self.across], across[1:], sizes[1]),
+            )
+            for point in self._failing()
+        )
+        shown = SurfaceMap(values, scale, down, across, mark, fails)
         return Group(title, shown, ScaleBar(scale, len(values[0]) + 9))
+
+    def _failing(self) -> list[Mapping[str, float]]:
+        """Return points on what is drawn at which a property fails."""
+        return []
 
     def caption(self, *, keys: bool = True) -> Text:
         """Return the crisp inputs, with `keys` those that move them, and what comes out."""
@@ -178,17 +195,24 @@ class RulebaseScene(Scene):
         Its text, to jump into.
     before : Scene or None
         The scene before the last change of the text, whose crisp inputs stay.
+    verdicts : sequence of Verdict
+        On its ``prove`` lines: where one fails is marked on the surface.
     """
 
     VIEWS = (SURFACE, RULES, TERMS, FIRING)
 
     def __init__(
-        self, rulebase: RuleBase, reading: Reading | None = None, before: Scene | None = None
+        self,
+        rulebase: RuleBase,
+        reading: Reading | None = None,
+        before: Scene | None = None,
+        verdicts: Sequence[Verdict] = (),
     ) -> None:
         super().__init__({v.name: visible_range(v) for v in rulebase.inputs})
         self.rulebase = rulebase
         self.reading = reading
         self.output = rulebase.outputs[0].name
+        self.verdicts = verdicts
         if before is None:
             first = next((g for b in rulebase.blocks for g in find_grids(b)[0] if g.row), None)
             across, down = (first.column, first.row) if first else ("", "")
@@ -219,6 +243,16 @@ class RulebaseScene(Scene):
             self.across = next((name for name in reversed(needed) if name != self.down), needed[0])
         if self.down not in needed or self.down == self.across:
             self.down = next((name for name in needed if name != self.across), "")
+
+    def _failing(self) -> list[Mapping[str, float]]:
+        free = {self.across, self.down}
+        return [
+            point
+            for each in self.verdicts
+            if each.output == self.output
+            for point in each.points
+            if all(x == self.point[name] for name, x in point.items() if name not in free)
+        ]
 
     # ── values ───────────────────────────────────────────────────────────────────────
 

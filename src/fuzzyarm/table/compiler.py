@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
@@ -42,7 +43,7 @@ Levels = int | Sequence[float]
 
 
 def compile_table(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     output: str | None = None,
     *,
     levels: Levels | Mapping[str, Levels] | None = None,
@@ -85,6 +86,7 @@ def compile_table(
     FuzzyarmError
         What the inference raises, for instance where no rule fires.
     """
+    rulebase = rulebase.model
     target = choose_output(rulebase, output)
     axes = choose_axes(rulebase, levels, target.name)
     cells = math.prod(len(axis.levels) for axis in axes)

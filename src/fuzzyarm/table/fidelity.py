@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.inference.layout import has_envelope
 from fuzzyarm.inference.plan import part_for, plan
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
@@ -26,6 +27,7 @@ from fuzzyarm.table.compiler import (
 )
 from fuzzyarm.table.table import LookupTable
 from fuzzyarm.text.numbers import outward_text
+from fuzzyarm.text.shown import one_line
 
 # --- How far a table is from the rule base that it stands for ---
 
@@ -84,7 +86,7 @@ Proof = Callable[[LookupTable, str], float | None]
 
 
 def measure_fidelity(
-    table: LookupTable, rulebase: RuleBase, modes: Sequence[str] | None = None
+    table: LookupTable, rulebase: AnyRuleBase, modes: Sequence[str] | None = None
 ) -> tuple[Fidelity, ...]:
     """Compare `table` with the direct inference of `rulebase`.
 
@@ -107,6 +109,7 @@ def measure_fidelity(
     tuple of Fidelity
         One for each mode.
     """
+    rulebase = rulebase.model
     chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
     tallies = {mode: _Tally() for mode in chosen}
     drawn = _drawn_points(table.axes)
@@ -359,7 +362,7 @@ class _Probes:
 # --- Compile and say how good the table is; or find the smallest table that is good enough ---
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class CompileReport:
     """A compiled table and what is known of its quality.
 
@@ -383,9 +386,13 @@ class CompileReport:
     tolerance: float | None = None
     few_points: bool = False
 
+    def __repr__(self) -> str:
+        known = "; ".join(f"{each.mode}: {each}" for each in self.fidelities)
+        return one_line(self, f"{self.table!r}: {known}")
+
 
 def compile_with_report(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     output: str | None = None,
     *,
     levels: Levels | Mapping[str, Levels] | None = None,
@@ -424,6 +431,7 @@ def compile_with_report(
     TableError
         As `compile_table`; also if no grid within the limits meets the tolerance.
     """
+    rulebase = rulebase.model
     if tolerance is not None:
         count = smallest_even_grid(rulebase, output, tolerance, progress=progress, proof=proof)
         levels, rounding, mode = count, 0.0, "linear"

@@ -73,6 +73,14 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else " " if category(c) == "Zs" else "\ufffd" for c in text)
 
 
+def shortened(text: str, most: int = 60) -> str:
+    """Return `text` on one line, its middle left out where it is longer than `most` characters."""
+    text = printable(text)
+    if len(text) <= most:
+        return text
+    return f"{text[: most - most // 3 - 3]} … {text[len(text) - most // 3 :]}"
+
+
 _PLAIN_NAME = re.compile(r"[^\W\d]\w*(?:-[^\W\d]\w*)*\Z")
 
 

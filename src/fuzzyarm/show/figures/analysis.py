@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fuzzyarm.loop.analysis import Portrait, describing_function
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.figures.style import (
     COLOURS,
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def describing_figure(
-    thing: RuleBase | ControllerText,
+    thing: AnyRuleBase | ControllerText,
     amplitudes: Sequence[float] | None = None,
     frequencies: Sequence[float] | None = None,
 ) -> Figure:
@@ -41,6 +42,8 @@ def describing_figure(
     frequencies : sequence of float, optional
         rad/s, a line for each; by default 0 for one input, otherwise four.
     """
+    if isinstance(thing, AnyRuleBase):
+        thing = thing.model
     one = isinstance(thing, RuleBase) and len(thing.inputs) == 1
     if amplitudes is None:
         reach = max(abs(thing.inputs[0].low), abs(thing.inputs[0].high)) if isinstance(
@@ -67,7 +70,13 @@ def describing_figure(
 
 
 def portrait_figure(portrait: Portrait) -> Figure:
-    """Return motions in the plane, each with its start, and the field behind them."""
+    """Return motions in the plane, each with its start, and the field behind them.
+
+    Parameters
+    ----------
+    portrait : Portrait
+        From :func:`fuzzyarm.loop.phase_portrait`.
+    """
     figure = new_figure(6.4, 5.2)
     axes = figure.subplots()
     if portrait.field is not None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import number_words
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fuzzyarm.inference.trace import OutputTrace, Trace
+    from fuzzyarm.proof import Verdict
 
 
 # --- The terms of variables as curves ---
@@ -54,8 +56,15 @@ _MOST_LINES = 16
 """Lines of numbers of terms that are not sets."""
 
 
-def memberships_figure(rulebase: RuleBase) -> Figure:
-    """Return one panel for each variable of `rulebase`, inputs first."""
+def memberships_figure(rulebase: AnyRuleBase) -> Figure:
+    """Return one panel for each variable of `rulebase`, inputs first.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to draw.
+    """
+    rulebase = rulebase.model
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     width = 7.0
     plans = [_Panel.of(variable, rulebase, width - _EDGE) for variable in variables]
@@ -67,6 +76,21 @@ def memberships_figure(rulebase: RuleBase) -> Figure:
     for axes, plan in zip(panels[:, 0], plans, strict=True):
         plan.draw(axes)
     head(figure, rulebase.name)
+    return figure
+
+
+def variable_figure(variable: Variable) -> Figure:
+    """Return the terms of one variable.
+
+    Parameters
+    ----------
+    variable : Variable
+        What to draw.
+    """
+    width = 7.0
+    panel = _Panel.of(variable, None, width - _EDGE)
+    figure = new_figure(width, 2.3 + panel.more)
+    panel.draw(figure.subplots())
     return figure
 
 
@@ -109,7 +133,7 @@ class _Panel:
     words: tuple[str, ...]
 
     @classmethod
-    def of(cls, variable: Variable, rulebase: RuleBase, width: float) -> _Panel:
+    def of(cls, variable: Variable, rulebase: RuleBase | None, width: float) -> _Panel:
         """Plan a panel whose axes are `width` inches wide."""
         names, upright, size = _placed_names(variable, width)
         words = _value_words(variable, rulebase, width)
@@ -223,7 +247,7 @@ def _tops(variable: Variable, low: float, high: float) -> list[_Name]:
     return sorted(tops, key=lambda top: top.middle)
 
 
-def _value_words(variable: Variable, rulebase: RuleBase, width: float) -> tuple[str, ...]:
+def _value_words(variable: Variable, rulebase: RuleBase | None, width: float) -> tuple[str, ...]:
     """Return the terms that are not sets, in lines that fit into `width`."""
     letters = max(20, int(0.94 * width / 0.0672))  # of DejaVu Sans Mono in 8 points
     lines: list[str] = []
@@ -255,7 +279,10 @@ def _curve(term: Term, low: float, high: float) -> tuple[list[float], list[float
 
 
 def rulebase_figure(
-    rulebase: RuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: AnyRuleBase,
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+    fails: Sequence[Verdict] = (),
 ) -> Figure:
     """Return the memberships of every variable above the surface of every output.
 
@@ -265,16 +292,17 @@ def rulebase_figure(
         What to draw.
     output : str, optional
         The surface of this output only.
-    at : mapping of str to float, optional
+    at, fails
         As for :func:`fuzzyarm.show.figures.surface_figure`.
     """
+    rulebase = rulebase.model
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     variables: list[Variable] = [*rulebase.inputs, *rulebase.outputs]
     columns = 2 if len(variables) in (2, 4) else min(3, len(variables))
     rows = -(-len(variables) // columns)
     width = max(3.5 * columns, 9.0)
     plans = [_Panel.of(variable, rulebase, width / columns - _EDGE) for variable in variables]
-    responses = [Response(rulebase, target, at or {}) for target in outputs]
+    responses = [Response(rulebase, target, at or {}, fails) for target in outputs]
     top = rows * (2.1 + max((plan.more for plan in plans), default=0.0))
     heights = [top, *(each.height for each in responses)]
     figure = new_figure(width, sum(heights) + 0.4)
@@ -300,7 +328,7 @@ def _panels(part: Any, rows: int, columns: int, count: int) -> list[Axes]:
 # --- One inference as the classic picture: fuzzified inputs, clipped sets, the value ---
 
 
-def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
+def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
     """Return the inputs with their memberships on top, below them the sets of each output.
 
     Parameters
@@ -310,6 +338,7 @@ def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
     trace : Trace
         From :func:`fuzzyarm.inference.explain`.
     """
+    rulebase = rulebase.model
     inputs = [each for each in trace.inputs if rulebase.variable(each.name).terms]
     columns = max(1, min(3, len(inputs)))
     rows = -(-len(inputs) // columns)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,9 +33,18 @@ def new_figure(width: float, height: float) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
+    # Outside of pyplot a notebook would show the name of the class.
+    figure._repr_png_ = partial(png_of, figure)  # type: ignore[attr-defined]
     FigureCanvasAgg(figure)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04, hspace=0.05)  # type: ignore[union-attr, call-arg]
     return figure
+
+
+def png_of(figure: Figure) -> bytes:
+    """Return a figure as a picture for a page."""
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=90)
+    return out.getvalue()
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -131,7 +141,8 @@ class FigureFileError(FuzzyarmError, ValueError):
     def __init__(self, path: Path) -> None:
         self.path = path
         super().__init__(
-            f"'{path.name}' does not tell a figure format", hint=f"known: {', '.join(SUFFIXES)}"
+            f"'{path.name}' does not have the suffix of a figure",
+            hint=f"known: {', '.join(SUFFIXES)}",
         )
 
 
@@ -143,6 +154,15 @@ def require_figure_suffix(path: str | Path) -> None:
 
 def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
     """Write `figure` to a ``.png``, ``.svg`` or ``.pdf`` file; the same figure, the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        Any of matplotlib.
+    path : path-like
+        Its suffix is the format.
+    dpi : int
+        Dots per inch of a ``.png``.
 
     Raises
     ------

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.model.shapes import corner_points
 from fuzzyarm.show.drawing import number_words, scale_of
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
 
 
@@ -60,8 +62,14 @@ class _Side:
         return axis_label(self.name, self.description)
 
 
+_FAILS: dict[str, Any] = {"color": COLOURS[3], "markersize": 9, "markeredgecolor": "white"}
+
+
 def surface_figure(
-    rulebase: RuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: AnyRuleBase,
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+    fails: Sequence[Verdict] = (),
 ) -> Figure:
     """Return the control surface of every output, or of the one named.
 
@@ -75,9 +83,12 @@ def surface_figure(
         With more than two inputs, the values of those that are held fixed (the middle of
         the range by default); the first two that are not named are drawn. With two or
         fewer, a point to mark.
+    fails : sequence of Verdict
+        On properties that fail: their points are marked.
     """
+    rulebase = rulebase.model
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
-    responses = [Response(rulebase, target, at or {}) for target in outputs]
+    responses = [Response(rulebase, target, at or {}, fails) for target in outputs]
     heights = [each.height for each in responses]
     figure = new_figure(max(each.width for each in responses), sum(heights))
     parts = figure.subfigures(len(outputs), 1, height_ratios=heights, squeeze=False)[:, 0]
@@ -97,13 +108,25 @@ class Response:
         What is drawn.
     at : mapping of str to float
         Values of inputs: held fixed, or marked.
+    fails : sequence of Verdict
+        On properties that fail, of any output.
     """
 
-    def __init__(self, rulebase: RuleBase, output: Output, at: Mapping[str, float]) -> None:
+    def __init__(
+        self,
+        rulebase: RuleBase,
+        output: Output,
+        at: Mapping[str, float],
+        fails: Sequence[Verdict] = (),
+    ) -> None:
         from fuzzyarm.inference.plan import part_for
 
         inputs = part_for(rulebase, [output.name]).inputs or rulebase.inputs
         self._rulebase, self._output = rulebase, output
+        self._fails = [each for each in fails if each.output == output.name and each.points]
+        hidden = [variable.name for variable in inputs[2:]]
+        if self._fails and hidden and not at:  # the slice that has the first of them
+            at = {name: self._fails[0].points[0][name] for name in hidden}
         self._at = {each.name: at[each.name] for each in inputs if each.name in at}
         self._free, self._fixed = _free_and_fixed(inputs, self._at)
 
@@ -143,9 +166,32 @@ class Response:
             _line(axes, sides[0], target, points[0], values, title)
             if sides[0].name in self._at:
                 axes.axvline(self._at[sides[0].name], color="#111111", linewidth=1)
+            for (x,), height, number in self._failures():
+                _mark(axes, x, height, number)
+            _name_failures(axes, self._fails)
             return
         marks = [self._at[side.name] for side in sides if side.name in self._at]
         _plane(part, sides, target, points, values, title, marks)
+        space, flat = part.axes[:2]
+        for (y, x), height, number in self._failures():
+            space.plot(y, x, height, "X", **_FAILS, zorder=10)
+            _mark(flat, x, y, number)
+        _name_failures(flat, self._fails)
+
+    def _failures(self) -> list[tuple[list[float], float, int]]:
+        """Return where properties fail on what is drawn, the output there, and which property."""
+        import numpy as np
+
+        names, found = [each.name for each in self._free], []
+        every = [(point, k) for k, each in enumerate(self._fails, 1) for point in each.points]
+        for point, number in every:
+            if any(point[name] != x for name, x in self._fixed.items()):
+                continue
+            inputs = {name: np.array([point[name]]) for name in (*names, *self._fixed)}
+            value = float(np.ravel(_with_gaps(self._rulebase, self._output, inputs))[0])
+            height = value if math.isfinite(value) else self._output.low
+            found.append(([point[name] for name in names], height, number))
+        return found
 
 
 def _points(variable: Variable, count: int, *, edges: bool) -> Any:
@@ -161,6 +207,24 @@ def _points(variable: Variable, count: int, *, edges: bool) -> Any:
     if edges:
         found += [math.nextafter(x, end) for x in bends for end in (-math.inf, math.inf)]
     return np.unique(found)
+
+
+def _mark(axes: Axes, x: float, y: float, number: int) -> None:
+    axes.plot(x, y, "X", clip_on=False, **_FAILS)
+    axes.annotate(
+        str(number), (x, y), (6, 4), textcoords="offset points", fontsize=8, color=_FAILS["color"]
+    )
+
+
+def _name_failures(axes: Axes, fails: Sequence[Verdict]) -> None:
+    if fails:
+        words = "\n".join(
+            f"{number} refuted: {each.statement}" for number, each in enumerate(fails, start=1)
+        )
+        axes.annotate(
+            safe(words), (0.0, -0.2), xycoords="axes fraction", fontsize=8, va="top",
+            color=_FAILS["color"], annotation_clip=False,
+        )  # fmt: skip
 
 
 def _with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
