@@ -63,3 +63,4 @@ def test_every_picture_of_a_page_is_there_and_every_picture_has_its_page():
     }
     there = {path.name for path in STORED.iterdir() if path.suffix in (".png", ".svg", ".gif")}
     assert used - there == set()
+    assert there - used == set()
