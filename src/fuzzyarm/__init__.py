@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fuzzyarm.api import FileWarning, check_file, check_text, load
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
-    from fuzzyarm.inference import compiled, explain, infer
+    from fuzzyarm.inference import compiled, explain, infer, infer_interval
     from fuzzyarm.language import parse, write
     from fuzzyarm.loop import simulate, simulate_many
     from fuzzyarm.model.rulebase import RuleBase
@@ -53,6 +53,7 @@ __all__ = [
     "compiled",
     "explain",
     "infer",
+    "infer_interval",
     "kinds",
     "load",
     "op",
@@ -71,7 +72,7 @@ _HOMES = {
     "errors": ("FuzzyarmError",),
     "expression.kinds": ("kinds",),
     "expression.op": ("op",),
-    "inference": ("compiled", "explain", "infer"),
+    "inference": ("compiled", "explain", "infer", "infer_interval"),
     "language": ("RuleBase", "RuleBaseError", "parse", "write"),
     "loop": ("simulate", "simulate_many"),
     "proof": ("prove",),

@@ -58,6 +58,7 @@ from fuzzyarm.model.rulebase import (
     RuleBase,
     RuleBlock,
     Shape,
+    Term,
     Variable,
 )
 from fuzzyarm.text.numbers import evenly, mirror
@@ -231,7 +232,7 @@ def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
     ]
     for variable in others:
         yield [
-            TermNode(Word(variable.name), Word(term.name), _shape(term.shape, rulebase))
+            TermNode(Word(variable.name), Word(term.name), _shapes(term, rulebase))
             for term in variable.terms
         ]
 
@@ -241,6 +242,8 @@ def _even_family(variable: Variable) -> str | None:
     if count < 2 or not (isfinite(variable.low) and isfinite(variable.high)):
         return None
     shapes = [term.shape for term in variable.terms]
+    if any(term.lower is not None for term in variable.terms):
+        return None
     families = ["triangles", "gaussians"]
     if isinstance(variable, Output):
         families.append("singletons")
@@ -248,6 +251,11 @@ def _even_family(variable: Variable) -> str | None:
         if shapes == even_shapes(family, count, variable.low, variable.high):
             return family
     return None
+
+
+def _shapes(term: Term, rulebase: RuleBase) -> ShapeNode:
+    lower = None if term.lower is None else _shape(term.lower, rulebase)
+    return _shape(term.shape, rulebase)._replace(lower=lower)
 
 
 def _shape(shape: Shape, rulebase: RuleBase) -> ShapeNode:
