@@ -105,7 +105,7 @@ class OutputPlan(NamedTuple):
         For each member whether it is one of the upper or of the lower set, ``UPPER`` or
         ``LOWER`` of :mod:`.firing_intervals`; empty for a set of type 1.
     pairs : tuple of (int, int)
-        Of values between two: the upper and the lower member of each.
+        The upper and the lower member of each consequent.
     """
 
     output: Output
@@ -374,17 +374,12 @@ def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
     output, members = made.output, made.members
     parts = [Consequent(output.name, each.term.name, each.hedges) for each in members]
     sides = tuple(map(doubled.side, parts))
+    pairs = _pairs(output, members, sides, doubled)
     if made.discrete:
-        index = {each.term.name: i for i, each in enumerate(members)}
-        pairs = tuple(
-            (i, index[doubled.lower_names[output.name, m.term.name]])
-            for i, m in enumerate(members)
-            if sides[i] == firing_intervals.UPPER
-        )
         return made._replace(sides=sides, pairs=pairs)
     own = [[i for i, each in enumerate(sides) if each == side] for side in (0, 1)]
     closed = _closed_sides(output, members, own) if output.defuzzifier.method == "nie-tan" else None
-    made = made._replace(sides=sides, closed=closed)
+    made = made._replace(sides=sides, pairs=pairs, closed=closed)
     if output.aggregation == "max" and made.integrated:
         found = [
             each._replace(first=indices[each.first], second=indices[each.second])
@@ -393,6 +388,22 @@ def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
         ]
         return made._replace(stretches=tuple(found))
     return made
+
+
+def _pairs(
+    output: Output, members: tuple[Member, ...], sides: tuple[int, ...], doubled: Doubled
+) -> tuple[tuple[int, int], ...]:
+    """Return the upper and the lower member of each consequent: both come from one rule."""
+    names = {lower: name for (of, name), lower in doubled.lower_names.items() if of == output.name}
+    keys = [
+        (names.get(each.term.name, each.term.name), each.hedges, each.implication)
+        for each in members
+    ]
+    if all(member.pieces == () for member in members):  # values, which no implication cuts
+        keys = [(name, hedges, "") for name, hedges, _ in keys]
+    lower = {key: i for i, key in enumerate(keys) if sides[i] == firing_intervals.LOWER}
+    upper = [i for i in range(len(members)) if sides[i] == firing_intervals.UPPER]
+    return tuple((i, lower[keys[i]]) for i in upper)
 
 
 def _closed_sides(
