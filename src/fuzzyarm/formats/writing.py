@@ -81,6 +81,8 @@ class Writer:
     def export(self) -> Exported:
         """Return the text, unless something is in the way, and what was found."""
         rulebase, dialect, findings = self.rulebase, self.dialect, self.findings
+        if refuse_type_2(rulebase, findings, self.program):
+            return Exported(None, findings.all())
         if not rulebase.outputs:
             findings.error("no-engine", "the rule base has no output")
         note_left_out(rulebase, findings, descriptions=self.descriptions)
@@ -261,6 +263,18 @@ def identifiers(
 
 
 # --- What must be left out ---
+
+
+def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
+    """Refuse a rule base of interval type 2, by name: without its lower terms it is another."""
+    if not rulebase.is_type2:
+        return False
+    variables = (*rulebase.inputs, *rulebase.outputs)
+    terms = [(v.name, t.name) for v in variables for t in v.terms if t.lower is not None]
+    what = f"'{terms[0][0]} is {terms[0][1]}' is" if terms else "its defuzzifiers are"
+    message = f"{what} of interval type 2, which is not written for {program}"
+    findings.error("unsupported-type", message)
+    return True
 
 
 def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool) -> None:

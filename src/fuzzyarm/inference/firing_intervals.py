@@ -312,9 +312,7 @@ def ends(rulebase: RuleBase) -> Ends:
         replace(block, rules=tuple(_concluding_ends(rule, names, kept) for rule in block.rules))
         for block in rulebase.blocks
     )
-    made = replace(
-        rulebase, outputs=tuple(outputs), blocks=blocks, lookup=None, expectations=(), properties=()
-    )
+    made = replace(rulebase, outputs=tuple(outputs), blocks=blocks, expectations=(), properties=())
     return Ends(made, names)
 
 
