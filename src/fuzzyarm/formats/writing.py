@@ -22,6 +22,7 @@ from fuzzyarm.formats.meaning import POWERS, hedged_weight
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import class_and_numbers, fuzzylite_shape
 from fuzzyarm.model.rulebase import (
+    TYPE_2,
     And,
     Consequent,
     Expression,
@@ -270,9 +271,10 @@ def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
     if not rulebase.is_type2:
         return False
     variables = (*rulebase.inputs, *rulebase.outputs)
-    terms = [(v.name, t.name) for v in variables for t in v.terms if t.lower is not None]
-    what = f"'{terms[0][0]} is {terms[0][1]}' is" if terms else "its defuzzifiers are"
-    message = f"{what} of interval type 2, which is not written for {program}"
+    what = [f"'{v.name} is {t.name}'" for v in variables for t in v.terms if t.lower is not None]
+    ways = [o for o in rulebase.outputs if o.defuzzifier.method in TYPE_2]
+    what += [f"{each.defuzzifier.method} of '{each.name}'" for each in ways]
+    message = f"{what[0]} is of interval type 2, which is not written for {program}"
     findings.error("unsupported-type", message)
     return True
 
