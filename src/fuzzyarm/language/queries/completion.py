@@ -95,7 +95,10 @@ def term_detail(variable: Variable, name: str) -> str:
     term = variable.term(name)
     if term.lower is None:
         return _numbers_of(term.shape)
-    return f"{_numbers_of(term.shape)} over {_numbers_of(term.lower)}"
+    return " over ".join(
+        _numbers_of(each) + ("" if each.height == 1.0 else f" height {number_text(each.height)}")
+        for each in (term.shape, term.lower)
+    )
 
 
 def _numbers_of(shape: Membership) -> str:
