@@ -200,6 +200,25 @@ def test_a_rule_base_in_the_same_file_with_several_outputs():
     assert outputs(text, values) == pytest.approx(wanted, abs=1e-9)
 
 
+@pytest.mark.parametrize("compiled", [False, True])
+def test_an_output_that_holds_keeps_the_value_of_the_period_before(compiled):
+    head = (
+        "rulebase r\ninput e -10 .. 10\noutput u -1 .. 1\nterm e P: triangle 0 5 10\n"
+        "term u P: triangle 0 1 1\ninference no-rule hold\nrule if e is P then u is P\n"
+    )
+    rules = parse(head).rulebase
+    run = made(head + text_of("e = measured x", "v = rules r(e)", "drive u = v")).run(
+        compiled=compiled
+    )
+    given = [-1.0, 2.0, -1.0, -3.0, 4.0, -2.0]
+    found = [run.step({"x": x}, {"x": 0.0})["u"] for x in given]
+    at = {x: infer(rules, e=x)["u"] for x in (2.0, 4.0)}
+    assert math.isnan(found[0])  # nothing to hold yet
+    assert found[1:] == [at[2.0], at[2.0], at[2.0], at[4.0], at[4.0]]
+    run.start()
+    assert math.isnan(run.step({"x": -1.0}, {"x": 0.0})["u"])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("line", ORACLES)
 def test_machine_code_has_the_same_bits(line):

@@ -13,7 +13,7 @@ from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.text.diagnostic import render_all
 
 FILES = [name for name in shipped_names() if name.endswith(".frb")]
-PER_FILE = 350
+PER_FILE = 48
 ODD = [
     "\x00",
     "\ufffd",

@@ -13,7 +13,7 @@ from fuzzyarm.text.names import is_plain_name
 from fuzzyarm.text.numbers import number_text
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(rulebases(odd_names=True, decorated=True))
 def test_what_is_written_reads_back_to_the_same_model(rulebase):
     text = write(rulebase)
@@ -89,3 +89,11 @@ def test_settings_that_all_variables_share_are_one_line(rulebase, outside):
     if len(inputs) + len(outputs) > 2:
         assert f"\ninference {name_text(inputs[0].name)}: outside {other}\n" in write(odd)
     assert parse(write(odd)).partial == odd
+
+
+def test_a_comment_within_an_axis_stays_as_far_in_as_its_line():
+    text = (
+        "controller c\nperiod 10 ms\n\naxis a\n  # the error\n  e = error of x  # behind\n\n"
+        "  # and out\n  drive u = e\n"
+    )
+    assert format_text(text) == text

@@ -21,7 +21,9 @@ QUICK = {"folds": 3, "rules": 2}
 
 
 @pytest.mark.slow
-@parametrize_with_checks([FuzzyRegressor(**QUICK), FuzzyClassifier(**QUICK, move=False)])
+@parametrize_with_checks(
+    [FuzzyRegressor(**QUICK, move=False), FuzzyClassifier(**QUICK, move=False)]
+)
 def test_scikit_learn_takes_it_for_an_estimator(estimator, check):
     check(estimator)
 

@@ -9,7 +9,6 @@ import subprocess
 import sys
 from typing import Any
 
-import pytest
 from lsprotocol import types
 
 from fuzzyarm.lsp.features import make_server
@@ -104,31 +103,39 @@ def test_every_request_with_broken_parameters_is_answered_with_an_error() -> Non
     assert "error" not in found[5_000]
 
 
-@pytest.mark.parametrize(
-    "nonsense",
-    [
-        message({}, b"Content-Length: abc\r\n\r\n"),
-        message({}, b"Content-Length: -1\r\n\r\n"),
-        message({}, b"Content-Length: 99999999999999999999999\r\n\r\n"),
-        message({}, b"Nonsense\r\n\r\n"),
-        b"\r\n\r\n\x00\xff",
-        message(b"not json"),
-        message(b"\xff\xfe"),
-        message([]),
-        message(5),
-        message({}),
-        message({"jsonrpc": "2.0"}),
-        message({"jsonrpc": "2.0", "method": 5}),
-        message({"jsonrpc": "2.0", "id": 5_001, "result": None}),
-        message(AT, b"content-length:%d\n\r\n" % len(json.dumps(AT))),
-        notification("textDocument/didChange", {}),
-        notification("textDocument/didOpen", None),
-        notification("$/cancelRequest", {"id": 77}),
-    ],
-)
-def test_the_server_outlives_what_is_not_a_message(nonsense: bytes) -> None:
-    found = answers_to(nonsense, request(1, "textDocument/hover", AT))
-    assert "input **x**" in str(found[1]["result"])
+NONSENSE = [
+    message({}, b"Content-Length: abc\r\n\r\n"),
+    message({}, b"Content-Length: -1\r\n\r\n"),
+    message({}, b"Content-Length: 99999999999999999999999\r\n\r\n"),
+    message({}, b"Nonsense\r\n\r\n"),
+    b"\r\n\r\n\x00\xff",
+    message(b"not json"),
+    message(b"\xff\xfe"),
+    message([]),
+    message(5),
+    message({}),
+    message({"jsonrpc": "2.0"}),
+    message({"jsonrpc": "2.0", "method": 5}),
+    message({"jsonrpc": "2.0", "id": 5_001, "result": None}),
+    message(AT, b"content-length:%d\n\r\n" % len(json.dumps(AT))),
+    notification("textDocument/didChange", {}),
+    notification("textDocument/didOpen", None),
+    notification("$/cancelRequest", {"id": 77}),
+]
+
+
+def test_the_server_outlives_what_is_not_a_message() -> None:
+    # One server hears all of it, and answers a question behind each.
+    questions = range(1, len(NONSENSE) + 1)
+    found = answers_to(
+        *(
+            part
+            for number, nonsense in zip(questions, NONSENSE, strict=True)
+            for part in (nonsense, request(number, "textDocument/hover", AT))
+        )
+    )
+    for number, nonsense in zip(questions, NONSENSE, strict=True):
+        assert "input **x**" in str(found.get(number, {}).get("result")), nonsense
 
 
 def test_a_head_behind_other_text_on_its_line_is_found() -> None:

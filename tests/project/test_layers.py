@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -51,26 +52,33 @@ def package_of(path):
     return first.removesuffix(".py")
 
 
+@cache
+def imports_of(path):
+    """Return the import statements of a file: node, whether in a function, whether for types."""
+    found, waiting = [], [(ast.parse(path.read_text()), False, False)]
+    while waiting:
+        node, inside, typing = waiting.pop()
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            found.append((node, inside, typing))
+        inside |= isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        typing |= isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
+        waiting += [(child, inside, typing) for child in ast.iter_child_nodes(node)]
+    return found
+
+
 def imported_modules(path):
     """Yield (module, whether at import time) for every import in a file."""
-    tree = ast.parse(path.read_text())
-    late = {
-        id(node)
-        for parent in ast.walk(tree)
-        if isinstance(parent, ast.FunctionDef | ast.AsyncFunctionDef)
-        or (isinstance(parent, ast.If) and "TYPE_CHECKING" in ast.dump(parent.test))
-        for node in ast.walk(parent)
-    }
-    for node in ast.walk(tree):
+    for node, inside, typing in imports_of(path):
+        early = not (inside or typing)
         if isinstance(node, ast.Import):
             for alias in node.names:
-                yield alias.name, id(node) not in late
-        elif isinstance(node, ast.ImportFrom):
+                yield alias.name, early
+        else:
             assert node.level == 0, f"{path} imports relatively"
-            yield node.module, id(node) not in late
+            yield node.module, early
             if node.module == "fuzzyarm":
                 for alias in node.names:
-                    yield f"fuzzyarm.{alias.name}", id(node) not in late
+                    yield f"fuzzyarm.{alias.name}", early
 
 
 def test_every_package_has_its_floor():
@@ -101,7 +109,7 @@ def import_graph(*, late):
     bound = {
         name: {
             alias.asname or alias.name
-            for node in ast.walk(ast.parse(path.read_text()))
+            for node, _, _ in imports_of(path)
             if isinstance(node, ast.ImportFrom)
             for alias in node.names
         }
@@ -110,26 +118,18 @@ def import_graph(*, late):
     }
     graph = {}
     for name, path in names.items():
-        tree = ast.parse(path.read_text())
-        skipped = {
-            id(node)
-            for parent in ast.walk(tree)
-            if (isinstance(parent, ast.FunctionDef | ast.AsyncFunctionDef) and not late)
-            or (isinstance(parent, ast.If) and "TYPE_CHECKING" in ast.dump(parent.test))
-            for node in ast.walk(parent)
-        }
         found = set()
-        for node in ast.walk(tree):
-            if id(node) in skipped:
+        for node, inside, typing in imports_of(path):
+            if typing or (inside and not late):
                 continue
             if isinstance(node, ast.Import):
                 found |= {alias.name for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
+            else:
                 for alias in node.names:
                     # A name that the package itself binds hides a module of that name.
-                    inside = f"{node.module}.{alias.name}"
+                    whole = f"{node.module}.{alias.name}"
                     hidden = alias.name in bound.get(node.module, ())
-                    found.add(inside if inside in names and not hidden else node.module)
+                    found.add(whole if whole in names and not hidden else node.module)
         graph[name] = (found & set(names)) - {name}
     return graph
 
@@ -220,6 +220,9 @@ def test_only_the_command_line_prints():
     for path in MODULES:
         if package_of(path) == "cli":
             continue
-        calls = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Call)]
+        text = path.read_text()
+        if "print(" not in text:
+            continue
+        calls = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Call)]
         printed = [n for n in calls if isinstance(n.func, ast.Name) and n.func.id == "print"]
         assert not printed, path

@@ -239,14 +239,15 @@ def split_settings(
 ) -> tuple[dict[str, list[float]], dict[str, float]]:
     """Divide what ``--set`` gives between gains of the controller and parameters of the plant.
 
-    A name that both have is the controller's; ``plant.NAME`` is the plant's.
+    A name that neither has goes to the controller, which says what it has.
     """
+    from fuzzyarm.loop.many import owner_of
+
     gains: dict[str, list[float]] = {}
     parameters: dict[str, float] = {}
     for name, value in values.items():
         bare = name.removeprefix("plant.")
-        own = name in controller.gains or bare not in plant.parameters
-        if own and bare == name:
+        if bare == name and owner_of(name, controller, plant) != "parameter":
             gains[name] = value
         elif len(value) != 1:
             raise WordError(f"parameter {bare} of the plant takes one number, not {len(value)}")

@@ -92,7 +92,8 @@ BY, INSIDE, WAIT, ZOOMED = range(4)
 VISITS, RING, DELAY, GAIN, BOUND, GRID, JUDGE_GRID, JUDGE, ALIKE, LEARN_INPUTS = range(1, 11)
 
 # The list of INFER: where the block begins and ends; where in it the first input and the first
-# result are; how many of each; then their cells.
+# result are; how many of each; then their cells, and for each result whether it holds (1) or is
+# NaN (0) where no rule fires.
 BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS = range(7)
 
 # The list of PARTNER: its address, its numbers and memory (begin, end), its links (begin, end).
@@ -308,8 +309,11 @@ def infer(k: Any, s: Any, at: int, address: int) -> None:
     for i in range(inputs):
         block[k[at + FIRST_INPUT] + i] = s[k[cell + i]]
     call(address, block)
-    for i in range(k[at + COUNT_RESULTS]):
-        s[k[cell + inputs + i]] = block[k[at + FIRST_RESULT] + i]
+    results = k[at + COUNT_RESULTS]
+    for i in range(results):
+        value = block[k[at + FIRST_RESULT] + i]
+        if not (math.isnan(value) and k[cell + inputs + results + i] == 1):
+            s[k[cell + inputs + i]] = value
 
 
 # --- Tables that learn; what a look-up means and does stands in table/lookup.py ---

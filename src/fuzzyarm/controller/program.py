@@ -132,12 +132,24 @@ class Program:
         for at in range(1, 1 + to.INSTRUCTION * code[0], to.INSTRUCTION):
             what, state = code[at], code[at + 3]
             found |= {state + each.offset for each in to.REMEMBERED.get(what, ())}
+            if what == to.INFER:
+                found |= self._held(code[at + 2])
         for begin, end in self.rings:
             found |= set(range(begin, end))
         for place in self.learned.values():
             found |= set(range(place.values, place.values + place.count))
             found |= set(range(place.visits, place.visits + place.count))
         return sorted(found)
+
+    def _held(self, at: int) -> set[int]:
+        """Return the results of an inference that hold where no rule fires."""
+        count = self.code[at + to.COUNT_RESULTS]
+        first = at + to.INFER_CELLS + self.code[at + to.COUNT_INPUTS]
+        cells, holds = (
+            self.code[first : first + count],
+            self.code[first + count : first + 2 * count],
+        )
+        return {cell for cell, held in zip(cells, holds, strict=True) if held}
 
 
 def write_down(
@@ -464,7 +476,9 @@ class _Writer:
         begin = self.parts_size
         self.parts.append(numbers)
         self.parts_size += len(numbers)
-        results = [self._cell(0.0) for _ in line.names]
+        holds = [output.no_rule == "hold" for output in rulebase.outputs]
+        # Nothing is there to hold before a rule has fired.
+        results = [self._cell(math.nan if held else 0.0) for held in holds]
         self.asked[results[0]] = (source.name, rulebase)
         inputs = self._inputs(rulebase, source.inputs)
         self._do(to.INFER, self.scratch, 0, self.inference)
@@ -480,6 +494,7 @@ class _Writer:
                 len(results),
                 *inputs,
                 *results,
+                *map(int, holds),
             ],
         )
         self.part_fields += [at + to.BEGIN, at + to.END]

@@ -507,7 +507,7 @@ class _Walk:
                 if routine.program.holds:
                     raise ExportError(
                         f"'{output.name}' of '{rulebase.name}' holds its value where no rule"
-                        " fires, which a controller does not",
+                        " fires, which exported controllers do not",
                         hint="say a number:  no-rule 0",
                     )
                 self.asked[key] = self._routine(f"{name}_{output.name}", routine)

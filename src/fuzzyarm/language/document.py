@@ -345,8 +345,9 @@ def print_document(document: Document) -> str:
     for index, (node, trivia) in enumerate(document.statements):
         if previous is not None and _wants_distance(previous, node) and "" not in trivia.before:
             lines.append("")
-        lines += trivia.before
         first, *rest = (aligned_lines.get(index) or str(node)).split("\n")
+        margin = first[: len(first) - len(first.lstrip())]
+        lines += [comment and margin + comment for comment in trivia.before]
         lines += [_with_comment(first, trivia.behind), *rest]
         for line, around in _below(node) or ():
             lines += [f"  {comment}" for comment in around.before if comment]

@@ -14,7 +14,7 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -245,7 +245,8 @@ class Bench:
         if dot and kind in SENSOR_FIELDS:
             self.loop.site.interface.every_port(port)  # tells what is missing
             return "sensor"
-        return owner_of(name, self.experiment.controller, self.motion.plants[0])
+        controller, plant = self.experiment.controller, self.motion.plants[0]
+        return owner_of(name, controller, plant) or _refuse(name, controller, plant)
 
     def _of(self, owner: str, changes: Changes) -> dict[str, Any]:
         return {name: value for name, value in changes.items() if self.owners[name] == owner}
@@ -349,16 +350,11 @@ def changed_sensors(sensors: Mapping[str, Sensor], values: Changes) -> dict[str,
     return found
 
 
-def owner_of(name: str, controller: Controller, plant: Plant) -> str:
+def owner_of(name: str, controller: Controller, plant: Plant) -> str | None:
     """Return whether a name is a ``gain`` of the controller or a ``parameter`` of the plant.
 
     A name that both have is the controller's; ``plant.NAME`` is the plant's. A sum takes
-    ``ADDEND:NAME``, too.
-
-    Raises
-    ------
-    SweepError
-        If neither has it.
+    ``ADDEND:NAME``, too. None if neither has it.
     """
     gains = controller.gains
     if name in gains or any(known.rpartition(":")[2] == name for known in gains):
@@ -367,6 +363,11 @@ def owner_of(name: str, controller: Controller, plant: Plant) -> str:
         return "parameter"
     if ":" in name and name.rpartition(":")[2] in {known.rpartition(":")[2] for known in gains}:
         return "gain"
+    return None
+
+
+def _refuse(name: str, controller: Controller, plant: Plant) -> NoReturn:
+    gains = controller.gains
     known = [*gains, *plant.parameters, "seed", *(["payload"] if plant.name == Arm.name else [])]
     hint = near_hint(name, known)[0] or f"there are {', '.join(known)}, noise.PORT"
     message = f"neither {controller.name} nor the {plant.name} has '{name}'"
