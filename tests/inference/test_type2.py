@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations, pairwise, product
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import fuzzyarm
+from fuzzyarm.cli.main import main
+from fuzzyarm.export.numbers import ExportError
+from fuzzyarm.export.rulebase import direct_routine
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference import InferenceError, compiled, infer, infer_interval
 from fuzzyarm.inference.arrays import infer_arrays
@@ -35,6 +39,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.shipped_files import shipped
 from fuzzyarm.text.diagnostic import Diagnostic
 
 TIPPER = """\
@@ -536,3 +541,60 @@ def test_a_file_is_written_as_it_was_read() -> None:
         rulebase = _model(text)
         assert _model(write(rulebase)) == rulebase
         assert write(rulebase).count(" over ") == text.count(" over ")
+
+
+# --- What is made of it ---
+
+
+@pytest.mark.parametrize(
+    ("implication", "aggregation", "samples"),
+    [("min", "max", ()), ("product", "max", ()), ("min", "sum", ()), ("min", "max", (41,))],
+)
+def test_exported_code_has_nie_and_tans_number(
+    implication: str, aggregation: str, samples: tuple[int, ...]
+) -> None:
+    rulebase = _random(4, implication=implication)
+    output = rulebase.outputs[0]
+    apart = tuple(  # of scaled sets at most two may overlap
+        replace(term, shape=_narrow(term.shape), lower=_narrow(term.lower)) for term in output.terms
+    )
+    rulebase = replace(rulebase, outputs=(replace(output, terms=apart),))
+    rulebase = _by(rulebase, "nie-tan", *samples, aggregation=aggregation)
+    routine = direct_routine(rulebase, "y", precision="float64")
+    points = [np.array([-0.7, 0.1, 0.55]), np.array([0.3, -0.2, 0.8])]
+    wanted = infer(rulebase, a=points[0], b=points[1])["y"]
+    np.testing.assert_allclose(routine.evaluate(*points), wanted, atol=1e-12)
+    with pytest.raises(ExportError, match="karnik-mendel of 'y'"):
+        direct_routine(_by(rulebase, "karnik-mendel"), "y")
+
+
+def _narrow(shape: Shape | None) -> Shape:
+    assert shape is not None
+    middle = 0.5 * (shape.parameters[1] + shape.parameters[2])
+    return replace(shape, parameters=tuple(middle + 0.6 * (x - middle) for x in shape.parameters))
+
+
+def test_a_trace_shows_both_readings() -> None:
+    trace = fuzzyarm.explain(_model(TIPPER), service=2, food=3)
+    first, output = trace.rules[0], trace.outputs[0]
+    upper, lower = np.exp(-4 / 4.5), 0.9 * np.exp(-4 / 2.88)
+    assert (first.lower, first.strength) == pytest.approx((lower, upper))
+    assert len(trace.rules) == 3
+    assert [each.term for each in output.consequents] == ["cheap", "average", "generous"]
+    assert (output.left, output.right) == pytest.approx((5.4202799202, 9.4553511985), abs=1e-9)
+    written = trace.to_dict()
+    assert written["outputs"][0]["left"] == output.left
+    plain = fuzzyarm.explain(_by(_family(0.5, "min", "max"), "centroid"), a=0.5, b=0.5).to_dict()
+    assert "lower" not in plain["rules"][0]
+    assert "left" not in plain["outputs"][0]
+
+
+def test_a_table_of_each_end(tmp_path: Path) -> None:
+    out = tmp_path / "t.lut"
+    argv = ["compile", str(shipped("tipper2.frb")), "-o", str(out), "--levels", "5", "--ends"]
+    assert main(argv) == 0
+    ends = infer_interval(_model(TIPPER), service=2.5, food=7.5)["tip"]
+    for name, wanted in zip(("left", "right"), ends, strict=True):
+        table = fuzzyarm.read_table(tmp_path / f"t-{name}.lut")
+        assert table.lookup(service=2.5, food=7.5) == pytest.approx(wanted, abs=1e-9)
+    assert main(["compile", str(shipped("pd7.frb")), "-o", str(out), "--ends"]) != 0
