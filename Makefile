@@ -4,11 +4,12 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
-.PHONY: demo test lint unit bench mutants fuzz editors lock clean help
+.PHONY: demo test lint unit docs bench mutants fuzz editors lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
 	@echo "make test   set up and run linters, types and the whole test suite"
+	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed"
 	@echo "make mutants  change the source in 100 ways and see which a test notices"
 	@echo "make fuzz   damage files and make rule bases at random, 20,000 times each"
@@ -28,6 +29,10 @@ lint: $(VENV)/.dev
 unit: $(VENV)/.dev
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
+docs: $(VENV)/.dev
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/docs
+	@echo "build/docs/index.html"
+
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/run_all.py
 
@@ -38,6 +43,7 @@ fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz/damaged_texts.py --count 20000
 	$(BIN)/python tests/fuzz/damaged_tables.py --count 20000
 	$(BIN)/python tests/fuzz/random_rule_bases.py --count 20000
+	$(BIN)/python tests/fuzz/random_proofs.py --count 200
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("fuzzyarm needs Python 3.11 or later") if sys.version_info < (3, 11) else None'

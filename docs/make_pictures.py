@@ -5,40 +5,54 @@
     python docs/make_pictures.py structures # runs of each structure alone
     python docs/make_pictures.py type2      # interval type-2 alone
     python docs/make_pictures.py motor      # one of them
+    python docs/make_pictures.py authoring  # editor, commands and studio alone
 
 Every picture comes from what a reader would use: commands, or the functions behind them.
+`tests/show/test_pictures.py` draws those that take no run of a plant again and compares them.
 """
 
 from __future__ import annotations
 
+import asyncio
 import io
+import os
+import re
+import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from PIL import Image
-from rich.console import Console
+from rich.console import Console, Group
+from rich.padding import Padding
+from rich.panel import Panel
+from rich.text import Text
 
 from fuzzyarm import explain, load, shipped
+from fuzzyarm.api import check_text
 from fuzzyarm.cli import main
 from fuzzyarm.language import load_rulebase
+from fuzzyarm.language.queries import coloured, complete, fixes, hover, read
 from fuzzyarm.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.plant import find_plant, pick_and_place
 from fuzzyarm.show.figures import inference_figure, rulebase_figure
 from fuzzyarm.show.figures.animation import animate
 from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.table import table_view
+from fuzzyarm.studio.app import Studio
+from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.table import compile_table
 
-PICTURES = Path(__file__).parent / "pictures"
+ROOT = Path(__file__).parents[1]
+PICTURES = ROOT / "docs" / "pictures"
+RULEBASES = ROOT / "rulebases"
 
 
 def draw_table() -> None:
     """Draw the table of pd7.frb as a colour terminal shows it."""
     table = compile_table(load_rulebase(shipped("pd7.frb")))
-    console = Console(record=True, width=78, file=io.StringIO(), force_terminal=True,
-                      color_system="truecolor", highlight=False)  # fmt: skip
-    console.print(table_view(table))
-    console.save_svg(str(PICTURES / "pd7-table.svg"), title="fuzzyarm show pd7.lut")
+    recorded("fuzzyarm show pd7.lut", table_view(table), width=78, name="pd7-table")
 
 
 def draw_surface() -> None:
@@ -137,6 +151,157 @@ def draw_phase() -> None:
     main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
 
 
+def draw_sector() -> None:
+    """Draw the sectors of the shipped servo, for the page of proofs."""
+    out = str(PICTURES / "servo-sector.png")
+    main(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
+
+
+# --- Of docs/authoring.md: what the editor, the commands and the studio show ---
+
+_FONT_FACE = re.compile(r"@font-face\s*\{.*?\}", re.DOTALL)
+_FONTS = "ui-monospace, Menlo, Consolas, DejaVu Sans Mono, monospace"
+
+
+def save(svg: str, name: str) -> None:
+    """Write a picture without the fonts that it would fetch from elsewhere."""
+    svg = _FONT_FACE.sub("", svg)
+    svg = re.sub(r"font-family:\s*Fira Code[^;]*;", f"font-family: {_FONTS};", svg)
+    (PICTURES / f"{name}.svg").write_text(svg, "utf-8")
+
+
+def recorded(title: str, *drawings: object, width: int = 92, name: str) -> None:
+    """Draw into a picture of a terminal."""
+    console = Console(
+        record=True, width=width, file=io.StringIO(),
+        force_terminal=True, color_system="truecolor", highlight=False,
+    )  # fmt: skip
+    console.print(*drawings, sep="\n")
+    save(console.export_svg(title=title), name)
+
+
+def command(*words: str, folder: Path = ROOT, status: int = 0) -> Text:
+    """Return what a command prints, after a prompt."""
+    environment = {**os.environ, "FORCE_COLOR": "1", "COLUMNS": "90", "COLORTERM": "truecolor",
+                   "TERM": "xterm-256color"}  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-m", "fuzzyarm", *words], cwd=folder, env=environment,
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == status, done.stderr
+    shown = Text.assemble(("$ fuzzyarm " + " ".join(words) + "\n", "bold green"))
+    clock = re.compile(r"\b\d\d:\d\d:\d\d\b")  # of `watch`
+    return shown + Text.from_ansi(clock.sub("12:00:00", done.stdout + done.stderr))
+
+
+async def studio(file: Path, keys: list[str], name: str, size: tuple[int, int] = (80, 24)) -> None:
+    """Press keys in the studio and keep the screen."""
+    app = Studio(StudioDocument(file))
+    async with app.run_test(size=size) as pilot:
+        await pilot.pause()
+        await pilot.press(*keys)
+        app.read_text()
+        await pilot.pause(0.2)
+        save(app.export_screenshot(title=f"fuzzyarm studio {file.name}"), name)
+
+
+def coloured_text(text: str, lines: range, mark: tuple[int, int] | None = None) -> Text:
+    """Return some lines of a text in the colours of the server's semantic tokens."""
+    styles = {
+        "keyword": "bold blue", "namespace": "magenta", "variable": "cyan",
+        "enumMember": "green", "modifier": "italic magenta", "type": "yellow",
+        "property": "blue", "number": "bright_yellow", "string": "green",
+        "comment": "italic bright_black", "operator": "white",
+    }  # fmt: skip
+    raw = text.splitlines()
+    shown = Text()
+    for number in lines:
+        line = Text(f"{number:>3}  {raw[number - 1]}\n")
+        for word in coloured(read(text)):
+            if word.line == number:
+                line.stylize(styles[word.colour], word.column + 4, word.end + 4)
+        if mark is not None and mark[0] == number:
+            line.stylize("reverse", mark[1] + 4, mark[1] + 5)
+        shown.append_text(line)
+    return shown
+
+
+def editor_pictures() -> None:
+    """Show what the language server answers, as an editor would show it."""
+    text = (RULEBASES / "pd7.frb").read_text("utf-8")
+    row = next(i for i, line in enumerate(text.splitlines(), 1) if line.startswith("  NS "))
+    reading = read(text)
+    cell = hover(reading, row, 15)
+    assert cell is not None
+    panel = Panel(Text(re.sub(r"\*\*|```(?:text)?\n?|`", "", cell.markdown).strip()), width=62)
+    recorded(
+        "hover: a grid cell is its rule in words",
+        coloured_text(text, range(12, row + 1), (row, 15)),
+        Padding(panel, (0, 0, 0, 14)),
+        name="editor-hover",
+    )
+    line = "rule if ce is very "
+    longer = f"{text}{line}\n"
+    number = longer.count("\n")
+    offered = complete(read(longer), number, len(line) + 1)
+    items = Text()
+    for candidate in offered[:9]:
+        items.append(f"{candidate.label:<10}", "bold")
+        items.append(f"{candidate.detail:<24}{candidate.kind}\n", "dim")
+    recorded(
+        "completion: exactly the terms of ce, then the hedges",
+        coloured_text(longer, range(number - 2, number + 1), (number, len(line) + 1)),
+        Padding(Panel(items, width=52), (0, 0, 0, 23)),
+        name="editor-completion",
+    )
+    damaged = text.replace("PM  PB  PB  PB", "PM  PX  PB  PB").replace("input  ce", "inptu  ce")
+    body = coloured_text(damaged, range(3, 8)) + coloured_text(damaged, range(18, 22))
+    findings: list[Text] = []
+    for found in check_text(damaged).diagnostics[:4]:
+        shown = Text.assemble(
+            (f"{found.line}:{found.column} ", "dim"), (found.message, "red"),
+            (f"  {found.hint}" if found.hint else "", "italic"),
+        )  # fmt: skip
+        for fix in fixes(found, damaged)[:1]:
+            shown.append(f"\n      quick fix: {fix.title}", "green")
+        findings.append(shown)
+    recorded(
+        "findings while you type, with quick fixes", body, Group(*findings), name="editor-findings"
+    )
+
+
+def draw_authoring() -> None:
+    """Draw what stands in docs/authoring.md."""
+    editor_pictures()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file in ("pd7.frb", "thermostat.frb", "fan.frb"):
+            shutil.copy(RULEBASES / file, folder / file)
+        recorded("new", command("new", "joint", "--kind", "pi", folder=folder),
+                 Text(), command("check", "--strict", "joint.frb", folder=folder),
+                 Text(), coloured_text((folder / "joint.frb").read_text("utf-8"), range(1, 29)),
+                 width=116, name="new")  # fmt: skip
+        recorded("watch", command("watch", "thermostat.frb", "--once", folder=folder), name="watch")
+        recorded(
+            "eval --explain",
+            command("eval", "pd7.frb", "e=1.3", "ce=-2", "--explain", folder=folder),
+            name="explain",
+        )
+        figure = folder / "explained.svg"
+        point = ("eval", "pd7.frb", "e=1.3", "ce=-2")
+        command(*point, "--explain", "--plot", figure.name, folder=folder)
+        shutil.copy(figure, PICTURES / "explained.svg")
+        asyncio.run(studio(folder / "pd7.frb", ["tab", "shift+right", "shift+down"],
+                           "studio-surface"))  # fmt: skip
+        asyncio.run(
+            studio(folder / "thermostat.frb", ["f3", "tab", "right", "down"], "studio-rules")
+        )
+        asyncio.run(studio(folder / "pd7.frb", ["f5", "tab", *["right"] * 2, *["down"] * 3],
+                           "studio-firing"))  # fmt: skip
+        asyncio.run(studio(folder / "fan.frb", ["f4", *["down"] * 4, "right", "x"],
+                           "studio-broken", (100, 28)))  # fmt: skip
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     words = sys.argv[1:]
@@ -145,6 +310,9 @@ if __name__ == "__main__":
         draw_surface()
         draw_map()
         draw_phase()
+        draw_sector()
+    if not words or words == ["authoring"]:
+        draw_authoring()
     if not words or words == ["type2"]:
         draw_type_2()
     if not words or words == ["structures"] or set(words) & set(STRUCTURES):

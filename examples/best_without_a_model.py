@@ -9,7 +9,7 @@ set points first, then there are seven rules or a straight line, and an integral
 from fuzzyarm.controller import controller
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place, reach_return, through
-from fuzzyarm.study.beyond import NAMES, run_beyond
+from fuzzyarm.study import NAMES, run_beyond
 
 beyond = {each.name: each for each in run_beyond()}
 best = beyond["fuzzy-fine"]

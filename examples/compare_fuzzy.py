@@ -3,10 +3,10 @@
 import tempfile
 from pathlib import Path
 
+from fuzzyarm import shipped
 from fuzzyarm.controller import controller, find_controller
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place, reach_return
-from fuzzyarm.shipped_files import shipped
 
 CONTROLLERS = {
     "fuzzy-direct": "the rules alone",

@@ -9,7 +9,7 @@ from pathlib import Path
 from fuzzyarm.controller import controller
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place
-from fuzzyarm.study.figures import draw_profiles, save_figure
+from fuzzyarm.study import draw_profiles, save_figure
 
 path = pick_and_place()
 runs = {}

@@ -7,11 +7,11 @@ and badly once it is frozen. A hundredth of that settles, and what is left is a 
 import tempfile
 from pathlib import Path
 
+from fuzzyarm import shipped
 from fuzzyarm.controller import Sources, controller
-from fuzzyarm.learning.self_organizing import train
+from fuzzyarm.learning import train
 from fuzzyarm.loop import simulate
 from fuzzyarm.plant import pick_and_place, reach_return
-from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import read_table, write_table
 
 judge = read_table(shipped("performance-yamazaki.lut"))  # the control table has its levels

@@ -24,6 +24,7 @@ from fuzzyarm.model.rulebase import (
     Defuzzifier,
     Expectation,
     Expression,
+    GainTuning,
     Hedge,
     Hedged,
     Input,
@@ -33,11 +34,13 @@ from fuzzyarm.model.rulebase import (
     Or,
     Outcome,
     Output,
+    PeakTuning,
     Rule,
     RuleBase,
     RuleBlock,
     Shape,
     Term,
+    Tuning,
 )
 
 CONJUNCTIONS, DISJUNCTIONS = tuple(TNORMS), tuple(SNORMS)
@@ -63,6 +66,7 @@ odd_text = st.text(
     min_size=1,
     max_size=8,
 )
+gaps = st.sampled_from([0.0, 0.001, 0.02, 0.5])
 descriptions = st.text(
     st.characters(blacklist_categories=["C", "Zl", "Zp"], blacklist_characters='"\\'), max_size=20
 ).map(str.strip)
@@ -214,7 +218,8 @@ def defuzzifiers(draw: Draw, methods: Sequence[str]) -> Defuzzifier:
     if method in {"weighted-average", "weighted-sum", "tsukamoto"} or draw(st.booleans()):
         return Defuzzifier(method)
     samples = draw(st.integers(5, 60))
-    return Defuzzifier(method, samples, draw(st.sampled_from(SAMPLINGS)))
+    samplings = [each for each in SAMPLINGS if each != "joined" or "maximum" not in method]
+    return Defuzzifier(method, samples, draw(st.sampled_from(samplings)))
 
 
 @st.composite
@@ -362,12 +367,19 @@ def _decorations(draw: Draw, rulebase: RuleBase) -> RuleBase:
         )
     )
     at = tuple((each.name, draw(places(each.low, each.high))) for each in rulebase.inputs)
+    flags = st.booleans()
+    tuning = Tuning(
+        (PeakTuning((first.name,), draw(flags), draw(flags), draw(flags), draw(gaps)),),
+        (GainTuning(("G_e", "G ce"), 0.5, 2.0, draw(flags), draw(flags), draw(flags)),),
+        draw(st.sampled_from([(), ((first.name, ""),), ((first.name, first.terms[0].name),)])),
+    )
     return dataclasses.replace(
         rulebase,
         description=draw(descriptions),
         inputs=(dataclasses.replace(first, description=draw(descriptions)), *rulebase.inputs[1:]),
         lookup=draw(st.sampled_from([None, lookup])),
         expectations=draw(st.sampled_from([(), (Expectation(at, (outcome,)),)])),
+        tuning=draw(st.sampled_from([None, tuning])),
     )
 
 

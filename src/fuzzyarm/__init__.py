@@ -1,34 +1,107 @@
 """Fuzzy control from a text file to a robot arm.
 
-The packages stand on each other in one direction::
+    >>> import fuzzyarm
+    >>> pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
+    >>> pd7(e=1.3, ce=-2.2)
+    {'u': -1.0677966101694918}
 
-    text  →  model  →  language, formats  →  inference  →  table  →  export
-    plant  →  controller  →  proof, loop  →  learning, study
-    show  →  lsp, studio  →  cli
+Importing this page is instant: what a name needs is loaded when the name is used. Public is
+what is named here and in the ``__all__`` of the packages; everything else is private.
 
-:mod:`fuzzyarm.language` reads, checks and prints rule files; :mod:`fuzzyarm.inference`
-evaluates them; :mod:`fuzzyarm.table` compiles them to lookup tables; :mod:`fuzzyarm.plant` is
-the arm, :mod:`fuzzyarm.controller` has the controllers and :mod:`fuzzyarm.loop` closes the
-loop; :mod:`fuzzyarm.proof` says what holds everywhere; :mod:`fuzzyarm.learning` makes rule bases
-from samples, :mod:`fuzzyarm.sklearn` as estimators; :mod:`fuzzyarm.study` has the published
-experiments; :mod:`fuzzyarm.show` draws.
-Importing this page is instant: what a name needs is loaded when the name is used.
+Read, check, write
+    load                Return the rule base, controller or lookup table in the file at path, by
+                        its suffix.
+    parse               Read text as a rule base; never raises.
+    check_file          Check a file of any kind that load takes.
+    check_text          Check the text of a .frb file: mistakes first; without any, doubts and
+                        expectations.
+    write               Return canonical text that parses to rulebase again.
+    shipped             Return the path of the shipped file name, for instance pd7.frb.
+
+Write in Python
+    RuleBase            A rule base that is being written; what it means by now is its model.
+    Shape               The membership function of a term, or the value of a consequent.
+    from_live           Return the rule base that a live object of another fuzzy library is.
+    kinds               Kinds of shapes, norms and hedges, the built-in ones and a user's own.
+    op                  The functions with which shapes, norms, hedges and other definitions are
+                        written.
+
+Evaluate
+    infer               Evaluate a rule base.
+    explain             Evaluate one point and show the work.
+    compiled            Make a rule base ready to be evaluated fast.
+
+Lookup tables
+    compile_table       Sample one output of a rule base.
+    compile_with_report Compile a table and measure it against direct inference.
+    LookupTable         A grid of values over one or more inputs, with its meaning and its
+                        origin.
+    read_table          Return the table in a .lut, .csv, .npz or .json file.
+    write_table         Write table whole or not at all; read_table gives back an equal table.
+
+Prove, and run on a plant
+    prove               Prove or refute one statement about a rule base.
+    simulate            Run a controller along a trajectory of the arm, or on any plant.
+    simulate_many       Run a controller many times.
+
+Tune
+    tune                Tune the gains of a controller and the terms of its rule bases, or of a
+                        rule base alone.
+
+What goes wrong
+    FuzzyarmError       What went wrong, in one clear sentence to a person.
+    RuleBaseError       A file or a model that cannot be used.
+    FileWarning         What load has to say of a file of another program that it could read.
+
+Packages with public names of their own
+    api                 The short way in: load any file, check it, whatever kind it is.
+    controller          Controllers of the arm: the study's, and yours.
+    export              Controllers as source text for small machines: C99 and IEC 61131-3
+                        Structured Text.
+    expression          Everything mathematical that the language can name, each written once.
+    formats             Rule bases of other programs, in and out: FLL, FCL, FIS and scikit-
+                        fuzzy; FML in.
+    inference           Inference: memberships, norms, defuzzifiers, the engines and the trace
+                        of one inference.
+    language            The language of .frb files: model, reading, canonical printing, checks.
+    learning            Rule bases from samples, and judged by samples; controllers that learn
+                        along a trajectory.
+    live                Systems of other fuzzy libraries, live: rule bases of them, and how far
+                        their numbers differ.
+    loop                The closed loop: one run, or many at once, of a controller on a plant.
+    model               What a rule base means, free of text: its data, its shapes, its
+                        formulas.
+    plant               Plants: the protocol, the two-link arm of the study and its
+                        trajectories, shipped ones.
+    proof               What holds of a rule base at every point: bounds, slopes, symmetry,
+                        errors of a table.
+    show                Drawings of models in the terminal; as figures in fuzzyarm.show.figures.
+    sklearn             Estimators of scikit-learn whose model is a rule base that a person can
+                        read.
+    study               The published experiments: figures as data, and what running them again
+                        gives.
+    table               Lookup tables: the table, the compiler that fills it, and its files.
+    tuning              Tuning: numbers that move until a cost is small, and a text that says
+                        what became of it.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from fuzzyarm.api import FileWarning, check_file, check_text, load
+    from fuzzyarm.builder import RuleBase
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
     from fuzzyarm.inference import compiled, explain, infer, infer_interval
     from fuzzyarm.language import parse, write
+    from fuzzyarm.live import from_live
     from fuzzyarm.loop import simulate, simulate_many
-    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.model import Shape
     from fuzzyarm.proof import prove
     from fuzzyarm.shipped_files import shipped
     from fuzzyarm.table import (
@@ -39,6 +112,7 @@ if TYPE_CHECKING:
         write_table,
     )
     from fuzzyarm.text.diagnostic import RuleBaseError
+    from fuzzyarm.tuning import tune
 
 __all__ = [
     "FileWarning",
@@ -46,12 +120,14 @@ __all__ = [
     "LookupTable",
     "RuleBase",
     "RuleBaseError",
+    "Shape",
     "check_file",
     "check_text",
     "compile_table",
     "compile_with_report",
     "compiled",
     "explain",
+    "from_live",
     "infer",
     "infer_interval",
     "kinds",
@@ -63,34 +139,56 @@ __all__ = [
     "shipped",
     "simulate",
     "simulate_many",
+    "tune",
     "write",
     "write_table",
 ]
 
-_HOMES = {
-    "api": ("FileWarning", "check_file", "check_text", "load"),
-    "errors": ("FuzzyarmError",),
-    "expression.kinds": ("kinds",),
-    "expression.op": ("op",),
-    "inference": ("compiled", "explain", "infer", "infer_interval"),
-    "language": ("RuleBase", "RuleBaseError", "parse", "write"),
-    "loop": ("simulate", "simulate_many"),
-    "proof": ("prove",),
-    "shipped_files": ("shipped",),
-    "table": ("LookupTable", "compile_table", "compile_with_report", "read_table", "write_table"),
-}
-"""Module → the names that it has, or the one that it is."""
+PACKAGES = (
+    "api",
+    "controller",
+    "export",
+    "expression",
+    "formats",
+    "inference",
+    "language",
+    "learning",
+    "live",
+    "loop",
+    "model",
+    "plant",
+    "proof",
+    "show",
+    "sklearn",
+    "study",
+    "table",
+    "tuning",
+)
+"""Packages and modules with public names of their own: those of their ``__all__``."""
 
-
-def __getattr__(name: str) -> Any:
-    import importlib
-
-    for home, names in _HOMES.items():
-        if name in names:
-            module = importlib.import_module(f"fuzzyarm.{home}")
-            return module if home.endswith(f".{name}") else getattr(module, name)
-    raise AttributeError(f"module 'fuzzyarm' has no attribute '{name}'")
-
-
-def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "api": ("FileWarning", "check_file", "check_text", "load"),
+        "builder": ("RuleBase",),
+        "errors": ("FuzzyarmError",),
+        "expression.kinds": ("kinds",),
+        "expression.op": ("op",),
+        "inference": ("compiled", "explain", "infer", "infer_interval"),
+        "language": ("RuleBaseError", "Shape", "parse", "write"),
+        "live": ("from_live",),
+        "loop": ("simulate", "simulate_many"),
+        "proof": ("prove",),
+        "shipped_files": ("shipped",),
+        "table": (
+            "LookupTable",
+            "compile_table",
+            "compile_with_report",
+            "read_table",
+            "write_table",
+        ),
+        "tuning": ("tune",),
+    },
+    ("__version__",),
+    PACKAGES,
+)

@@ -17,7 +17,8 @@ from fuzzyarm.language.check import CHECKS, check, judged
 from fuzzyarm.language.reading import text_to_show
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
-from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Severity, render_all
+from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -25,6 +26,19 @@ if TYPE_CHECKING:
     from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
 
+
+__all__ = [
+    "FileWarning",
+    "Judgement",
+    "PlantOf",
+    "Review",
+    "UnknownKindError",
+    "check_file",
+    "check_parsed",
+    "check_text",
+    "judge",
+    "load",
+]
 
 RULEBASE_SUFFIXES = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml")
 """Those of :data:`fuzzyarm.formats.READABLE`; that module would load every reader."""
@@ -86,14 +100,15 @@ def load(path: str | os.PathLike[str]) -> RuleBase | LookupTable | ControllerTex
     name = os.fspath(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix == ".frb":
-        parsed = parse(read_text(path), name)
+        source = read_text(path)
+        parsed = parse(source, name)
         if parsed.controller is not None:
             from fuzzyarm.controller.text import with_files
 
             text, faults = with_files(parsed.controller, Path(name).parent, name)
             if faults:
                 raise RuleBaseError(faults)
-            return text
+            return replace(text, source=source)
         if parsed.rulebase is None:
             raise RuleBaseError(parsed.diagnostics)
         return parsed.rulebase
@@ -146,6 +161,21 @@ class Review(NamedTuple):
     diagnostics: tuple[Diagnostic, ...]
     rulebase: RuleBase | None = None
 
+    def _repr_html_(self) -> str:
+        # A tuple has no other base: what Shown has for the others.
+        from importlib import import_module
+
+        drawing: str = import_module("fuzzyarm.notebook").html_of(self)
+        return drawing
+
+    def __repr__(self) -> str:
+        what = "no model" if self.rulebase is None else repr(self.rulebase)
+        return one_line(self, f"{self.summary}; {what}")
+
+    def __str__(self) -> str:
+        """Return every finding with its line and a caret below what is at fault."""
+        return render_all(self.diagnostics, self.text) or "no findings"
+
     @property
     def failed(self) -> bool:
         """Whether any finding is an error."""
@@ -168,6 +198,20 @@ def check_text(text: str, path: str = "<text>", on: PlantOf | None = None) -> Re
 
     Never raises, whatever the text. A controller is checked on a plant, if one is given;
     otherwise on the shipped one that has its axes.
+
+    Parameters
+    ----------
+    text : str
+        Of a rule base, a controller or both.
+    path : str
+        Its name, for the findings.
+    on : PlantOf, optional
+        The plant of a controller.
+
+    Returns
+    -------
+    Review
+        Every finding, in the order of the text.
     """
     return check_parsed(parse(text, path), text, path, on=on)
 
@@ -298,7 +342,20 @@ PROOF_SECONDS = 1.0
 
 
 def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Judgement:
-    """Evaluate the ``expect`` lines of a rule base, and prove what it says in ``prove`` lines."""
+    """Evaluate the ``expect`` lines of a rule base, and prove what it says in ``prove`` lines.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        With its lines.
+    on_step : callable
+        Called now and then; what it raises ends it.
+
+    Returns
+    -------
+    Judgement
+        What does not hold, and the verdicts on the ``prove`` lines.
+    """
     findings: list[Diagnostic] = []
     if rulebase.expectations:
         from fuzzyarm.inference import check_expectations
@@ -317,7 +374,13 @@ def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Jud
             message = f"refuted: {verdict.statement}"
             detail = "; ".join(verdict.evidence) or verdict.reason
             findings.append(
-                Diagnostic("refuted-property", f"{message} ({detail})", claim.span, Severity.ERROR)
+                Diagnostic(
+                    "refuted-property",
+                    f"{message} ({detail})",
+                    claim.span,
+                    Severity.ERROR,
+                    lines=verdict.evidence,
+                )
             )
         elif not verdict.proved:
             message = f"left undecided: {verdict.statement} ({verdict.reason})"

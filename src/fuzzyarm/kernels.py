@@ -30,7 +30,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import FunctionType
-from typing import Any, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
 SWITCH = "FUZZYARM_JIT"
 """Environment variable: ``0`` runs every kernel interpreted."""
@@ -218,7 +218,8 @@ def _machine_address(
         code = _read_code(folder / f"{label}.{digest}.code")
         if code is not None:
             return _load(code, symbol)
-    code, complete = _compile(function, types, bindings, symbol, inline)
+    with _told(function, bindings):
+        code, complete = _compile(function, types, bindings, symbol, inline)
     if complete:
         _keep(code, folders, label, digest)
     return _load(code, symbol)
@@ -373,22 +374,69 @@ def _target() -> Any:
 
 # --- Compiling ---
 
-Watch = Callable[[str | None], None]
+
+class Compiling(NamedTuple):
+    """What is being compiled.
+
+    Attributes
+    ----------
+    name : str
+        Of the function.
+    done, total : int
+        Functions of its program that were begun before, and how many there are; a function that
+        is compiled for several types counts again. `total` is 0 where that is not known.
+    """
+
+    name: str
+    done: int
+    total: int
+
+
+Watch = Callable[[Compiling | None], None]
 
 _watch: list[Watch] = []
 """Who is told what is being compiled."""
 
+_program: list[int] = []
+"""Of the program that is being compiled: functions that were begun, and how many there are."""
 
-def watch_compiling(watch: Watch) -> None:
-    """Have `watch` called with the name of each function that is being compiled.
+
+def watch_compiling(watch: Watch | None) -> Watch | None:
+    """Have `watch` called with each function that is being compiled.
 
     Parameters
     ----------
-    watch : callable
-        Takes the name, or None when compiling is over for now. Nothing is said while
+    watch : callable or None
+        Takes a `Compiling`, or None when compiling is over for now. Nothing is said while
         machine code is loaded only.
+
+    Returns
+    -------
+    callable or None
+        Who was told before.
     """
-    _watch[:] = [watch]
+    before = _watch[0] if _watch else None
+    _watch[:] = [] if watch is None else [watch]
+    return before
+
+
+def _tell(name: str | None) -> None:
+    """Tell who watches that a function is begun, or that all is over for now."""
+    told = None if name is None else Compiling(name, *(_program or (0, 0)))
+    for each in _watch:
+        each(told)
+
+
+@contextlib.contextmanager
+def _told(function: Callable[..., Any], bindings: _Bindings) -> Iterator[None]:
+    """Count the functions of a program while it is compiled."""
+    _program[:] = [0, len(_reached(function, bindings))]
+    _tell(function.__name__)  # importing the compiler takes a second, too
+    try:
+        yield
+    finally:
+        _program.clear()
+        _tell(None)
 
 
 @functools.cache
@@ -404,14 +452,14 @@ def _numba() -> Any:
             self.depth += 1
             function = happened.data["dispatcher"].py_func
             if not function.__module__.startswith("numba"):
-                for each in _watch:
-                    each(function.__name__)
+                _tell(function.__name__)
+                if _program:
+                    _program[0] += 1
 
         def on_end(self, happened: Any) -> None:
             self.depth -= 1
-            if not self.depth:
-                for each in _watch:
-                    each(None)
+            if not self.depth and not _program:
+                _tell(None)
 
     event.register("numba:compile", Told())
     return numba
@@ -692,6 +740,18 @@ def _source_digest(function: Callable[..., Any], bindings: _Bindings) -> str:
     if not hasattr(function, _MARK):
         whole.update(vars(function)["__source__"].encode())
         return whole.hexdigest()[:16]
+    for name, bound in sorted(bindings.items()):
+        whole.update(f"{name}={bound.__module__}.{bound.__qualname__};".encode())
+    reached = _reached(function, bindings)
+    for file in sorted({cast(FunctionType, each).__code__.co_filename for each in reached}):
+        whole.update(Path(file).read_bytes())
+    return whole.hexdigest()[:16]
+
+
+def _reached(function: Callable[..., Any], bindings: _Bindings) -> set[Callable[..., Any]]:
+    """Return a kernel and all that it calls, and these call."""
+    if not hasattr(function, _MARK):
+        return {function}
     reached: set[Callable[..., Any]] = set()
     waiting = [function]
     while waiting:
@@ -700,8 +760,4 @@ def _source_digest(function: Callable[..., Any], bindings: _Bindings) -> str:
             reached.add(current)
             called = _called(cast(FunctionType, current), bindings).values()
             waiting += [each for each in called if each is not call]
-    for name, bound in sorted(bindings.items()):
-        whole.update(f"{name}={bound.__module__}.{bound.__qualname__};".encode())
-    for file in sorted({cast(FunctionType, each).__code__.co_filename for each in reached}):
-        whole.update(Path(file).read_bytes())
-    return whole.hexdigest()[:16]
+    return reached

@@ -41,6 +41,11 @@ def shipped_names() -> list[str]:
 def shipped(name: str) -> Path:
     """Return the path of the shipped file `name`, for instance ``pd7.frb``.
 
+    Parameters
+    ----------
+    name : str
+        Of the file, with its suffix.
+
     Raises
     ------
     NotShippedError

@@ -37,7 +37,7 @@ def test_a_folder_is_checked_with_the_folders_in_it(tmp_path, capsys):
 
 def test_a_folder_without_rule_bases_says_so(tmp_path, capsys):
     assert main(["check", str(tmp_path)]) == 1
-    assert f"{tmp_path}: no file to check in this folder" in capsys.readouterr().err
+    assert f"{tmp_path}: no files to check in this folder" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

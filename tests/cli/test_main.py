@@ -8,7 +8,8 @@ import pytest
 
 import fuzzyarm
 from fuzzyarm.cli import main
-from fuzzyarm.cli.main import COMMANDS
+from fuzzyarm.cli.completion import SHELLS
+from fuzzyarm.cli.main import COMMANDS, HEADINGS
 from fuzzyarm.shipped_files import shipped
 
 GOOD = str(shipped("pd7.frb"))
@@ -27,11 +28,54 @@ def test_help_lists_every_command(capsys):
     assert all(f"  {name} " in out for name in COMMANDS)
 
 
+def test_help_has_every_heading_once(capsys):
+    _, out, _ = run("--help", capsys=capsys)
+    assert all(out.count(f"\n\n{heading}\n") == 1 for heading in HEADINGS.values())
+    assert set(HEADINGS) <= set(COMMANDS)
+    assert next(iter(COMMANDS)) in HEADINGS
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_completion_knows_commands_and_options(shell, capsys):
+    status, out, _ = run("--print-completion", shell, capsys=capsys)
+    assert status == 0
+    assert all(name in out for name in COMMANDS)
+    assert "nearest" in out  # of --mode
+
+
+@pytest.mark.parametrize("words", [[], ["fish"], ["bash", "zsh"]])
+def test_completion_for_other_shells_is_wrong_usage(words, capsys):
+    status, out, err = run("--print-completion", *words, capsys=capsys)
+    assert (status, out) == (2, "")
+    assert "bash, zsh, tcsh" in err
+
+
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("fuzzyarm ch", {"check"}),
+        ("fuzzyarm check --st", {"--strict"}),
+        ("fuzzyarm eval x.frb --mode ", {"bins", "nearest", "linear"}),
+        ("fuzzyarm check pd7-", {"pd7-study.frb"}),
+    ],
+)
+def test_bash_completes(line, offered, capsys):
+    _, script, _ = run("--print-completion", "bash", capsys=capsys)
+    words = " ".join(f"'{word}'" for word in line.split(" "))
+    asked = f"COMP_WORDS=({words}); COMP_CWORD={line.count(' ')}; _shtab_fuzzyarm"
+    done = subprocess.run(
+        ["bash", "-c", f'{script}\n{asked}; echo "${{COMPREPLY[@]}}"'],
+        cwd=shipped("pd7.frb").parent, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert set(done.stdout.split()) == offered
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_explains_itself(command, capsys):
     status, out, _ = run(command, "--help", capsys=capsys)
     assert status == 0
     assert out.startswith(f"usage: fuzzyarm {command}")
+    assert run("help", command, capsys=capsys)[:2] == (0, out)
 
 
 def test_version(capsys):
@@ -72,7 +116,9 @@ def test_check_says_what_the_kernel_does_not_cover(tmp_path, capsys):
 
 
 def test_a_check_loads_only_what_it_uses():
-    unused = ("numpy", "difflib", "heapq", "json", "shutil", "fuzzyarm.expression.formulas")
+    unused = (
+        "numpy", "difflib", "heapq", "json", "shutil", "shtab", "fuzzyarm.expression.formulas",
+    )  # fmt: skip
     code = (
         f"import sys; from fuzzyarm.cli import main; main(['check', {GOOD!r}])\n"
         f"print([name for name in {unused} if name in sys.modules])"

@@ -82,6 +82,9 @@ def of_every_command(name="x" + HOSTILE):
         ["learn", PD7, "--passes", "0"],
         ["fit", PD7, "-o", "fitted.frb", "--rules", "1"],
         ["validate", PD7, "nothing.csv"],
+        ["tune", PD7],
+        ["tune", "heater", "--for", "200s", "--evals", "3", "--unseen", "1", "--no-linear"],
+        ["tune", hostile, "--data", "nothing.csv"],
         ["compare", "pd"],
         ["sweep", "pd", "--segment", "0.1", "--hold", "0.1", "--sweep", "payload=0..1:2"],
         ["sweep", "pd", "--sweep", f"{name}=0..1:2"],
@@ -96,6 +99,7 @@ def of_every_command(name="x" + HOSTILE):
         ["watch", "--once", "broken.frb"],
         ["lsp", "--tcp", "nothing"],
         ["demo"],
+        ["shipped"],
         ["--help"],
         ["--version"],
     ]  # fmt: skip

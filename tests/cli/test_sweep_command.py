@@ -111,7 +111,7 @@ def test_another_question_is_refused(tmp_path, capsys):
     ):
         assert main([*ASKED, *change, "-o", str(file), "--resume"]) == 1
         shown = capsys.readouterr().err
-        assert "is of another sweep" in shown
+        assert "belongs to another sweep" in shown
         assert told in shown
     assert file.read_bytes() == before
 
@@ -150,7 +150,7 @@ def test_a_damaged_file_says_where(tmp_path, capsys):
     for content in (b"", b"a,b\n", b"# fuzzyarm sweep 1\n", b"# fuzzyarm sweep 1\n# {\n"):
         file.write_bytes(content)
         assert main([*ASKED, "-o", str(file), "--resume"]) == 1
-        assert "is not the file of a sweep" in capsys.readouterr().err
+        assert "is not a sweep file" in capsys.readouterr().err
 
 
 def test_headings_with_commas(tmp_path):
@@ -252,7 +252,7 @@ def test_figures_show_where_runs_diverge(tmp_path, capsys, names):
     [
         ([], "nothing is swept"),
         (["--sweep", "payload=0..2:3", "--map", "payload,x"], "the file of --plot"),
-        (["--sweep", "payload=0..2:3", "--plot", "x.gif"], "'x.gif' does not tell"),
+        (["--sweep", "payload=0..2:3", "--plot", "x.gif"], "'x.gif' does not have"),
         (["--sweep", "payload=0..2:3", "--resume"], "the file of -o"),
         (["--sweep", "payload=0..2:3", "--metric", "rsm"], "no metric 'rsm'"),
         (["--sweep", "payload=0..2:3", "--workers", "0"], "--workers 0"),

@@ -249,7 +249,8 @@ def systems(draw):
     method = draw(st.sampled_from(methods))
     exact = method == "centroid" and samples is None
     folds = ["max", "sum"] if exact else list(SNORMS)
-    way = Defuzzifier(method, samples, draw(st.sampled_from(SAMPLINGS)))
+    samplings = [each for each in SAMPLINGS if each != "joined"]  # which export refuses
+    way = Defuzzifier(method, samples, draw(st.sampled_from(samplings)))
     way = way if method == "centroid" else Defuzzifier(method)
     output = Output(
         "u", low, high, terms,

@@ -366,7 +366,7 @@ def test_what_cannot_be_exported_is_named(tmp_path):
         steps_of(text_of(held))
     with pytest.raises(ExportError, match="has no suffix of an export"):
         export_controller(ControllerProgram(shipped_text("stfc")), tmp_path / "x.py")
-    with pytest.raises(ExportError, match="cannot begin the identifiers"):
+    with pytest.raises(ExportError, match="cannot begin an identifier"):
         export_controller(ControllerProgram(shipped_text("stfc")), tmp_path / "x.h", "int")
 
 
@@ -375,7 +375,7 @@ def test_what_cannot_be_exported_is_named(tmp_path):
     [
         (["--levels", "9"], "without --table"),
         (["--table", "--direct"], "exclude each other"),
-        (["--fmi", "3"], "not a unit of FMI"),
+        (["--fmi", "3"], "not an FMU"),
         (["--output", "u"], "as a whole"),
         (["--table", "--levels", "x"], "--levels 'x'"),
     ],
@@ -412,6 +412,6 @@ def test_the_command_says_what_it_wrote(tmp_path, monkeypatch, capsys):
 
 def test_only_a_controller_becomes_a_unit(tmp_path, capsys):
     assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.fmu")]) != 0
-    assert "made of a controller" in capsys.readouterr().err
+    assert "made from a controller" in capsys.readouterr().err
     assert main(["compile", str(shipped("pd7.frb")), "-o", str(tmp_path / "x.h"), "--table"]) != 0
-    assert "--table makes no sense" in capsys.readouterr().err
+    assert "--table does not apply" in capsys.readouterr().err

@@ -19,7 +19,7 @@ from fuzzyarm.inference import (
     prepare,
 )
 from fuzzyarm.inference.arrays import infer_arrays
-from fuzzyarm.kernels import watch_compiling
+from fuzzyarm.kernels import Compiling, watch_compiling
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import (
     And,
@@ -351,7 +351,7 @@ def test_threads_do_not_disturb_each_other(pd7: RuleBase) -> None:
 def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
     compiled(pd7)(e=1.0, ce=1.0)
     compiled(norms_base("min", "max", "max"))(a=0.5, b=0.5, c=0.5)
-    found: list[str | None] = []
+    found: list[Compiling | None] = []
     watch_compiling(found.append)
     try:
         edited = dataclasses.replace(
@@ -360,7 +360,7 @@ def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
         compiled(edited)(e=1.0, ce=1.0)
         compiled(norms_base("min", "max", "max"))(a=0.25, b=0.5, c=0.5)
     finally:
-        watch_compiling(lambda name: None)
+        watch_compiling(None)
     assert found == []
 
 

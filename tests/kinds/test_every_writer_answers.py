@@ -117,6 +117,8 @@ def setting_cases() -> Iterator[Case]:
         yield ("defuzzifier", name), {"defuzzifier": name}
         if not name.startswith("weighted"):
             for sampling in SAMPLINGS:
+                if sampling == "joined" and "maximum" in name:
+                    continue  # an error of the language
                 yield (sampling, name), {"defuzzifier": f"{name}(60, {sampling})"}
     for word in ("error", "nan", "hold", "1.25"):
         yield ("no-rule", word), {"no_rule": word}

@@ -208,6 +208,7 @@ WORKS = [
     ("simulate", "fuzzy-direct", "--rulebase", "{own}", "--segment", "0.1", "--json"),
     ("fit", "{own}", "-o", "{out}.frb", "--rules", "1"),
     ("validate", "{own}", "{data}", "--json"),
+    ("tune", "{own}", "--data", "{data}", "--evals", "2", "-o", "{out}.frb", "--json"),
 ]
 ANSWERS = [
     ("compile", "{own}", "-o", "{out}.h", "--direct"),
@@ -234,6 +235,7 @@ NO_RULE_BASE = {
     "lsp",
     "new",
     "reproduce",
+    "shipped",
     "studio",
     "sweep",
 }
@@ -251,7 +253,8 @@ def run(words, name, folder, capsys):
     columns = [each.name for each in (*model.inputs, *model.outputs)]
     middles = [0.5 * (each.low + each.high) for each in (*model.inputs, *model.outputs)]
     data = folder / "in" / "data.csv"
-    data.write_text(f"{','.join(columns)}\n{','.join(map(str, middles))}\n")
+    row = ",".join(map(str, middles))
+    data.write_text("\n".join([",".join(columns), *[row] * 10]) + "\n")
     filled = {
         "own": own,
         "data": data,
@@ -439,7 +442,7 @@ def test_a_range_is_proved_left_open_or_refused_by_name(tmp_path, capsys):
         assert status in (0, 4), (name, err)
         found = json.loads(out)
         outputs = [fuzzyarm.infer(model(name), e=e, ce=ce)["u"] for e, ce in POINTS]
-        if found["low"] is None:  # the time was over before there was a bound
+        if found["low"] is None:  # time ran out before there was a bound
             assert status == 4, name
             continue
         assert found["low"] <= min(outputs), name

@@ -647,3 +647,54 @@ def test_what_is_wrong_with_a_formula_is_found_before_it_is_evaluated(name, form
     elif "x" in formula:
         with pytest.raises((ValueError, KeyError)):
             infer(rulebase, {name: 0.3})
+
+
+# --- Terms that lie unlike all others ---
+
+SEVEN = ("NB", "NM", "NS", "ZE", "PS", "PM", "PB")
+
+
+def moved_term(term, shape):
+    return PD7.replace("\ninference", f"\nterm e {term}: {shape}\n\ninference")
+
+
+@pytest.mark.parametrize(
+    ("term", "shape", "expected"),
+    [
+        # The partition is broken on both sides of a peak that has moved alone.
+        ("PS", "triangle 0 2.5 4", {"broken-partition", "uneven-mirror"}),
+        ("PS", "triangle 0 4.5 5", {"crossed-terms"}),
+        ("PM", "triangle 2 -4 6", {"bad-shape"}),
+        ("ZE", "triangle -2 0 2.5", {"broken-partition", "uneven-mirror"}),
+        ("NS", "triangle -4 -2 0", set()),
+    ],
+)
+def test_a_term_that_lies_elsewhere_than_its_neighbours(term, shape, expected):
+    assert set(names(moved_term(term, shape))) == expected
+
+
+def test_terms_without_order_symmetry_or_partition_have_none_to_break():
+    one = Shape("triangle", (0.0, 0.1, 0.3))
+    # Peaks at random, as other programs list them.
+    peaks = [0.7, 0.2, 0.9, 0.4, 0.1]
+    terms = tuple(
+        Term(name, replace(one, parameters=(x - 0.05, x, x + 0.02)))
+        for name, x in zip("ABCDE", peaks, strict=True)
+    )
+    variable = Input("x", 0.0, 1.0, terms)
+    output = Output("y", 0.0, 1.0, (Term("A", one),))
+    rules = tuple(Rule(Is("x", t.name), (Consequent("y", "A"),)) for t in terms)
+    found = {d.name for d in check(RuleBase("r", (variable,), (output,), (RuleBlock(rules),)))}
+    assert not found & {"crossed-terms", "broken-partition", "uneven-mirror"}
+
+
+def test_what_a_tune_block_promises_has_to_hold():
+    text = PD7.replace("\ninference", "\nterm e PB: triangle 3.5 6 8\n\ninference")
+    asked = text + "tune\n  peaks e mirrored, partition\n"
+    assert set(names(asked)) == {"broken-partition", "uneven-mirror"}
+    two = "rulebase r\ninput e -1 .. 1\noutput u -1 .. 1\nterm e N: triangle -2 -1 0.5\n"
+    two += "term e P: triangle -1 1 2\nterms u: triangles N P\n"
+    two += "rule if e is N then u is N\nrule if e is P then u is P\n"
+    assert not {"broken-partition", "uneven-mirror"} & set(names(two))
+    promised = names(two + "tune\n  peaks e mirrored, partition\n")
+    assert {"broken-partition", "uneven-mirror"} <= set(promised)

@@ -38,6 +38,57 @@ def test_learn_shows_tables_visits_and_what_was_never_used(capsys):
     assert "pass 1: RMS error" in out
 
 
+def test_errors_come_first_and_cells_that_were_never_used_have_a_dot(capsys):
+    _, out, _ = run(capsys, "learn", *FAST, "--payload", "--passes", "2")
+    lines = out.splitlines()
+    assert [line.split(":")[0] for line in lines[:2]] == ["pass 1", "pass 2"]
+    tables = out.split("visits per cell")
+    grid = [line.split()[1:] for line in tables[0].splitlines()[5:18]]
+    counts = [line.split()[1:] for line in tables[1].splitlines()[2:15]]
+    assert [[cell == "·" for cell in row] for row in grid] == [
+        [cell == "·" for cell in row] for row in counts
+    ]
+    assert any(cell == "0" for row in grid for cell in row)  # learned, and zero all the same
+
+
+def test_a_cell_of_a_given_table_that_was_never_used_keeps_its_number(capsys):
+    _, out, _ = run(capsys, "learn", *FAST, "--start", "table")
+    assert len(re.findall(r"·-?\d\.\d", out)) > 30
+
+
+def test_learn_draws_what_was_learned_and_how_it_grew(capsys, tmp_path, monkeypatch):
+    from PIL import Image
+
+    from fuzzyarm.show.figures import learning
+
+    monkeypatch.setattr(learning, "MOST_FRAMES", 3)
+    figure, film = tmp_path / "learned.svg", tmp_path / "learned.gif"
+    words = ["--passes", "2", "--plot", str(figure), "--animate", str(film)]
+    assert run(capsys, "learn", *FAST, *words)[0] == 0
+    text = figure.read_text("utf-8")
+    for part in ("joint1, after pass 2", "joint2, after pass 2", "RMS error", "hatched: never"):
+        assert part in text
+    assert Image.open(film).n_frames == 3
+
+
+def test_a_figure_of_a_training_hatches_what_was_never_used():
+    from fuzzyarm.controller import controller
+    from fuzzyarm.learning.self_organizing import train
+    from fuzzyarm.plant import pick_and_place
+    from fuzzyarm.show.figures.learning import Training, learning_figure
+    from tests.show.boxes import faults
+
+    snapshots = list(train(controller("soc-zero"), pick_and_place(segment=0.2)))
+    like = read_table(RULEBASES / "thesis-6.1.lut")
+    figure = learning_figure(Training("soc-zero", snapshots, ("joint1", "joint2"), like))
+    learned = snapshots[-1].learned
+    images = [axes.images[0].get_array() for axes in figure.axes[:2]]
+    for image in images:
+        np.testing.assert_array_equal(np.ma.getmaskarray(image), learned.visits[0] == 0)
+    assert (images[0].compressed() == learned.values[0][learned.visits[0] > 0]).all()
+    assert faults(figure) == []
+
+
 def test_learn_as_json_agrees_with_itself_and_with_the_file(capsys, tmp_path):
     file = tmp_path / "learned.lut"
     words = ["--passes", "2", "--every", "100", "-o", str(file), "--json"]
@@ -132,6 +183,9 @@ def test_a_training_that_diverges_exits_with_3(capsys, words):
     "words",
     [
         ["learn", "--passes", "0"],
+        ["learn", "--plot", "x.gif"],
+        ["learn", "--animate", "x.png"],
+        ["learn", "--plot", "no/such/folder/x.png"],
         ["learn", "--every", "0"],
         ["learn", "--freeze", "-o", "x.lut"],
         ["learn", "--joint", "1"],

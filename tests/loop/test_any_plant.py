@@ -278,7 +278,7 @@ def test_a_reference_from_a_file(tmp_path):
     ("content", "message"),
     [
         ("0,0\nx,1\n", ":2: 'x,1' is not two numbers"),
-        ("0,0\n0,1\n", ":2: the times do not rise"),
+        ("0,0\n0,1\n", ":2: the times must increase"),
         ("0,0\n1,nan\n", ":2: '1,nan' is not finite"),
         ("time,v\n", "has fewer than two times"),
     ],

@@ -109,7 +109,7 @@ def test_digest_tells_bindings_apart_that_live_in_one_file():
 RUN_AND_TELL = (
     "import sys, json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
     "from fuzzyarm.loop import simulate; from fuzzyarm import kernels; told = [];"
-    "kernels.watch_compiling(told.append);"
+    "kernels.watch_compiling(lambda each: told.append(each and each.name));"
     "run = simulate(controller('cdid'), reach(segment=0.1, hold=0.1));"
     "print(json.dumps([list(run.rms), 'numba' in sys.modules, told]))"
 )

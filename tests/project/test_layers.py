@@ -13,6 +13,7 @@ MODULES = sorted(path for path in SOURCE.rglob("*.py"))
 
 ORDER = (
     "version",
+    "lazy",
     "errors",
     "text",
     "kernels",
@@ -33,7 +34,11 @@ ORDER = (
     "sklearn",
     "study",
     "api",
+    "builder",
+    "live",
+    "tuning",
     "show",
+    "notebook",
     "lsp",
     "studio",
     "cli",

@@ -1,17 +1,42 @@
 """What `import fuzzyarm` offers."""
 
+import ast
 import importlib
+import inspect
+import pkgutil
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import fuzzyarm
 
+ROOT = Path(__file__).parents[2]
+PACKAGES = sorted(
+    each.name
+    for each in pkgutil.walk_packages(fuzzyarm.__path__, "fuzzyarm.")
+    if each.ispkg or each.name.removeprefix("fuzzyarm.") in (*fuzzyarm.PACKAGES, "control")
+)
+"""What has public names: every package, and the modules that are public themselves."""
+
 
 def test_dir_lists_the_public_names_only():
-    assert set(dir(fuzzyarm)) == {*fuzzyarm.__all__, "__version__"}
-    assert {"infer", "kinds", "load", "op"} <= set(fuzzyarm.__all__)
+    assert set(dir(fuzzyarm)) == {*fuzzyarm.__all__, *fuzzyarm.PACKAGES, "__version__"}
+    assert {"RuleBase", "infer", "kinds", "load", "op"} <= set(fuzzyarm.__all__)
+
+
+def first_line(name):
+    """Return the first line on a name, without the marks of markup."""
+    line = inspect.getdoc(getattr(fuzzyarm, name)).splitlines()[0]
+    return re.sub(r":\w+:`~?([^`]*)`", r"\1", line).replace("`", "")
+
+
+@pytest.mark.parametrize("name", [*fuzzyarm.__all__, *fuzzyarm.PACKAGES])
+def test_help_has_every_name_with_its_first_line(name):
+    told = " ".join(fuzzyarm.__doc__.split()).replace("- ", "-")
+    assert f" {name} {first_line(name)}".replace("- ", "-") in told
 
 
 @pytest.mark.parametrize("name", fuzzyarm.__all__)
@@ -30,8 +55,61 @@ def test_kinds_and_operations_are_reached_without_anything_heavy():
     assert run.stdout == "3.141592653589793 False\n"
 
 
-@pytest.mark.parametrize("package", ["cli", "show", "show.figures", "lsp", "studio"])
+@pytest.mark.parametrize("package", PACKAGES)
 def test_packages_list_what_is_public(package):
-    module = importlib.import_module(f"fuzzyarm.{package}")
-    assert module.__all__ == sorted(module.__all__)
-    assert all(hasattr(module, name) and not name.startswith("_") for name in module.__all__)
+    module = importlib.import_module(package)
+    names = module.__all__
+    assert len(set(names)) == len(names)
+    for name in names:
+        value = getattr(module, name)
+        assert not name.startswith("_")
+        assert not callable(value) or inspect.getdoc(value), name
+    assert not hasattr(module, "__path__") or set(dir(module)) == set(names)
+
+
+def described(function):
+    """Return the parameters that a docstring speaks of."""
+    found = re.findall(r"(?m)^([*\w][*\w, ]*)(?: : |$)", inspect.getdoc(function))
+    return {name.strip("* ") for group in found for name in group.split(",")}
+
+
+OF_THE_LANGUAGE = ("fuzzyarm.language", "fuzzyarm.lsp", "fuzzyarm.expression")
+"""Packages whose functions other tools call: their first lines say it."""
+
+
+@pytest.mark.parametrize("package", ["fuzzyarm", *PACKAGES])
+def test_public_functions_describe_their_parameters(package):
+    if package.startswith(OF_THE_LANGUAGE):
+        return
+    module = importlib.import_module(package)
+    for name in module.__all__:
+        function = getattr(module, name)
+        if inspect.isfunction(function):
+            assert set(inspect.signature(function).parameters) <= described(function), name
+
+
+def imports(text):
+    """Yield (module, name) for every name that a text imports from fuzzyarm."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("fuzzyarm"):
+            yield from ((node.module, alias.name) for alias in node.names)
+
+
+def shown_code():
+    """Yield what pages and examples show."""
+    for path in sorted((ROOT / "examples").glob("*.py")):
+        yield path.name, path.read_text("utf-8")
+    for path in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        for block in re.findall(r"(?ms)^```python\n(.*?)^```", path.read_text("utf-8")):
+            yield path.name, block
+
+
+def test_pages_and_examples_import_what_is_public():
+    private = [
+        (path, module, name)
+        for path, text in shown_code()
+        for module, name in imports(text)
+        if name not in importlib.import_module(module).__dict__.get("__all__", ())
+        and f"{module}.{name}" not in PACKAGES
+    ]
+    assert private == []

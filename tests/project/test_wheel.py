@@ -3,21 +3,35 @@
 import os
 import subprocess
 import sys
+import tarfile
+import zipfile
 from pathlib import Path
 
 import pytest
 
+import fuzzyarm
+
 ROOT = Path(__file__).parents[2]
 
 
+def build(kind, source, folder):
+    """Return the archive that is built of a folder of sources: a wheel or an sdist."""
+    words = ["-m", "build", f"--{kind}", "--no-isolation", "--outdir", str(folder), str(source)]
+    subprocess.run([sys.executable, *words], check=True, capture_output=True)
+    (archive,) = folder.glob("fuzzyarm-*")
+    return archive
+
+
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
+def wheel(tmp_path_factory):
+    """Return the wheel that is built of the checkout."""
+    return build("wheel", ROOT, tmp_path_factory.mktemp("wheel"))
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory, wheel):
     """Return a folder with the installed wheel and nothing else of the project."""
-    folder = tmp_path_factory.mktemp("wheel")
-    build = ["-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(ROOT)]
-    subprocess.run([sys.executable, *build], check=True, capture_output=True)
-    (wheel,) = folder.glob("fuzzyarm-*.whl")
-    target = folder / "site"
+    target = tmp_path_factory.mktemp("site")
     pip = ["-m", "pip", "install", "--quiet", "--no-deps", "--target", str(target), str(wheel)]
     subprocess.run([sys.executable, *pip], check=True, capture_output=True)
     return target
@@ -55,3 +69,32 @@ def test_the_code_that_runs_is_the_wheel_s(installed, tmp_path):
         cwd=tmp_path, env=environment, capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert all(line.startswith(str(installed)) for line in done.stdout.splitlines())
+
+
+@pytest.mark.slow
+def test_the_source_archive_builds_the_same_wheel(wheel, tmp_path):
+    archive = build("sdist", ROOT, tmp_path / "sdist")
+    with tarfile.open(archive) as opened:
+        opened.extractall(tmp_path / "unpacked", filter="data")
+    (source,) = (tmp_path / "unpacked").iterdir()
+    assert contents(build("wheel", source, tmp_path / "wheel")) == contents(wheel)
+
+
+def contents(wheel):
+    with zipfile.ZipFile(wheel) as opened:
+        return {name: opened.read(name) for name in opened.namelist()}
+
+
+@pytest.mark.slow
+def test_the_wheel_is_ready_for_an_index(wheel):
+    files = contents(wheel)
+    (metadata,) = (text.decode() for name, text in files.items() if name.endswith("/METADATA"))
+    head, _, description = metadata.partition("\n\n")
+    fields = [line.partition(": ")[::2] for line in head.splitlines()]
+    told = dict(fields)
+    assert told["Version"] == fuzzyarm.__version__
+    assert told["License-Expression"] == "MIT"
+    assert told["License-File"] == "LICENSE"
+    assert any(name.endswith("/licenses/LICENSE") for name in files)
+    assert {"lsp", "studio"} <= {value for field, value in fields if field == "Provides-Extra"}
+    assert description.startswith("# fuzzyarm")

@@ -24,67 +24,37 @@ from fuzzyarm.proof.pieces import Cut, cut
 from fuzzyarm.proof.straight import NotStraightError, straight
 from fuzzyarm.proof.surface import Surface
 from tests import strategies
+from tests.fuzz.random_proofs import Told, irregular, judged, points
 
 PD7 = fuzzyarm.shipped("pd7.frb").read_text()
-
-
-def irregular(seed: int, inputs: int = 2) -> RuleBase:
-    """A rule base with overlapping trapezoids at odd positions and conclusions at random."""
-    rng = random.Random(seed)
-    names = [f"x{i}" for i in range(inputs)]
-    lines = ["rulebase r", *(f"input {name} -1 .. 1" for name in names), "output u -1 .. 1"]
-    counts = {}
-    for name in (*names, "u"):
-        counts[name] = rng.randint(2, 4)
-        for term in range(counts[name]):
-            middle, width = rng.uniform(-1, 1), 2.4 / counts[name]
-            ends = sorted(middle + width * rng.uniform(-1, 1) for _ in range(4))
-            lines.append(f"term {name} t{term}: trapezoid {' '.join(f'{x:.3f}' for x in ends)}")
-    lines.append("inference no-rule 0")
-    for _ in range(rng.randint(3, 9)):
-        parts = [f"{name} is t{rng.randrange(counts[name])}" for name in names]
-        joint = rng.choice([" and ", " and ", " or "]).join(parts)
-        lines.append(f"rule if {joint} then u is t{rng.randrange(counts['u'])}")
-    found = parse("\n".join(lines) + "\n").rulebase
-    assert found is not None
-    return found
-
-
-def sampled(rulebase: RuleBase, count: int, seed: int = 0) -> np.ndarray:
-    """The output at points drawn at random and at corners of terms."""
-    draw = np.random.default_rng(seed)
-    inputs = {}
-    for variable in rulebase.inputs:
-        corners = [x for term in variable.terms for x in term.shape.parameters]
-        near = [x for x in corners if variable.low <= x <= variable.high] or [variable.low]
-        even = draw.uniform(variable.low, variable.high, count)
-        inputs[variable.name] = np.where(draw.random(count) < 0.8, even, draw.choice(near, count))
-    return np.asarray(fuzzyarm.infer(rulebase, inputs)[rulebase.outputs[0].name])
 
 
 def test_a_million_points_of_pd7_are_inside() -> None:
     pd7 = fuzzyarm.load(fuzzyarm.shipped("pd7.frb"))
     bounds = Prover(pd7, "u").value({})
-    values = sampled(pd7, 1_000_000)
+    inputs = points(pd7, random.Random(0), 1_000_000)
+    values = np.asarray(fuzzyarm.infer(pd7, inputs)["u"])
     assert bounds.low <= values.min()
     assert values.max() <= bounds.high
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(24))
 def test_random_rule_bases_stay_inside(seed: int) -> None:
-    rulebase = irregular(seed, inputs=1 + seed % 2)
+    """Bounds, slopes, tables, sectors and planted falsehoods, on one input."""
+    draw = random.Random(seed)
+    judged(irregular(draw, 1), draw, Told(), 3_000)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_bounds_over_two_inputs_are_tight(seed: int) -> None:
+    draw = random.Random(seed)
+    rulebase = irregular(draw)
     bounds = Prover(rulebase, "u").value({})
-    values = sampled(rulebase, 5_000)
-    assert bounds.low - 1e-9 <= values.min()
-    assert values.max() <= bounds.high + 1e-9
+    values = np.asarray(fuzzyarm.infer(rulebase, points(rulebase, draw, 5_000))["u"])
+    assert bounds.low - 1e-11 <= values.min()
+    assert values.max() <= bounds.high + 1e-11
     assert bounds.complete
     assert bounds.high - bounds.reached_high < 1e-6
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12, 24))
-def test_more_random_rule_bases(seed: int) -> None:
-    test_random_rule_bases_stay_inside(seed)
 
 
 @given(strategies.rulebases(), st.integers(0, 10**6))
@@ -98,8 +68,8 @@ def test_rule_bases_of_any_kind_stay_inside_or_are_refused(rulebase: RuleBase, s
     draw = np.random.default_rng(seed)
     inputs = {each.name: draw.uniform(each.low, each.high, 60) for each in rulebase.inputs}
     try:
+        bounds = Prover(silent, name, tolerance=1e-2, stop=Stop(0.2)).value({})
         values = np.asarray(fuzzyarm.infer(silent, inputs)[name], dtype=float)
-        bounds = Prover(silent, name, tolerance=1e-2, stop=Stop(1.0)).value({})
     except (UnprovableError, InferenceError, TimeoutError):
         return
     slack = 1e-9 * (1.0 + abs(bounds.low) + abs(bounds.high))
@@ -108,24 +78,11 @@ def test_rule_bases_of_any_kind_stay_inside_or_are_refused(rulebase: RuleBase, s
     assert finite.max(initial=-math.inf) <= bounds.high + slack
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_planted_falsehoods_are_never_proved(seed: int) -> None:
-    rulebase = irregular(seed, inputs=1)
-    value = Prover(rulebase, "u").value({})
-    slope = None
-    for shift in (1e-9, 1e-6, 1e-3):
-        high = value.reached_high - shift * 2.0
-        low = value.reached_low + shift * 2.0
-        assert prove(rulebase, f"u <= {high!r}").verdict != "proved"
-        assert prove(rulebase, f"u >= {low!r}").verdict != "proved"
-        try:
-            slope = slope or Prover(rulebase, "u").slope({}, "x0")
-        except UnprovableError:
-            continue
-        steep = slope.reached_high - shift
-        assert prove(rulebase, f"u slope x0 in {slope.low!r} .. {steep!r}").verdict != "proved"
-    # The bound that was proved holds when it is asked for.
-    assert prove(rulebase, f"u in {value.low!r} .. {value.high!r}").proved
+def test_a_bound_that_was_proved_is_proved_again() -> None:
+    for seed in range(4):
+        rulebase = irregular(random.Random(seed), 1)
+        value = Prover(rulebase, "u").value({})
+        assert prove(rulebase, f"u in {value.low!r} .. {value.high!r}").proved
 
 
 def test_a_bump_of_a_billionth_is_not_called_monotone() -> None:
@@ -150,7 +107,7 @@ def test_nearly_odd_is_not_odd() -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_floats_and_rationals_agree(seed: int) -> None:
-    rulebase = irregular(seed, inputs=1)
+    rulebase = irregular(random.Random(seed), 1)
     floats = Prover(rulebase, "u").value({})
     exact = Prover(rulebase, "u", exact=True).value({})
     assert exact.way == "exact"
@@ -163,10 +120,11 @@ def test_floats_and_rationals_agree(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(6))
 def test_pieces_give_the_value_of_inference_everywhere(seed: int) -> None:
     """On every piece the quotient is the centroid, at points inside and not at vertices alone."""
-    rulebase = irregular(seed, inputs=2)
+    rulebase = irregular(random.Random(seed), 2)
     model = straight(rulebase, "u")
     pieces = cut(model, Cut(model.ranges), FLOATS)  # type: ignore[arg-type]
-    quotients = Surface(model, pieces).value()
+    surface = Surface(model, pieces)
+    quotients = surface.value()
     draw = np.random.default_rng(seed)
     shares = draw.dirichlet(np.ones(3), pieces.count)
     indices = np.array(lattice(2, quotients.degree))
@@ -181,11 +139,7 @@ def test_pieces_give_the_value_of_inference_everywhere(seed: int) -> None:
     ]
     inputs = {name: np.array([float(p[k]) for p in points]) for k, name in enumerate(model.names)}
     found = np.asarray(fuzzyarm.infer(rulebase, inputs)["u"])
-    assert np.allclose(found, upper[some] / lower[some] + quotients_centre(model), atol=1e-9)
-
-
-def quotients_centre(model: object) -> float:
-    return float(model.form.centre)  # type: ignore[attr-defined]
+    assert np.allclose(found, upper[some] / lower[some] + float(surface.centre), atol=1e-9)
 
 
 def test_halves_and_values_of_polynomials_are_exact() -> None:
@@ -207,7 +161,7 @@ def test_halves_and_values_of_polynomials_are_exact() -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_centroids_between_two_curves(seed: int) -> None:
     """Memberships drawn between two curves have no centroid outside, and some come close."""
     draw = np.random.default_rng(seed)

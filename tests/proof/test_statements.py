@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -17,6 +19,9 @@ from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof import Prover, prove, prove_all
 from fuzzyarm.text.diagnostic import RuleBaseError
+
+if TYPE_CHECKING:
+    from fuzzyarm.studio.document import StudioDocument
 
 PD7 = fuzzyarm.shipped("pd7.frb").read_text()
 
@@ -80,9 +85,10 @@ def test_numbers_of_pd7(pd7: RuleBase, exact: bool) -> None:
     slope = prover.slope({}, "e")
     assert slope.reached_high == pytest.approx(13 / 3)
     assert slope.reached_low == pytest.approx(-0.427808, abs=1e-6)
-    rounded, plain = (fuzzyarm.compile_table(pd7, rounding=step) for step in (None, 0.0))
+    rounded = fuzzyarm.compile_table(pd7)
     assert prover.table(rounded, "linear").high == pytest.approx(0.543485453, abs=2e-7)
     if not exact:
+        plain = fuzzyarm.compile_table(pd7, rounding=0.0)
         assert prover.table(plain, "linear").high == pytest.approx(0.58017, abs=5e-6)
         assert prover.table(rounded, "bins").high == pytest.approx(1031 / 516, abs=2e-7)
         assert prover.steepness({}).high == pytest.approx((218 / 9) ** 0.5, abs=1e-6)
@@ -122,6 +128,34 @@ def test_what_is_not_covered_is_refused_by_name(pd7: RuleBase) -> None:
         found = prove(rulebase, line)
         assert found.verdict == "undecided"
         assert word in found.reason
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ("terms e, ce, u: triangles", "terms e, ce, u: gaussians", "gaussian"),
+        ("inference and min", "inference and einstein", "einstein"),
+        ("inference and min", "inference and product", "product"),
+        ("implication min", "implication product", "scaled sets"),
+        ("aggregation max", "aggregation probor", "probor"),
+        ("centroid exact", "centroid(101, endpoints)", "sampled"),
+        ("rules u", "rule if e is very NB then u is NB\nrules u", "very"),
+        ("rules u", "rule if e is NB or ce is NB then u is NB\nrules u", "or probor"),
+    ],
+    ids=lambda words: words.split()[-1],
+)
+@pytest.mark.parametrize("line", ["u rises with e", "u slope e in -99 .. 99", "u odd"])
+def test_what_goes_by_boxes_has_no_slopes_and_says_why(
+    old: str, new: str, word: str, line: str
+) -> None:
+    """True or not: never proved, and the reason is named."""
+    text = PD7.replace("or max", "or probor").replace(old, new)
+    rulebase = parse(text).rulebase
+    assert rulebase is not None
+    found = prove(rulebase, line)
+    assert found.verdict == "undecided"
+    assert word in found.reason
+    assert not found.points
 
 
 @pytest.mark.parametrize(
@@ -191,6 +225,48 @@ def test_completion_and_hover() -> None:
     assert "refuted" in told.markdown
 
 
+def test_where_a_property_fails_is_marked_and_pasted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On the figure, on the studio's surface, and by a quick fix that makes the file say so."""
+    from fuzzyarm.studio.document import StudioDocument
+
+    path = tmp_path / "p.frb"
+    path.write_text(f"{PD7}prove u rises with e  # why\nprove u odd\n")
+    document = StudioDocument(path)
+    (finding,) = [each for each in document.findings if each.name == "refuted-property"]
+    (refuted, odd) = document.session.verdicts
+    assert [list(point.values()) for point in refuted.points] == [[-3, -6], [-2, -6]]
+    assert odd.points == ()
+    assert capture(document) == 2
+    figures = []
+    monkeypatch.setattr(
+        "fuzzyarm.show.figures.style.save_figure", lambda figure, _: figures.append(figure)
+    )
+    assert main(["plot", str(path), "-o", str(tmp_path / "p.png"), "--what", "surface"]) == 0
+    (figure,) = figures
+    drawn = {tuple(line.get_xydata()[0]) for axes in figure.axes for line in axes.lines}
+    assert {(-6, -3), (-6, -2)} <= drawn
+    assert any("u rises with e" in each.get_text() for each in figure.axes[1].texts)
+    (fix,) = document.session.kind.fixes(document.session.reading, finding)
+    (edit,) = fix.edits
+    lines = document.text.splitlines()
+    lines[edit.span.line - 1] += edit.text
+    pasted = check_text("\n".join(lines) + "\n")
+    assert [each.name for each in pasted.diagnostics] == ["refuted-property"]
+
+
+def capture(document: StudioDocument) -> int:
+    """How many marks of failures the surface of the studio has."""
+    from rich.console import Console
+
+    assert document.scene is not None
+    console = Console(width=90, no_color=True)
+    with console.capture() as shown:
+        console.print(document.scene.draw("surface", 60, 20))
+    return shown.get().count("✗")
+
+
 def test_check_proves_what_is_quick() -> None:
     review = check_text(f"{PD7}prove u odd\nprove u rises with e\n")
     assert [each.name for each in review.diagnostics] == ["refuted-property"]
@@ -212,7 +288,7 @@ def test_the_command(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> No
     assert {"property", "verdict", "bound", "evidence", "pieces", "seconds"} <= set(data[0])
     path.write_text(f"{PD7}prove u <= 5.34\n")
     assert main(["prove", str(path), "--budget", "1e-9"]) == 4
-    assert "the time is over" in capsys.readouterr().out
+    assert "time ran out" in capsys.readouterr().out
     for words, keys in ((["--range"], {"low", "high"}), (["--table", "linear"], {"worst"})):
         assert main(["prove", str(path), *words, "--json"]) == 0
         assert keys <= set(json.loads(capsys.readouterr().out))
@@ -228,11 +304,13 @@ def test_a_proved_error_holds_the_exported_arithmetic(pd7: RuleBase) -> None:
     from fuzzyarm.export import routines_of
 
     table = fuzzyarm.compile_table(pd7)
+    prover = Prover(pd7, "u")
+    bounds = {mode: prover.table(table, mode).high for mode in ("linear", "bins")}
     for mode, q in (("linear", 15), ("linear", 7), ("bins", 15), ("linear", None)):
-        bound = Prover(pd7, "u").table(table, mode).high
+        bound = bounds[mode]
         (routine,) = routines_of(table, mode=mode, q=q, proved={"u": bound})
         core = routine.core  # type: ignore[attr-defined]
-        dense = np.linspace(-6, 6, 301)
+        dense = np.linspace(-6, 6, 181)
         points = [core.inputs_near(k, dense) for k in (0, 1)]
         result = core.quantity(core.evaluate(*np.ix_(*points)))
         scales = core.scales[:-1]

@@ -96,7 +96,7 @@ def test_explain_as_text_and_as_data(capsys, frb):
         (["e=1", "ce=0", "--defuzzifier", "centriod"], "did you mean 'centroid'"),
         (["e=1", "ce=0", "--mode", "bins"], "--mode is for tables"),
         (["e=1", "ce=0", "--held", "v=2"], "unknown output 'v'"),
-        (["e=1", "ce=0", "--plot", "x.gif"], "does not tell a figure format"),
+        (["e=1", "ce=0", "--plot", "x.gif"], "does not have the suffix of a figure"),
     ],
 )
 def test_eval_complains_in_one_sentence(capsys, words, message):
@@ -162,7 +162,7 @@ def test_compile_reports_as_data(capsys, tmp_path, frb):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["-o", "t.xls"], "'t.xls' does not tell a format"),
+        (["-o", "t.xls"], "cannot tell the format of 't.xls'"),
         (["-o", "t.lut", "--output", "x"], "no output 'x' (it has y)"),
         (["-o", "t.lut", "--levels", "1"], "2 to 100,000 levels, not 1"),
         (["-o", "t.lut", "--levels", "c = 4"], "no input 'c'"),
@@ -239,7 +239,7 @@ def test_plot_writes_figures(capsys, tmp_path, frb):
         assert out.stat().st_size > 5_000
     capsys.readouterr()
     bad = str(tmp_path / "x.bmp")
-    assert "does not tell a figure format" in complaint(capsys, "plot", frb, "-o", bad)
+    assert "does not have the suffix of a figure" in complaint(capsys, "plot", frb, "-o", bad)
     good = str(tmp_path / "x.png")
     assert "no output 'z'" in complaint(capsys, "plot", frb, "-o", good, "--output", "z")
     assert "for rule bases" in complaint(capsys, "plot", TABLE, "-o", good, "--what", "terms")

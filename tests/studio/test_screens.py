@@ -52,13 +52,17 @@ async def test_the_surface_is_coloured_by_its_values(tmp_path: Path) -> None:
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.pause()
         strips = app.screen._compositor.render_strips()
-        cells = [
-            segment.style.color.triplet
+        rows = [
+            [
+                segment.style.color.triplet
+                for segment in strip
+                if segment.text.startswith("▀") and segment.style and segment.style.color
+            ]
             for strip in strips
-            for segment in strip
-            if segment.text.startswith("▀") and segment.style and segment.style.color
         ]
-    assert len(set(cells)) > 50
-    # Blue for the lowest values, red for the highest: top left and bottom right.
-    assert cells[0].blue > cells[0].red
-    assert cells[-1].red > cells[-1].blue
+    rows = [row for row in rows if row]
+    assert len({cell for row in rows for cell in row}) > 50
+    # Blue for the lowest values, red for the highest: as in figures, both inputs rise to the
+    # upper right.
+    assert rows[-1][0].blue > rows[-1][0].red
+    assert rows[0][-1].red > rows[0][-1].blue

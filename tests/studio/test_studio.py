@@ -12,11 +12,13 @@ import pytest
 from textual.widgets import OptionList, Static
 
 from fuzzyarm.inference import infer
-from fuzzyarm.language import format_text
+from fuzzyarm.language import format_text, parse
+from fuzzyarm.show.drawing import plain_text
 from fuzzyarm.studio.app import Studio
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.panes import Editor, View
 from fuzzyarm.studio.scene import RulebaseScene, TableScene
+from fuzzyarm.studio.screens import KEYS, CompletionScreen, KeysScreen
 
 RULEBASES = Path(__file__).parents[2] / "rulebases"
 
@@ -48,7 +50,7 @@ def _shown(app: Studio, name: str) -> str:
 
 async def test_arrow_keys_move_the_crisp_inputs(copy: Any) -> None:
     async with _studio(copy("pd7.frb")) as (app, pilot):
-        await pilot.press("tab", "right", "right", "shift+down")
+        await pilot.press("tab", "right", "right", "shift+up")
         assert app.query_one(View).has_focus
         assert _scene(app).point == {"e": 1.0, "ce": 0.4}
         value = infer(_scene(app).rulebase, e=1.0, ce=0.4)["u"]
@@ -238,3 +240,110 @@ async def test_any_size_will_do(copy: Any, size: tuple[int, int]) -> None:
         for key in ("f2", "f3", "f4", "f5", "tab", "right", "down"):
             await pilot.press(key)
         assert app.query_one(View).size.width > 10
+
+
+async def test_keys_open_as_a_screen_that_any_key_closes(copy: Any) -> None:
+    async with _studio(copy("pd7.frb")) as (app, pilot):
+        await pilot.press("f1")
+        assert isinstance(app.screen, KeysScreen)
+        text = str(app.screen.query(Static).first().render())
+        told = [key for _, keys in KEYS for key, _ in keys]
+        assert all(key in text for key in told)
+        assert max(map(len, text.splitlines())) <= 76
+        await pilot.press("space")
+        assert not isinstance(app.screen, KeysScreen)
+        assert app.document.text == app.query_one(Editor).text
+
+
+async def test_completion_offers_what_the_server_offers(copy: Any) -> None:
+    async with _studio(copy("pd7.frb")) as (app, pilot):
+        editor = app.query_one(Editor)
+        editor.move_cursor(editor.document.end)
+        editor.insert("rule if ce is very ")
+        await pilot.press("f7")
+        assert isinstance(app.screen, CompletionScreen)
+        labels = [each.label for each in app.screen.candidates]
+        assert labels[:7] == ["NB", "NM", "NS", "ZE", "PS", "PM", "PB"]
+        await pilot.press("down", "enter")
+        assert editor.text.endswith("rule if ce is very NM")
+        editor.insert(" then u is P")
+        await pilot.press("f7", "escape")
+        assert editor.text.endswith("then u is P")
+        await pilot.press("f7", "tab")
+        assert editor.text.endswith(f"then u is {labels[4]}")
+
+
+async def test_find_goes_round_and_says_where_nothing_is(copy: Any) -> None:
+    async with _studio(copy("pd7.frb")) as (app, pilot):
+        editor = app.query_one(Editor)
+        lines = editor.text.split("\n")
+        wanted = [
+            (row, at)
+            for row, line in enumerate(lines)
+            for at in range(len(line))
+            if line[at : at + 6].casefold() == "output"
+        ]
+        await pilot.press("ctrl+f", *"OUTput", "enter")
+        assert editor.cursor_location == wanted[0]
+        assert editor.scroll_x == 0
+        for place in (*wanted[1:], wanted[0]):
+            await pilot.press("ctrl+g")
+            assert editor.cursor_location == place
+        await pilot.press("ctrl+f", *"nothing", "enter")
+        assert editor.cursor_location == wanted[0]
+
+
+async def test_f6_runs_the_text_beside_it(copy: Any, monkeypatch: Any) -> None:
+    monkeypatch.setenv("FUZZYARM_JIT", "0")
+    path = copy("heater.frb")
+    text = path.read_text("utf-8").replace("period 10 s", "period 200 s")
+    path.write_text(text, "utf-8")
+    async with _studio(path) as (app, pilot):
+        assert "F6 runs" in _shown(app, "#drawing")
+        await pilot.press("f6")
+        await app.workers.wait_for_complete()
+        await pilot.pause(0.3)
+        assert "6 run" in _shown(app, "#views")
+        assert "RMS error: temperature" in _shown(app, "#point")
+        drawn = "".join(app.query_one("#drawing", Static).render_line(y).text for y in range(12))
+        assert "heater on room" in drawn
+
+
+async def test_what_cannot_be_run_is_told(copy: Any) -> None:
+    async with _studio(copy("thermostat.frb")) as (app, pilot):
+        await pilot.press("f6")
+        await app.workers.wait_for_complete()
+        await pilot.pause()
+        told = [note.message for note in app._notifications]
+        assert any(message.startswith("Not run: ") for message in told)
+
+
+def test_the_surface_has_the_inputs_that_the_output_depends_on() -> None:
+    model = parse(
+        "rulebase own\ninput a 0 .. 1\ninput b 0 .. 4\ninput c 0 .. 1\n"
+        "output u 0 .. 10\noutput v 0 .. 10\nterms a, b, c, u, v: triangles LO HI\n"
+        "rule if a is LO then u is HI\nrule if a is HI then u is LO\n"
+        "rule if b is LO and c is LO then v is LO\nrule if b is HI or c is HI then v is HI\n"
+    ).rulebase
+    assert model is not None
+    scene = RulebaseScene(model)
+    assert (scene.across, scene.down) == ("a", "")
+    scene.next_output()
+    assert {scene.across, scene.down} == {"b", "c"}
+    drawn = plain_text(scene.draw("surface", 40, 14), 40).splitlines()
+    assert drawn[1].split()[0] == "4"  # upward: the upper end is on top
+    assert drawn[-1].split()[::2] == ["0", "10"]  # the scale below
+    assert max(map(len, drawn)) <= 40
+
+
+def test_what_a_rule_says_is_seen_in_a_narrow_pane() -> None:
+    model = parse((RULEBASES / "pd7.frb").read_text("utf-8")).rulebase
+    assert model is not None
+    scene = RulebaseScene(model)
+    scene.point = {"e": 1.3, "ce": -2.2}
+    lines = plain_text(scene.draw("firing", 38, 20), 38).splitlines()
+    trace = scene.trace()
+    assert not isinstance(trace, str)
+    for rule in trace.fired:
+        consequent = rule.text.rpartition(" then ")[2]
+        assert any(f"{rule.strength:.3f}" in line and consequent in line for line in lines)

@@ -322,3 +322,54 @@ def test_a_table_of_many_inputs_is_compared_at_points_that_are_drawn():
             each.worst, abs=1e-12
         )
         assert 0.0 < each.rms < each.worst
+
+
+def own_inputs():
+    """Return a rule base of two outputs on different inputs."""
+    return parse(
+        "rulebase own\ninput a 0 .. 1\ninput b 0 .. 4\ninput c 0 .. 1\n"
+        "output u 0 .. 10\noutput v 0 .. 10\nterms a, b, c, u, v: triangles LO HI\n"
+        "rule if a is LO then u is HI\nrule if a is HI then u is LO\n"
+        "rule if b is LO and c is LO then v is LO\nrule if b is HI or c is HI then v is HI\n"
+        "lookup\n  levels b: 0 .. 4 count 5\n"
+    ).rulebase
+
+
+def test_a_table_has_the_inputs_that_its_output_depends_on():
+    rulebase = own_inputs()
+    assert compile_table(rulebase, "u").names == ("a",)
+    table = compile_table(rulebase, "v", levels={"a": 3, "c": 7})
+    assert (table.names, table.shape) == (("b", "c"), (5, 7))
+    b, c = (np.array(axis.levels) for axis in table.axes)
+    there = infer(rulebase, b=b[:, None], c=c, outputs=["v"])["v"]
+    np.testing.assert_array_equal(table.values, there)
+    report = compile_with_report(rulebase, "v", tolerance=0.5)
+    assert report.table.names == ("b", "c")
+    assert report.fidelities[0].worst <= 0.5
+
+
+def test_an_output_that_depends_on_nothing_has_a_small_table_all_the_same():
+    text = (
+        "rulebase r\ninput a 0 .. 1\ninput b 0 .. 1\noutput y 0 .. 1\nterms a, y: triangles L H\n"
+    )
+    text += "inference y: no-rule 0.25\nrule if a is L then y is H with 0\n"
+    table = compile_table(parse(text).rulebase)
+    assert table.names == ("a",)
+    assert set(table.values.ravel().tolist()) == {0.25}
+
+
+def test_a_table_over_further_inputs_gives_the_same_numbers():
+    from fuzzyarm.proof import table_proof
+    from fuzzyarm.table.compiler import over_inputs
+
+    rulebase = own_inputs()
+    table = compile_table(rulebase, "v")
+    whole = over_inputs(table, rulebase.inputs)
+    assert whole.names == ("a", "b", "c")
+    draw = np.random.default_rng(3).random((3, 50)) * [[1.0], [4.0], [1.0]]
+    for mode in ("nearest", "linear"):
+        there = whole.lookup(*draw, mode=mode)
+        np.testing.assert_allclose(there, table.lookup(*draw[1:], mode=mode), atol=1e-12)
+    assert over_inputs(table, rulebase.inputs[1:]) is table
+    proved = table_proof(rulebase, "v")
+    assert proved(whole, "nearest") == pytest.approx(proved(table, "nearest"), rel=1e-6)

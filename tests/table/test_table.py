@@ -184,7 +184,7 @@ def test_wrong_questions_are_answered_clearly(call, message):
         (lambda: LookupTable((Axis("e", (0, 1)),), "u", [1, 2, 3]), "shape"),
         (lambda: LookupTable((Axis("e", (0, 1)),), "u", [1, math.nan]), "not finite"),
         (lambda: LookupTable((Axis("e", (0,)), Axis("e", (0,))), "u", [[1]]), "called 'e'"),
-        (lambda: LookupTable((Axis("e", (0,)),), "u", [1], low=1), "one end only"),
+        (lambda: LookupTable((Axis("e", (0,)),), "u", [1], low=1), "only one end"),
         (lambda: LookupTable((Axis("e", (0,)),), "u", [1], rounding=0), "positive step"),
     ],
 )

@@ -44,7 +44,7 @@ class EmptyFolderError(FuzzyarmError, ValueError):
     """A folder without a file that can be checked."""
 
     def __init__(self, path: str) -> None:
-        super().__init__(f"{path}: no file to check in this folder", hint=", ".join(_IN_FOLDERS))
+        super().__init__(f"{path}: no files to check in this folder", hint=", ".join(_IN_FOLDERS))
 
 
 _CHECK = """Find mistakes and doubts in rule bases and tables.

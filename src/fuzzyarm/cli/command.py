@@ -14,10 +14,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
-from fuzzyarm.text.names import near_hint, printable
+from fuzzyarm.text.names import near_hint, printable, typed
 
 if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
     from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.kernels import Compiling
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
@@ -59,9 +62,16 @@ class Command(NamedTuple):
             # it the question how wide the terminal is, and the imports for that.
             formatter_class=partial(argparse.RawDescriptionHelpFormatter, width=80),
         )
+        self.add_to(parser)
+        parser.formatter_class = argparse.RawDescriptionHelpFormatter
+        return parser
+
+    def add_to(self, parser: argparse.ArgumentParser) -> list[argparse.Action]:
+        """Add the arguments to a parser, each in its group; return what became of them."""
         # A list of numbers with a sign, such as the way point -30,45, is not an option.
         parser._negative_number_matcher = re.compile(r"-\.?\d[-+\d.,eE]*$")
         groups: dict[tuple[str, str], Any] = {("", ""): parser}
+        made: list[argparse.Action] = []
         for each in self.arguments:
             if (each.group, "") not in groups:
                 groups[each.group, ""] = parser.add_argument_group(each.group)
@@ -70,9 +80,8 @@ class Command(NamedTuple):
                 if (each.group, each.either) not in groups:
                     groups[each.group, each.either] = home.add_mutually_exclusive_group()
                 home = groups[each.group, each.either]
-            home.add_argument(*each.names, **each.options)
-        parser.formatter_class = argparse.RawDescriptionHelpFormatter
-        return parser
+            made.append(home.add_argument(*each.names, **each.options))
+        return made
 
 
 def command(
@@ -115,7 +124,7 @@ def group(title: str, *arguments: Argument) -> tuple[Argument, ...]:
 
 MODEL = argument("file FILE", "a rule base or a table")
 MODE = argument("--mode", "how to look a table up", choices=("bins", "nearest", "linear"))
-JSON = flag("--json")
+JSON = flag("--json", "print the result as JSON")
 SET = argument("--set GAIN=V[,V]", "override a gain", action="append", default=[])
 
 
@@ -227,7 +236,7 @@ def require_suffix(path: str, known: Iterable[str]) -> str:
     name = os.path.basename(path)
     suffix = os.path.splitext(name)[1].lower()
     if suffix not in known:
-        raise WordError(f"'{name}' does not tell a format", hint=f"known: {', '.join(known)}")
+        raise WordError(f"cannot tell the format of '{name}'", hint=f"known: {', '.join(known)}")
     return suffix
 
 
@@ -245,7 +254,7 @@ def load_sheet(path: str) -> RuleBase | LookupTable:
         return model
     if model.model.rulebases:
         return model.model.rulebases[0]
-    hint = f"fuzzyarm simulate {path} runs it"
+    hint = f"fuzzyarm simulate {typed(path)} runs it"
     raise WordError(f"{path} is a controller, not a rule base or a table", hint=hint)
 
 
@@ -366,21 +375,85 @@ def counted(number: int, word: str) -> str:
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
+# --- Long work: on a terminal, a line on the standard error that goes away again ---
+
+
+class CompilingBar:
+    """Tells in one line of a terminal what is being compiled, with a bar.
+
+    Machine code is compiled when something runs for the first time on a machine, and kept; so this
+    line is seen once.
+
+    Parameters
+    ----------
+    display : Progress, optional
+        A display that is there already and takes the bar in; by default it gets one of its own.
+    """
+
+    def __init__(self, display: Progress | None = None) -> None:
+        self._home, self._display = display, display
+        self._task: TaskID | None = None
+
+    def show(self, what: Compiling | None) -> None:
+        """Show the function that is being compiled now; None ends it."""
+        if what is None:
+            self._end()
+            return
+        if self._display is None:
+            self._display = _display()
+            self._display.start()
+        if self._task is None:
+            self._task = self._display.add_task("", total=None)
+        # What is compiled for several types makes more of them than there are.
+        total = max(what.total, what.done + 1) if what.total else None
+        words = f"compiling machine code, once on this machine: {what.name}"
+        self._display.update(self._task, description=words, completed=what.done, total=total)
+
+    def _end(self) -> None:
+        if self._display is not None and self._task is not None:
+            self._display.remove_task(self._task)
+        self._task = None
+        if self._display is not self._home:
+            if self._display is not None:
+                self._display.stop()
+            self._display = self._home
+
+
+def _display() -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        BarColumn(24),
+        TimeElapsedColumn(),
+    )
+    return Progress(*columns, console=Console(stderr=True), transient=True)
+
+
+@contextmanager
+def _long_work() -> Iterator[Progress]:
+    """Give a display, which also shows what is compiled meanwhile."""
+    from fuzzyarm.kernels import watch_compiling
+
+    with _display() as display:
+        before = watch_compiling(CompilingBar(display).show)
+        try:
+            yield display
+        finally:
+            watch_compiling(before)
+
+
 @contextmanager
 def busy(message: str) -> Iterator[Callable[[str], None] | None]:
     """Show `message` while something runs, on a terminal only; give what changes it."""
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-
-    from fuzzyarm.kernels import watch_compiling
-
-    with Console(stderr=True).status(message) as status:
-        watch_compiling(
-            lambda name: status.update(f"{message}: compiling {name}, once" if name else message)
-        )
-        yield status.update
+    with _long_work() as display:
+        task = display.add_task(message, total=None)
+        yield lambda words: display.update(task, description=words)
 
 
 @contextmanager
@@ -389,9 +462,6 @@ def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Call
     if not shown or not sys.stderr.isatty():
         yield lambda _count: None
         return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(title, total=total)
-        yield lambda count: progress.advance(task, count)
+    with _long_work() as display:
+        task = display.add_task(title, total=total)
+        yield lambda count: display.advance(task, count)

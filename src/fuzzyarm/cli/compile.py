@@ -81,7 +81,7 @@ def _run(arguments: argparse.Namespace) -> int:
         _export_controller(controller, suffix, arguments)
         return 0
     if suffix == _UNIT:
-        raise WordError(f"an .fmu is made of a controller, which {arguments.file} is not")
+        raise WordError(f"an .fmu is made from a controller, which {arguments.file} is not")
     if not exports:
         _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
     _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")
@@ -149,7 +149,7 @@ def _compile_ends(model: RuleBase, arguments: argparse.Namespace) -> None:
 def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> None:
     for word in words:
         if getattr(arguments, word) not in (None, False):
-            raise WordError(f"--{word} makes no sense here: {why}")
+            raise WordError(f"--{word} does not apply: {why}")
 
 
 def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
@@ -204,7 +204,7 @@ def _export(
     if precision is None:  # few PLCs have a double; a C compiler always has
         precision = "float32" if arguments.out.lower().endswith(".st") else "mixed"
     elif arguments.q is not None:
-        raise WordError("--precision makes no sense with --q: whole numbers have no precision")
+        raise WordError("--precision does not apply with --q: whole numbers have no precision")
     proved = {
         report.table.output: fidelity.proved
         for report in reports
@@ -241,9 +241,9 @@ def _export_controller(
         _forbid(arguments, _MADE_TABLES_ONLY, "without --table no table is made of rules")
     _forbid(arguments, ("output",), "a controller is exported as a whole")
     if suffix != _UNIT:
-        _forbid(arguments, ("fmi",), f"{Path(arguments.out).name} is not a unit of FMI")
+        _forbid(arguments, ("fmi",), f"{Path(arguments.out).name} is not an FMU")
     elif arguments.precision not in (None, "float64"):
-        raise WordError("a unit of FMI computes in double precision: --precision float64")
+        raise WordError("an FMU computes in double precision: --precision float64")
     default = {".st": "float32", _UNIT: "float64"}.get(suffix, "mixed")
     reports: list[CompileReport] = []
     if arguments.table:
@@ -359,7 +359,7 @@ def _report_lines(report: CompileReport, out: str) -> list[str]:
 
     lines = [_table_words(report.table, out)]
     if report.default_levels:
-        lines.append("the file names no levels for every input: 13 even levels were taken")
+        lines.append("inputs without levels in the file got 13 even ones")
     lines.append("difference to direct inference, in units of the output:")
     for fidelity in report.fidelities:
         where = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fidelity.at)
@@ -372,7 +372,7 @@ def _report_lines(report: CompileReport, out: str) -> list[str]:
             f"rms {number_words(fidelity.rms, 4):<8} worst at {where} (of {size} points)"
         )
     if report.few_points:
-        lines.append("few points were compared, because direct inference takes long at each")
+        lines.append("only a few points were compared, because direct inference is slow here")
     if report.tolerance is not None:
         known = (
             "proved" if all(each.proved is not None for each in report.fidelities) else "sampled"

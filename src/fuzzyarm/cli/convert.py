@@ -1,4 +1,4 @@
-"""Convert a rule base between .frb, .fll, .fcl and .fis, by suffix.
+"""Convert a rule base between .frb, .fll, .fcl and .fis, by suffix; or what a script makes.
 
     fuzzyarm convert tipper.fis tipper.frb
     fuzzyarm convert robot.fcl robot.fll --from jfuzzylogic
@@ -12,6 +12,13 @@ the text is formatted and its comments stay; other files have no place for them.
     fuzzyarm convert learned.lut learned.frb
 
 A table becomes the rules whose terms come nearest; what they cannot express is said.
+
+    fuzzyarm convert project.py -o rules/
+
+A script of scikit-fuzzy, pyfuzzylite, simpful or fuzzylogic is run, in a process of its own and
+after a question (--run answers it), and each fuzzy system that it makes becomes a .frb, named
+after the variable. Numbers are compared at 100 points with those of the library's own object: they
+are the same to 1e-9 of the range, or the greatest difference is said.
 """
 
 from __future__ import annotations
@@ -19,15 +26,20 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fuzzyarm.cli.command import (
+    WordError,
     argument,
+    busy,
     command,
     counted,
     finding_data,
     flag,
+    group,
     json_of,
     print_error,
     print_findings,
@@ -43,6 +55,15 @@ from fuzzyarm.table import SUFFIXES
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Severity
 from fuzzyarm.text.files import write_atomically
 
+if TYPE_CHECKING:
+    from fuzzyarm.live import System
+
+SCRIPT = ".py"
+"""The suffix of what is run."""
+
+SECONDS = 60.0
+"""Time for a script, unless told otherwise."""
+
 _FIELDS = ("name", "severity", "message", "hint", "line", "column")
 """What --json tells of a finding."""
 
@@ -50,6 +71,10 @@ _PROGRAMS = sorted({program for programs in PRODUCERS.values() for program in pr
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    if Path(arguments.source).suffix.lower() == SCRIPT:
+        return _convert_script(arguments)
+    if arguments.target is None:
+        COMMANDS[0].parser().error("the file to write, OUT, is missing")
     target = suffix_of(arguments.target)
     if _same_file(arguments.source, arguments.target):
         print_error(f"{arguments.target}: the file to read and the file to write are the same")
@@ -142,6 +167,153 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
     return int(not written)
 
 
+# --- What a script makes ---
+
+
+def _convert_script(arguments: argparse.Namespace) -> int:
+    """Run a script and write a rule base for each fuzzy system that it makes."""
+    from fuzzyarm.live import ScriptError, read_script
+
+    source = arguments.source
+    if arguments.target is not None and suffix_of(arguments.target) != ".frb":
+        hint = "then convert the .frb"
+        raise WordError("what a script makes is written as .frb only", hint=hint)
+    with Path(source).open("rb"):  # before a question about a file that is not there
+        pass
+    if not _may_run(arguments):
+        return 1
+    try:
+        with busy(f"running {source}"):
+            systems, diagnostics = read_script(
+                source,
+                seconds=arguments.seconds,
+                python=arguments.python,
+                points=arguments.points,
+                lossy=arguments.lossy,
+                strict=arguments.strict,
+            )
+    except ScriptError as error:
+        if arguments.json:
+            found = [{key: finding_data(d)[key] for key in _FIELDS} for d in error.diagnostics]
+            print_json({"source": source, "systems": [], "diagnostics": found}, 2)
+        else:
+            _say_findings(error.diagnostics, source, to_errors=True)
+        raise
+    targets = _targets(arguments, systems)
+    written = [
+        _write_system(arguments, each, to) for each, to in zip(systems, targets, strict=True)
+    ]
+    if arguments.json:
+        _print_systems(arguments, systems, targets, written, diagnostics)
+        return int(not all(written))
+    _say_findings(diagnostics, source)
+    for system, target, done in zip(systems, targets, written, strict=True):
+        _say_system(arguments, system, target, written=done)
+    return int(not all(written))
+
+
+def _may_run(arguments: argparse.Namespace) -> bool:
+    """Say that a script will be run, and ask whether it may be."""
+    if arguments.run:
+        return True
+    source = arguments.source
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        print_error(f"{source} is a script, and converting means running it")
+        say("  hint: --run allows that", to_errors=True)
+        return False
+    say(
+        f"{source} is a script: converting runs it as python does, and it may do whatever you may.",
+        to_errors=True,
+    )
+    print("Run it? [y/N] ", end="", file=sys.stderr, flush=True)
+    if sys.stdin.readline().strip().lower() in ("y", "yes"):
+        return True
+    print_error(f"{source}: not run")
+    return False
+
+
+def _targets(arguments: argparse.Namespace, systems: Sequence[System]) -> list[Path]:
+    """Return where each system goes: into the folder of -o by its name, a single one to OUT."""
+    if arguments.target is not None:
+        if len(systems) > 1:
+            names = ", ".join(each.name for each in systems)
+            hint = "-o DIR writes a file for each"
+            raise WordError(f"{arguments.source} makes {len(systems)}: {names}", hint=hint)
+        return [Path(arguments.target)]
+    folder = Path(arguments.out or ".")
+    folder.mkdir(parents=True, exist_ok=True)
+    return [folder / f"{each.name}.frb" for each in systems]
+
+
+def _write_system(arguments: argparse.Namespace, system: System, target: Path) -> bool:
+    """Write a system; not over another text, unless its file was named or --force is given."""
+    if system.rulebase is None:
+        return False
+    old = target.read_text(encoding="utf-8", errors="replace") if target.is_file() else None
+    if old is not None and old != system.text and not (arguments.force or arguments.target):
+        print_error(f"{target} is there already; --force replaces it")
+        return False
+    write_atomically(target, system.text)
+    return True
+
+
+def _say_findings(found: Sequence[Diagnostic], source: str, *, to_errors: bool = False) -> None:
+    stream = sys.stderr if to_errors else sys.stdout
+    for each in found:
+        if each.span != NOWHERE:
+            print_findings([each], text_to_show(source), stream)
+            continue
+        hint = [f"       = hint: {each.hint}"] if each.hint else []
+        path = each.path or source
+        say(f"{path}: {each.severity}[{each.name}]: {each.message}", *hint, to_errors=to_errors)
+
+
+def _say_system(
+    arguments: argparse.Namespace, system: System, target: Path, *, written: bool
+) -> None:
+    found = [d for d in system.diagnostics if d.is_error or not arguments.quiet]
+    what = f"{arguments.source}: {system.name}"
+    for each in found:
+        hint = [f"       = hint: {each.hint}"] if each.hint else []
+        line = f"{what}: {each.severity}[{each.name}]: {each.message}"
+        say(line, *hint, to_errors=not written)
+    if not written:
+        print_error(f"{target}: not written")
+    elif not arguments.quiet:
+        assert system.rulebase is not None
+        rules = counted(len(system.rulebase.rules), "rule")
+        lines = system.text.count("\n")
+        say(f"{target}: written, {rules} of {system.library} in {lines} lines")
+
+
+def _print_systems(
+    arguments: argparse.Namespace,
+    systems: Sequence[System],
+    targets: Sequence[Path],
+    written: Sequence[bool],
+    diagnostics: Sequence[Diagnostic],
+) -> None:
+    print_json(
+        {
+            "source": arguments.source,
+            "diagnostics": [{key: finding_data(d)[key] for key in _FIELDS} for d in diagnostics],
+            "systems": [
+                {
+                    "name": system.name,
+                    "producer": system.library,
+                    "target": str(target),
+                    "written": done,
+                    "diagnostics": [
+                        {key: finding_data(d)[key] for key in _FIELDS} for d in system.diagnostics
+                    ],
+                }
+                for system, target, done in zip(systems, targets, written, strict=True)
+            ],
+        },
+        2,
+    )
+
+
 def _named(rulebase: RuleBase, path: str) -> RuleBase:
     """Give a rule base without a name that of its file."""
     return rulebase if rulebase.name.strip() else replace(rulebase, name=Path(path).stem)
@@ -194,15 +366,29 @@ COMMANDS = (
         "convert",
         __doc__,
         _run,
-        argument("source IN", ".frb, .fll, .fcl or .fis; or a table"),
-        argument("target OUT", ".frb, .fll, .fcl or .fis"),
+        argument("source IN", ".frb, .fll, .fcl or .fis; a table; or a script, .py"),
+        argument("target OUT", ".frb, .fll, .fcl or .fis", nargs="?"),
         flag("--lossy", "go on where numbers will differ", either="mode"),
         flag("--strict", "refuse small differences too", either="mode"),
         argument("--from", "the program IN was written for", dest="producer", choices=_PROGRAMS),
         argument("--for", "the program OUT is written for", dest="consumer", choices=_PROGRAMS),
         argument("--block NAME", "which function block of an .fcl to take"),
-        argument("--terms N", "of a table: terms of the output", type=int),
+        argument("--terms N", "number of terms of the output, where IN is a table", type=int),
         flag("--quiet -q", "print errors only"),
         json_of("what was found"),
+        *group(
+            "scripts",
+            argument("-o --out DIR", "where the rule bases go; here by default"),
+            flag("--run", "run the script without asking"),
+            argument(
+                "--seconds S",
+                "time for the script (default: %(default)g)",
+                type=float,
+                default=SECONDS,
+            ),
+            argument("--python PATH", "run it by another Python, 3.11 or newer"),
+            flag("--points", "keep scikit-fuzzy's straight lines between points"),
+            flag("--force", "replace files that are there"),
+        ),
     ),
 )

@@ -23,6 +23,7 @@ from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import render_all
 from fuzzyarm.text.files import stamp_of
+from fuzzyarm.text.names import typed
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -48,7 +49,7 @@ def _studio(arguments: argparse.Namespace) -> int:
     if not Path(arguments.file).exists():
         name = Path(arguments.file).with_suffix("")
         raise StudioError(
-            f"there is no file {arguments.file}", hint=f"fuzzyarm new {name} writes one"
+            f"no such file: {arguments.file}", hint=f"fuzzyarm new {typed(name)} writes one"
         )
     from fuzzyarm.studio.document import StudioDocument
 

@@ -22,6 +22,7 @@ TRAJECTORY = (
         "trajectory",
         argument(
             "--trajectory",
+            "what the arm follows; reach-return by default",
             choices=["reach", "reach-return", "pick-and-place"],
             default="reach-return",
         ),
@@ -34,13 +35,15 @@ TRAJECTORY = (
     ),
     *group(
         "load",
-        argument("--payload", action=argparse.BooleanOptionalAction, default=False),
+        argument(
+            "--payload", "carry the load", action=argparse.BooleanOptionalAction, default=False
+        ),
         argument("--loaded N", "carry the load in these segments", nargs="+", type=int),
     ),
 )
 CONVENTIONS = (
-    argument("--conventions", choices=["plain", "study"], default="plain"),
-    argument("--precision", choices=["float32", "float64"]),
+    argument("--conventions", "how to count", choices=["plain", "study"], default="plain"),
+    argument("--precision", "of states and signals", choices=["float32", "float64"]),
 )
 
 
@@ -84,7 +87,7 @@ def experiment_of(
     for option in ("step", "reference", "duration"):
         if getattr(arguments, option, None):
             word = "for" if option == "duration" else option
-            raise WordError(f"--{word} is of other plants; the arm follows --trajectory")
+            raise WordError(f"--{word} is for other plants; the arm follows --trajectory")
     arms = schedule(
         trajectory, payload=arguments.payload, segments=arguments.loaded, conventions=conventions
     )

@@ -55,7 +55,7 @@ _OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml", ".lut", ".json", "
 def _run(arguments: argparse.Namespace) -> int:
     require_suffix(arguments.out, (".frb",))
     if not Path(arguments.out).parent.is_dir():
-        raise WordError(f"there is no folder '{Path(arguments.out).parent}'")
+        raise WordError(f"no such folder: '{Path(arguments.out).parent}'")
     options = _options(arguments)
     samples = _samples(arguments)
     test = _test(arguments, samples)
@@ -255,22 +255,24 @@ COMMANDS = (
         argument("--inputs A,B,...", "the columns to learn from; all others by default"),
         argument("--test FILE", "samples to be judged by, beside linear regression"),
         flag("--series", "the samples are in the order of time: cross-validate in blocks"),
-        argument("--name NAME", "of the rule base; that of the file by default"),
+        argument("--name NAME", "name of the rule base; by default that of the file"),
         json_of("the report"),
         *group(
             "the model",
-            argument("--rules N", "at most", type=int, default=16),
+            argument("--rules N", "largest number of rules", type=int, default=16),
             argument(
                 "--start",
-                "of the partition",
+                "where the partition starts from",
                 choices=("grid", "fcm", "subtractive"),
                 default="grid",
             ),
-            argument("--terms N,N,...", "terms of each input, instead of a search"),
-            argument("--shrink L", "of conclusions, instead of a search; 0 is none", type=float),
+            argument("--terms N,N,...", "number of terms of each input, instead of a search"),
+            argument(
+                "--shrink L", "shrinkage of conclusions, instead of a search; 0 is none", type=float
+            ),
             argument(
                 "--move",
-                "the terms by variable projection; auto where it pays",
+                "move the terms (by variable projection); auto: where it pays",
                 choices=("auto", "yes", "no"),
                 default="auto",
             ),
@@ -281,7 +283,9 @@ COMMANDS = (
                 default=0.7,
             ),
             argument("--words N[..N]", "Wang and Mendel's rules over so many words"),
-            argument("--digits N", "of the numbers of terms", type=int, default=4),
+            argument(
+                "--digits N", "significant digits of the numbers of terms", type=int, default=4
+            ),
             argument(
                 "--outside",
                 "what happens beyond the ranges: extend, of a surrogate clamp",
@@ -291,7 +295,7 @@ COMMANDS = (
         *group(
             "the search",
             argument("--folds N", "parts of the cross-validation", type=int, default=5),
-            argument("--seed N", "of all that is drawn", type=int, default=0),
+            argument("--seed N", "seed of everything that is drawn", type=int, default=0),
         ),
     ),
 )

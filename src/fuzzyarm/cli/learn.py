@@ -81,9 +81,12 @@ def _run(arguments: argparse.Namespace) -> int:
     training = _Training(arguments)
     shown: list[dict[str, Any]] = []
     finished: list[Snapshot] = []
+    film: list[Snapshot] = []
     for snapshot in training.snapshots():
         if snapshot.complete:
             finished.append(snapshot)
+        if arguments.animate:
+            film.append(snapshot)
         if arguments.every and not arguments.json:
             training.show(snapshot)
         elif arguments.every:
@@ -91,6 +94,7 @@ def _run(arguments: argparse.Namespace) -> int:
     start, last = training.start, finished[-1]
     if arguments.out:
         training.write(last.learned)
+    training.draw(finished, film)
     status = 0 if last.diverged is None else DIVERGED
     if not arguments.json:
         training.print(finished)
@@ -121,13 +125,26 @@ def _check(arguments: argparse.Namespace) -> None:
         raise WordError("--freeze learns nothing, so there is nothing to write with -o")
     if arguments.joint and not arguments.out:
         raise WordError("--joint says which table to write, so it needs -o FILE")
+    _check_files(arguments)
+
+
+def _check_files(arguments: argparse.Namespace) -> None:
+    """Tell a mistake in the name of a file before the training."""
     if arguments.out:
         from fuzzyarm.table import SUFFIXES
 
         require_suffix(arguments.out, SUFFIXES)
-        out = Path(arguments.out)
-        if not out.parent.is_dir():
-            raise WordError(f"there is no folder '{out.parent}'")
+    if arguments.plot:
+        from fuzzyarm.show.figures.style import require_figure_suffix
+
+        require_figure_suffix(arguments.plot)
+    if arguments.animate:
+        from fuzzyarm.show.figures.animation import require_animation
+
+        require_animation(arguments.animate)
+    for path in filter(None, (arguments.out, arguments.plot, arguments.animate)):
+        if not Path(path).parent.is_dir():
+            raise WordError(f"no such folder: '{Path(path).parent}'")
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:
@@ -202,7 +219,7 @@ class _Training:
                 self.controller,
                 motion,
                 passes=arguments.passes,
-                every=arguments.every,
+                every=self._every(points),
                 conventions=conventions,
                 options=options,
                 connect=connect,
@@ -212,6 +229,34 @@ class _Training:
                 # An unused cell has to stay what its file says, and 1.8 - 1 + 1 is not 1.8.
                 learned = snapshot.learned.readable(single=conventions.single)
                 yield replace(snapshot, learned=learned)
+
+    def _every(self, points: int) -> int | None:
+        """Return after how many set points a table is looked at; for a film often enough."""
+        arguments = self.arguments
+        asked: int | None = arguments.every
+        if asked or not arguments.animate:
+            return asked
+        from fuzzyarm.show.figures.learning import MOST_FRAMES
+
+        return max(1, -(-points * int(arguments.passes) // MOST_FRAMES))
+
+    def draw(self, finished: list[Snapshot], film: list[Snapshot]) -> None:
+        """Write the figure and the film that were asked for."""
+        arguments = self.arguments
+        if not (arguments.plot or arguments.animate):
+            return
+        from fuzzyarm.show.figures import learning
+        from fuzzyarm.show.figures.style import save_figure
+
+        names = self.text.model.axis_names
+        if arguments.plot:
+            whole = learning.Training(self.name, finished, names, self.like)
+            save_figure(learning.learning_figure(whole), arguments.plot)
+        if arguments.animate:
+            whole = learning.Training(self.name, film, names, self.like)
+            frames = min(learning.MOST_FRAMES, len(film))
+            with progress_bar("drawing", frames) as advance:
+                learning.animate_learning(whole, arguments.animate, watch=advance)
 
     def _motion(self, connect: Mapping[str, str], options: Options) -> tuple[Motion, Conventions]:
         from fuzzyarm.loop.course import arm_motion
@@ -243,13 +288,12 @@ class _Training:
         self._print_tables(console, snapshot.learned, with_visits=False)
 
     def print(self, finished: list[Snapshot]) -> None:
-        """Print the tables at the end and the errors of each pass."""
+        """Print the errors of each pass and the tables at the end."""
         from fuzzyarm.controller.program import AXIS
         from fuzzyarm.show.drawing import make_console
 
         console = make_console()
         last, out = finished[-1], self.arguments.out
-        self._print_tables(console, last.learned, with_visits=True)
         for snapshot in finished:
             console.print(
                 f"pass {snapshot.passage}: RMS error {_errors(snapshot)}"
@@ -259,6 +303,8 @@ class _Training:
             console.print(
                 f"diverged: the training was stopped at {last.diverged:.3f} s of that pass"
             )
+        console.print()
+        self._print_tables(console, last.learned, with_visits=True)
         if out:
             inputs = ", ".join((AXIS, *(axis.name for axis in last.learned.axes)))
             single = self.arguments.joint or self.count == 1
@@ -394,6 +440,8 @@ COMMANDS = (
             argument("--joint N", "write the table of one joint, or axis, alone", type=int),
             flag("--date", "write the date into the file"),
             argument("--every N", "show the tables after every N set points", type=int),
+            argument("--plot FIG", "draw tables, visits and the error of each pass"),
+            argument("--animate FILE", "write the tables while they grow: .gif, .html or .mp4"),
             JSON,
         ),
     ),

@@ -13,39 +13,52 @@ import sys
 import warnings
 from collections.abc import Sequence
 
-from fuzzyarm.cli.command import Command, print_error, print_findings, print_os_error
+from fuzzyarm.cli.command import Command, CompilingBar, print_error, print_findings, print_os_error
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import RuleBaseError
 
 COMMANDS: dict[str, tuple[str, str]] = {
+    "new": ("start", "a commented rule base to start from"),
+    "demo": ("start", "the whole story on a shipped rule base"),
+    "shipped": ("start", "the files that come with fuzzyarm: list and copy them"),
     "check": ("check", "find mistakes and doubts in rule bases and tables"),
     "fmt": ("check", "rewrite rule bases in canonical form"),
+    "studio": ("editing", "write a rule base and see what it means, as you type"),
+    "watch": ("editing", "draw a file again whenever it is saved"),
+    "lsp": ("editing", "the language server for editors"),
     "eval": ("eval", "the outputs at one point, and why"),
     "show": ("show", "rules, terms and tables in the terminal"),
     "plot": ("show", "terms and control surfaces as a figure"),
-    "prove": ("prove", "what holds at every point, with a bound or a counterexample"),
-    "compile": ("compile", "sample a rule base to a lookup table"),
     "diff": ("show", "what differs between two tables or rule bases"),
+    "prove": ("prove", "what holds at every point, with a bound or a counterexample"),
+    "compile": ("compile", "a lookup table, C, Structured Text or an FMU"),
     "convert": ("convert", "rule bases of other programs, in and out"),
     "corpus": ("corpus", "how a folder of other programs' files comes in"),
     "simulate": ("simulate", "run controllers on the robot arm or any plant"),
     "sweep": ("sweep", "many runs over ranges of gains, plants and loads"),
+    "compare": ("study", "compare controllers: errors, chatter and cost"),
     "learn": ("learn", "train a table on the arm or any plant, see it grow"),
+    "tune": ("tune", "move gains and terms until a cost is small, in the file itself"),
     "fit": ("fit", "learn a rule base from samples, as text"),
     "validate": ("validate", "judge a rule base by samples, region by region, rule by rule"),
-    "compare": ("study", "compare controllers: errors, chatter and cost"),
     "reproduce": ("study", "run the study's published experiments again"),
     "identify": ("study", "fit unprinted gains to published figures"),
-    "new": ("start", "a commented rule base to start from"),
-    "studio": ("editing", "write a rule base and see what it means, as you type"),
-    "watch": ("editing", "draw a file again whenever it is saved"),
-    "lsp": ("editing", "the language server for editors"),
-    "demo": ("start", "the whole story on a shipped rule base"),
 }
 """Name → module of this package and one-line summary, in the order of the help page.
 
 A module is imported when one of its commands is called; its `COMMANDS` are the records.
 """
+
+HEADINGS = {
+    "new": "Start",
+    "check": "Write and check",
+    "eval": "See, ask and prove",
+    "compile": "Into a device, and from other programs",
+    "simulate": "In a closed loop",
+    "fit": "From data",
+    "reproduce": "The published study",
+}
+"""The command that a group of the help page begins with → its heading."""
 
 EXIT_INPUT = 1
 EXIT_USAGE = 2
@@ -77,7 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if sys.stderr.isatty():
         from fuzzyarm.kernels import watch_compiling
 
-        watch_compiling(_show_compiling)
+        watch_compiling(CompilingBar().show)
     try:
         status = _run(words)
         sys.stdout.flush()
@@ -136,6 +149,8 @@ def _warning_text(
 
 
 def _run(words: list[str]) -> int:
+    if len(words) == 2 and words[0] == "help" and words[1] in COMMANDS:
+        words = [words[1], "--help"]
     name = next((word for word in words if not word.startswith("-")), None)
     if name not in COMMANDS or words[0] != name:
         return _overview(words, name)
@@ -160,16 +175,6 @@ def find_command(name: str) -> Command:
     return next(command for command in commands if command.name == name)
 
 
-def _show_compiling(name: str | None) -> None:
-    """Say in one line of the terminal what is being compiled; wipe the line afterwards."""
-    untouched = sys.stderr is sys.__stderr__
-    if not untouched:  # a live display has taken over and shows that something happens
-        return
-    told = f"compiling machine code, once: {name}" if name else ""
-    sys.stderr.write(f"\r\x1b[2K{told}")
-    sys.stderr.flush()
-
-
 def _print_mistakes(error: RuleBaseError) -> None:
     from fuzzyarm.language.reading import text_to_show
 
@@ -190,6 +195,8 @@ def _overview(words: list[str], name: str | None) -> int:
     if not words or words[0] in {"-h", "--help", "help"}:
         print(_help_page())
         return 0 if words else EXIT_USAGE
+    if words[0] == "--print-completion":
+        return _print_completion(words[1:])
     import difflib
 
     near = difflib.get_close_matches(name or words[0], COMMANDS, n=1)
@@ -198,18 +205,35 @@ def _overview(words: list[str], name: str | None) -> int:
     return EXIT_USAGE
 
 
+def _print_completion(shells: list[str]) -> int:
+    from fuzzyarm.cli.completion import SHELLS, completion_script
+
+    if len(shells) != 1 or shells[0] not in SHELLS:
+        print_error(f"--print-completion takes a shell: {', '.join(SHELLS)}")
+        return EXIT_USAGE
+    records = [(find_command(name), summary) for name, (_, summary) in COMMANDS.items()]
+    print(completion_script(shells[0], records))
+    return 0
+
+
 def _help_page() -> str:
     width = max(map(len, COMMANDS))
-    lines = [f"  {name:<{width}}  {summary}" for name, (_, summary) in COMMANDS.items()]
+    lines = []
+    for name, (_, summary) in COMMANDS.items():
+        if name in HEADINGS:
+            lines += ["", HEADINGS[name]]
+        lines.append(f"  {name:<{width}}  {summary}")
     return "\n".join(
         [
             "usage: fuzzyarm COMMAND [...]",
+            "       fuzzyarm --version | --help | --print-completion {bash,zsh,tcsh}",
             "",
-            "Write a fuzzy controller as a text file, see it, check it, compile it to a",
-            "lookup table or C, prove it, and run it on any plant.",
-            "",
+            "Write a fuzzy controller as a text file, see it, check it, prove it, compile it,",
+            "and run it on any plant.",
             *lines,
             "",
-            "fuzzyarm COMMAND --help tells the options of one command.",
+            "fuzzyarm COMMAND --help lists the options of one command. Exit status: 0 fine,",
+            "1 the input is at fault, 2 wrong usage; 3 a run diverged, 4 a proof stayed",
+            "undecided, 130 interrupted.",
         ]
     )

@@ -33,7 +33,7 @@ MOTORS = group(
     "joints and motors of the arm",
     argument("--limits T1 T2", "largest torques, N m", type=float),
     argument("--supply V", "largest voltage at a motor", type=float),
-    argument("--inductance H", "of each armature; 0 by default", type=float),
+    argument("--inductance H", "inductance of each armature; 0 by default", type=float),
 )
 
 PLANT = (
@@ -58,7 +58,7 @@ PLANT = (
         _many("--actuator INPUT=LOW..HIGH", "limits of a drive; a slew behind a comma: -5..5,100"),
         _many("--disturb INPUT=SIGNAL", "add this to a drive, as in voltage=step:-2,1"),
         INTERPOLATE,
-        argument("--seed N", "of noise and disturbance", type=int, default=1),
+        argument("--seed N", "seed of noise and disturbance", type=int, default=1),
     ),
 )
 """Arguments of every command that runs a plant."""
@@ -231,7 +231,7 @@ def require_plain(arguments: argparse.Namespace) -> None:
     }
     for option, value in given.items():
         if value:
-            raise WordError(f"{option} is of the arm; {arguments.plant} takes --reference")
+            raise WordError(f"{option} is for the arm; {arguments.plant} takes --reference")
 
 
 def split_settings(

@@ -9,17 +9,18 @@ With --range, --slope or --table it bounds one number of one output instead: the
 slope along each input, or how far a lookup table is from the rules (linear, nearest or bins
 of the table that `compile` makes, or a file).
 
+--sector says between which multiples of its inputs an output lies, as the circle criterion asks
+for: along each input, and along what a linear law would give. Of a controller it proves the same
+of each drive, with its range, its limits and its linear gains; --plot draws it.
+
   fuzzyarm prove rulebases/pd7.frb --table linear
+  fuzzyarm prove rulebases/servo.frb --sector --plot sector.png
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
@@ -28,14 +29,15 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     json_of,
+    load_controller,
     load_rulebase,
     print_json,
     read_number,
     say,
 )
+from fuzzyarm.cli.prove_sectors import drives_of, only_output, print_sectors, progress
 
 if TYPE_CHECKING:
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.proof import Bounds, Prover, Verdict
 
 EXIT_REFUTED = 1
@@ -55,10 +57,15 @@ def _run(arguments: argparse.Namespace) -> int:
         budget = read_number(arguments.budget, "--budget")
         if not budget > 0.0:
             raise WordError(f"--budget must be above 0 seconds, not {budget:g}")
+    if arguments.sector:
+        return print_sectors(arguments, tolerance, budget)
+    for word in ("plot", "along"):
+        if getattr(arguments, word) is not None:
+            raise WordError(f"--{word} goes with --sector")
     if arguments.range or arguments.slope or arguments.table:
         return _single(arguments, tolerance, budget)
     if arguments.output is not None:
-        raise WordError("--output goes with --range, --slope or --table")
+        raise WordError("--output goes with --range, --slope, --table or --sector")
     return _files(arguments, tolerance, budget)
 
 
@@ -69,23 +76,28 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
     from fuzzyarm.proof import prove_all
 
     verdicts: list[tuple[str, Verdict]] = []
+    data: list[dict[str, Any]] = []
     for path in arguments.files:
-        rulebase = load_rulebase(path, "prove")
-        if not rulebase.properties and not arguments.json:
+        controller = load_controller(path)
+        rulebases = controller.model.rulebases if controller else (load_rulebase(path, "prove"),)
+        lines = sum(len(rulebase.properties) for rulebase in rulebases)
+        if not lines and controller is None and not arguments.json:
             say(f"{path}: no `prove` lines", to_errors=True)
-        with _progress() as tell:
-            for verdict in prove_all(
-                rulebase, tolerance=tolerance, budget=budget, exact=arguments.exact, tell=tell
-            ):
-                verdicts.append((path, verdict))
-                if not arguments.json:
-                    tell("", 0, 0.0)
-                    say(*_lines(path, verdict))
+        file = {"file": path} if len(arguments.files) > 1 else {}
+        with progress() as tell:
+            for rulebase in rulebases:
+                for verdict in prove_all(
+                    rulebase, tolerance=tolerance, budget=budget, exact=arguments.exact, tell=tell
+                ):
+                    verdicts.append((path, verdict))
+                    data.append(file | _data(verdict))
+                    if not arguments.json:
+                        tell("", 0, 0.0)
+                        say(*_lines(path, verdict))
+        if controller is not None:
+            data += [file | each for each in drives_of(path, controller, arguments, budget)]
     if arguments.json:
-        several = len(arguments.files) > 1
-        print_json(
-            [({"file": path} if several else {}) | _data(each) for path, each in verdicts], 2
-        )
+        print_json(data, 2)
     found = {verdict.verdict for _, verdict in verdicts}
     if "refuted" in found:
         return EXIT_REFUTED
@@ -126,28 +138,6 @@ def _lines(path: str, verdict: Verdict) -> list[str]:
     return [f"{where}: {head}", *rest, f"  {work}{verdict.seconds:.2f} s{way}"]
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[str, int, float], None]]:
-    """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
-    shown = sys.stderr.isatty()
-    last = 0.0
-
-    def tell(statement: str, count: int, gap: float) -> None:
-        nonlocal last
-        now = time.monotonic()
-        if not shown or (statement and now - last < 0.1):
-            return
-        last = now
-        text = f"{statement}: {count:,} pieces open, gap {gap:.3g}" if statement else ""
-        sys.stderr.write(f"\r\x1b[2K{text[:100]}")
-        sys.stderr.flush()
-
-    try:
-        yield tell
-    finally:
-        tell("", 0, 0.0)
-
-
 # ── one number ───────────────────────────────────────────────────────────────────────
 
 
@@ -159,13 +149,8 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
         raise WordError("--range, --slope and --table take one file")
     path = arguments.files[0]
     rulebase = load_rulebase(path, "prove")
-    name = arguments.output or _only_output(rulebase)
-    if name not in [output.name for output in rulebase.outputs]:
-        raise WordError(
-            f"no output is called '{name}'",
-            hint=f"there are {', '.join(output.name for output in rulebase.outputs)}",
-        )
-    with _progress() as tell:
+    name = only_output(rulebase, arguments.output)
+    with progress() as tell:
         stop = Stop(budget, lambda count, gap: tell(path, count, gap))
         prover = Prover(rulebase, name, tolerance=tolerance, stop=stop, exact=arguments.exact)
         if arguments.table:
@@ -180,13 +165,6 @@ def _single(arguments: argparse.Namespace, tolerance: float | None, budget: floa
         for key, bounds in found.items():
             say(*_single_lines(name, key, bounds))
     return 0 if all(bounds.complete for bounds in found.values()) else EXIT_UNDECIDED
-
-
-def _only_output(rulebase: RuleBase) -> str:
-    names = [output.name for output in rulebase.outputs]
-    if len(names) != 1:
-        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
-    return names[0]
 
 
 def _table(prover: Prover, which: str) -> Bounds:
@@ -237,7 +215,7 @@ def _single_lines(output: str, key: str, bounds: Bounds) -> list[str]:
 
     work = f"{bounds.pieces:,} pieces, {_WAYS[bounds.way]}"
     if not bounds.complete:
-        work += "; the time was over before the bounds were tight"
+        work += "; time ran out before the bounds were tight"
     if key == "worst":
         facts = _single_data(key, bounds)
         first = f"worst {bound_text(facts['worst'])} (proved)"
@@ -257,7 +235,7 @@ COMMANDS = (
         "prove",
         __doc__,
         _run,
-        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis)", nargs="+"),
+        argument("files FILE", "rule bases (.frb, .fll, .fcl, .fis) or controllers", nargs="+"),
         argument("--tolerance T", "how tight bounds are, in units of what is bounded"),
         argument("--budget SECONDS", "how long each statement may take"),
         flag("--exact", "compute in rationals throughout"),
@@ -265,6 +243,10 @@ COMMANDS = (
         flag("--slope", "bound the slope along each input", either="what"),
         argument("--table WHAT", "bound the error of a table: linear, nearest, bins or a file",
                  either="what"),
+        flag("--sector", "bound the output by multiples of its inputs", either="what"),
+        argument("--along NAME=W,...", "with --sector: along this sum of the inputs only"),
+        argument("--plot FIG", "with --sector: draw it as .png, .svg or .pdf"),
+        argument("--plant PLANT", "of a controller: on this one instead of that of its axes"),
         argument("--output NAME", "which output, if there are several"),
         json_of("the verdicts, or the bounds,"),
     ),

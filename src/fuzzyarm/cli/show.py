@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
+    from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
     from fuzzyarm.table.diff import TableDiff
 
@@ -105,7 +106,8 @@ _PLOT = """Draw a rule base or a table as a figure: .png, .svg or .pdf.
 
 A rule base gives the memberships of every variable and the control surface of every output:
 a line over one input, a surface and its map over two, a slice over two of more with the
-others at the middle of their ranges or where --at says. A table gives its cells.
+others at the middle of their ranges or where --at says. Points at which `prove` lines of the
+file fail are marked. A table gives its cells.
 
 A rule base or a controller that remembers nothing has a describing function (its gain under a
 sinusoidal error); a rule base of error and rate, or a controller on a plant, a phase portrait.
@@ -177,7 +179,18 @@ def _figure(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Fig
 
         output = choose_output(model, arguments.output).name
     draw = surface_figure if arguments.what == "surface" else rulebase_figure
-    return draw(model, output, point)
+    return draw(model, output, point, _refuted(model))
+
+
+def _refuted(rulebase: RuleBase) -> list[Verdict]:
+    """Return the properties of a rule base that fail, as far as a check finds them."""
+    if not rulebase.properties:
+        return []
+    from fuzzyarm.api import judge
+    from fuzzyarm.cli.command import busy
+
+    with busy("proving what the file says"):
+        return [each for each in judge(rulebase).verdicts if each.verdict == "refuted"]
 
 
 _DIFF = """Compare two tables cell by cell, or two rule bases rule by rule.
@@ -251,7 +264,7 @@ COMMANDS = (
             default="all",
         ),
         argument("--output NAME", "the surface of this output only"),
-        argument("--plant PLANT", "of the phase portrait of a controller"),
+        argument("--plant PLANT", "plant for the phase portrait of a controller"),
         at("inputs to hold fixed or to mark"),
     ),
     command(

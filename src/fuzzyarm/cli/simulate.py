@@ -18,6 +18,7 @@ Examples
   fuzzyarm simulate fuzzy-direct --rulebase pd7.frb --payload --plot errors.png
   fuzzyarm simulate servo.frb --plant motor --step 1 --for 2s --noise position=0.001
   fuzzyarm simulate heater.frb --plant mine.py:Kiln --connect temperature=T --csv run.csv
+  fuzzyarm simulate rulebases/cartpole.frb --plant cartpole --watch
 """
 
 from __future__ import annotations
@@ -89,6 +90,8 @@ def _run(arguments: argparse.Namespace) -> int:
         for (controller, changed), name in zip(made, arguments.controller, strict=True)
     ]
     _write_files(arguments, results, made[0][1])
+    if arguments.watch:
+        _watch(results, made[0][1])
     if arguments.json:
         shown = [_as_json(result) for result in results]
         print_json(shown if len(shown) > 1 else shown[0])
@@ -113,8 +116,11 @@ def _print_notes(name: str) -> None:
 
 
 def _sweep(arguments: argparse.Namespace) -> int:
-    if len(arguments.controller) > 1 or arguments.csv or arguments.show_gains or arguments.animate:
-        raise WordError("--sweep takes one controller, no --csv, --animate or --show-gains")
+    single = ("csv", "show_gains", "animate", "watch")
+    if len(arguments.controller) > 1 or any(getattr(arguments, name) for name in single):
+        raise WordError(
+            "--sweep takes one controller, not --csv, --animate, --watch or --show-gains"
+        )
     arguments.controller = arguments.controller[0]
     return sweep(arguments)
 
@@ -129,6 +135,21 @@ def _require_pictures(arguments: argparse.Namespace) -> None:
         from fuzzyarm.show.figures.animation import require_animation
 
         require_animation(arguments.animate)
+    if arguments.watch and arguments.json:
+        raise WordError("--watch draws on the terminal, where --json prints: leave one of them out")
+    if arguments.watch and not sys.stdout.isatty():
+        raise WordError("--watch needs a terminal", hint="--animate FILE writes an animation")
+
+
+def _watch(results: list[Run], plant: Plant) -> None:
+    """Show runs in the terminal, one after the other; Ctrl-C ends the showing."""
+    from fuzzyarm.show.drawing import make_console
+    from fuzzyarm.show.figures.live import play
+
+    console = make_console()
+    for result in results:
+        if result.samples and not play(result, plant, console):
+            break
 
 
 def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant) -> None:
@@ -344,6 +365,7 @@ COMMANDS = (
             flag("--show-gains", "print the gains and stop"),
             argument("--plot FIG", "draw outputs, errors and drives over time"),
             argument("--animate FILE", "write the first run as .gif, .html or .mp4"),
+            flag("--watch", "show the runs in the terminal, as they go on"),
             argument("--csv FILE", "write the samples"),
             JSON,
         ),

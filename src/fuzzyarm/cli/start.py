@@ -1,4 +1,4 @@
-"""Where to begin: ``fuzzyarm new`` writes a rule base, ``fuzzyarm demo`` tells the whole story."""
+"""Where to begin: ``fuzzyarm new``, the files that are ``shipped``, and the ``demo``."""
 
 from __future__ import annotations
 
@@ -11,13 +11,24 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzzyarm.api import check_text
-from fuzzyarm.cli.command import argument, command, counted, flag, say
+from fuzzyarm.cli.command import (
+    argument,
+    command,
+    counted,
+    flag,
+    json_of,
+    out,
+    print_json,
+    say,
+    write_text,
+)
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import format_text
 from fuzzyarm.language.queries import apply_edits, fixes
 from fuzzyarm.language.tokens import name_text
-from fuzzyarm.shipped_files import shipped
+from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.names import typed
 from fuzzyarm.text.numbers import number_text
 
 _NEW = r"""A commented rule base to start from, which passes `check`.
@@ -241,7 +252,7 @@ def _new(arguments: argparse.Namespace) -> int:
     if path.exists() and not arguments.force:
         raise NewFileError(f"{path} is there already", hint="--force replaces it")
     write_atomically(path, text)
-    say(f"{path}: written; see it with  fuzzyarm studio {path}")
+    say(f"{path}: written; see it with  fuzzyarm studio {typed(path)}")
     return 0
 
 
@@ -256,6 +267,69 @@ def _demand_sound(wishes: list[_Variable]) -> None:
             )
         if len(wish.terms) < 2 or len(set(wish.terms)) < len(wish.terms):
             raise NewFileError(f"'{wish.name}' needs two or more different terms")
+
+
+# --- The files that come with the program ---
+
+_SHIPPED = """List the rule bases, controllers and tables that come with fuzzyarm, or copy some.
+
+Wherever a controller names a file, and none of that name stands beside it, the shipped one is
+taken. To change one, copy it first.
+
+  fuzzyarm shipped                   all of them
+  fuzzyarm shipped pd7.frb           the text of one
+  fuzzyarm shipped pd7.frb -o .      a copy in this folder
+"""
+
+_HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)
+"""The line of a file that says what it is: of a table that of its output."""
+
+
+def _list_shipped(arguments: argparse.Namespace) -> int:
+    if not arguments.names:
+        if arguments.out:
+            raise ShippedCopyError("name the files to copy", hint="fuzzyarm shipped lists them")
+        rows = [(name, *_what_is(name)) for name in shipped_names()]
+        if arguments.json:
+            print_json(
+                [dict(zip(("name", "kind", "description"), row, strict=True)) for row in rows]
+            )
+            return 0
+        widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
+        say(*(f"{row[0]:<{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]}".rstrip() for row in rows))
+        return 0
+    paths = [shipped(name) for name in arguments.names]
+    if arguments.out:
+        _copy(paths, Path(arguments.out), force=arguments.force)
+        return 0
+    for path in paths:
+        write_text(path.read_text(encoding="utf-8"))
+    return 0
+
+
+class ShippedCopyError(FuzzyarmError, ValueError):
+    """Shipped files that cannot be copied as it was asked for."""
+
+
+def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
+    if len(paths) > 1 and not out.is_dir():
+        raise ShippedCopyError(f"{out} is not a folder, for {counted(len(paths), 'file')}")
+    targets = [out / path.name if out.is_dir() else out for path in paths]
+    there = [target for target in targets if target.exists() and not force]
+    if there:
+        are, what = ("is", "it") if len(there) == 1 else ("are", "them")
+        listed = ", ".join(map(str, there))
+        raise ShippedCopyError(f"{listed} {are} there already", hint=f"--force replaces {what}")
+    for path, target in zip(paths, targets, strict=True):
+        write_atomically(target, path.read_text(encoding="utf-8"))
+        say(f"{target}: a copy of the shipped {path.name}")
+
+
+def _what_is(name: str) -> tuple[str, str]:
+    """Return of which kind a shipped file is, and what it says of itself."""
+    found = _HEAD.search(shipped(name).read_text(encoding="utf-8"))
+    kinds = {"rulebase": "rule base", "controller": "controller", "output": "table"}
+    return (kinds[found[1]], found[2]) if found else ("", "")
 
 
 # --- The whole story ---
@@ -286,7 +360,7 @@ def _tell() -> int:
     print(text)
     _say("It is checked: for mistakes, and for what is allowed but probably not meant.")
     statuses = [_step("check", "pd7.frb") == 0]
-    _say("Every mistake of a file is found in one run, with its place and a hint.")
+    _say("Every mistake of a file is found in one run, with its position and a hint.")
     Path("broken.frb").write_text(_broken(text), encoding="utf-8")
     statuses.append(_step("check", "broken.frb") == 1)
     _say("It is drawn: terms as small plots, rules as a grid.")
@@ -297,7 +371,10 @@ def _tell() -> int:
     statuses.append(_step("compile", "pd7.frb", "-o", "pd7.lut") == 0)
     statuses.append(_step("show", "pd7.lut") == 0)
     statuses.append(_step("eval", "pd7.lut", *_POINT) == 0)
-    _say("Next: edit a copy of rulebases/pd7.frb and run the same commands on it.")
+    _say(
+        "Next: take a copy with `fuzzyarm shipped pd7.frb -o .`, edit it, and run the same"
+        " commands on it."
+    )
     return 0 if all(statuses) else 1
 
 
@@ -334,11 +411,20 @@ COMMANDS = (
         "new",
         _NEW,
         _new,
-        argument("name NAME", "of the rule base; NAME.frb is written"),
-        argument("--kind", "what it is for (pd)", choices=tuple(_KINDS), default="pd"),
+        argument("name NAME", "name of the rule base; writes NAME.frb"),
+        argument("--kind", "what it is for; pd by default", choices=tuple(_KINDS), default="pd"),
         argument("--input SPEC", f"an input: {_FORM}", action="append", type=_read_variable),
         argument("--output SPEC", "the output, likewise", type=_read_variable),
         flag("--force", "replace a file that is there"),
+    ),
+    command(
+        "shipped",
+        _SHIPPED,
+        _list_shipped,
+        argument("names NAME", "files to print, or with -o to copy", nargs="*"),
+        out("DIR", "the folder, or the file, to copy to", required=False),
+        flag("--force", "replace files that are there"),
+        json_of("the list"),
     ),
     command("demo", _DEMO, _demo, argument("--keep DIR", "work in DIR and leave the files there")),
 )

@@ -76,7 +76,9 @@ SWEEP = group(
         default=[],
     ),
     argument("--random N", "N runs with values drawn from ranges NAME=A..B", type=int),
-    argument("--metric NAME", "of summary and figure: rms, max, overshoot, …", default="rms"),
+    argument(
+        "--metric NAME", "metric of summary and figure: rms, max, overshoot, …", default="rms"
+    ),
     argument("--map X,Y", "draw the metric over these two with --plot"),
     argument("-o --out FILE.csv", "write a line for each run"),
     flag("--resume", "go on with the file of -o"),
@@ -260,7 +262,7 @@ def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespac
         file.begin()
     try:
         with (
-            _cluster(arguments) as (executor, workers),
+            cluster(arguments) as (executor, workers),
             _progress(asked.count, done) as moved,
             closing(
                 stream(
@@ -287,7 +289,7 @@ def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespac
 
 
 @contextmanager
-def _cluster(arguments: argparse.Namespace) -> Iterator[tuple[Executor | None, int | None]]:
+def cluster(arguments: argparse.Namespace) -> Iterator[tuple[Executor | None, int | None]]:
     """Connect to a Dask cluster, where one is given."""
     if not arguments.dask:
         yield None, arguments.workers
@@ -315,7 +317,7 @@ def _progress(total: int, done: int) -> Iterator[Callable[[int], None]]:
             first = now, time.monotonic()
             return ""
         rate = (now - first[0]) / max(time.monotonic() - first[1], 1e-9)
-        return f"{rate:.3g} runs/s, {_duration((total - now) / rate)} left"
+        return f"{rate:.3g} runs/s, {duration_words((total - now) / rate)} left"
 
     if not sys.stderr.isatty():
 
@@ -337,7 +339,8 @@ def _progress(total: int, done: int) -> Iterator[Callable[[int], None]]:
         yield lambda now: shown.update(task, completed=now, state=state(now))
 
 
-def _duration(seconds: float) -> str:
+def duration_words(seconds: float) -> str:
+    """Return a time as one says it."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:

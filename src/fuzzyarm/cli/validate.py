@@ -111,7 +111,7 @@ def _lines(found: Validation, samples: Samples, *, every: bool) -> list[str]:
         )
         lines.append("")
     if found.confusion:
-        lines.append("answers: a row for each class as it is, a column for each as it is given")
+        lines.append("answers: a row for each true class, a column for each predicted one")
         rows = zip(found.classes, found.confusion, strict=True)
         lines += _columns(("", *found.classes), [(name, *map(str, row)) for name, row in rows])
         lines.append("")
@@ -130,7 +130,7 @@ def _summary(found: Validation, samples: Samples) -> list[str]:
     elif found.calibration:
         spread = float(samples.values.std())
         lines.append(
-            f"RMS error {found.error:.4g}, of always the mean {spread:.4g};"
+            f"RMS error {found.error:.4g}; always giving the mean {spread:.4g};"
             f" {100.0 * found.explained:.4g} % of the variance explained"
         )
         lines.append(

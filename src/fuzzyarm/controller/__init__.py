@@ -17,6 +17,7 @@ from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.controller.law import Gain, GainError
 from fuzzyarm.controller.own import OwnControllerError, find_controller
 from fuzzyarm.controller.program import SourceError
+from fuzzyarm.lazy import lazily
 
 __all__ = [
     "CATALOGUE",
@@ -32,3 +33,5 @@ __all__ = [
     "controller",
     "find_controller",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

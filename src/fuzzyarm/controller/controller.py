@@ -20,6 +20,7 @@ import numpy as np
 
 from fuzzyarm.controller.law import Block, Gain, GainError, Law, collect, view
 from fuzzyarm.plant.setting import Arithmetic, Clock, Moment, Pair, Reference, State, pose_of
+from fuzzyarm.text.shown import one_line
 
 
 class Controller:
@@ -34,6 +35,9 @@ class Controller:
     """
 
     name = "own"
+
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.name}, gains {', '.join(self.gains) or 'none'}")
 
     def start(self, single: bool = False) -> None:
         """Forget everything; called once before each run."""

@@ -225,6 +225,7 @@ class _Writer:
         self.grids: dict[str, tuple[int, list[Axis]]] = {}
         self.learned: dict[tuple[str, str], Place] = {}
         self.asked: dict[int, tuple[str, RuleBase]] = {}
+        self.blocks: dict[int, RuleBlock] = {}  # of the rule bases, by their identity
         self.looked_up: dict[int, tuple[str, LookupTable]] = {}
         self.rings: list[tuple[int, int]] = []
         self.cell_signal: dict[tuple[str, int], tuple[tuple[int, ...], int]] = {}
@@ -472,7 +473,11 @@ class _Writer:
         rulebase = self._sheet(source.name)
         if not isinstance(rulebase, RuleBase):
             raise SourceError(f"'{source.name}' is a table: write table {source.name}(…)")
-        numbers, first_input, first_result = rule_block(rulebase, compiled=self.arithmetic.compiled)
+        # All axes may use one rule base: it is laid out once, and copied for each of them.
+        if id(rulebase) not in self.blocks:
+            block = rule_block(rulebase, compiled=self.arithmetic.compiled)
+            self.blocks[id(rulebase)] = block
+        numbers, first_input, first_result = self.blocks[id(rulebase)]
         begin = self.parts_size
         self.parts.append(numbers)
         self.parts_size += len(numbers)

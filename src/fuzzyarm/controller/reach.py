@@ -106,6 +106,8 @@ class Reaches:
     ----------
     signals : dict
         By axis and name.
+    sources : dict
+        By axis and source, what comes from ports and memory, before factors.
     look_ups : list of LookUp
         In the order of the text.
     drives : dict
@@ -115,6 +117,7 @@ class Reaches:
     """
 
     signals: dict[tuple[str, str], Reach] = field(default_factory=dict)
+    sources: dict[tuple[str, Source], Reach] = field(default_factory=dict)
     look_ups: list[LookUp] = field(default_factory=list)
     drives: dict[Address, list[tuple[Drive, Reach]]] = field(default_factory=dict)
     meetings: list[Meeting] = field(default_factory=list)
@@ -210,6 +213,8 @@ class _Walk:
             if of.kind in ("rules", "table"):
                 self._look_up(axes, line, of.name, of.inputs)
             values = self._results(axes, of, len(line.names))
+            if of.kind not in ("rules", "table"):
+                self.found.sources[self.axis, of] = values[0]
             factors = line.products[0].factors if line.products else ()
             made = [self._times(each, factors, line.span) for each in values]
         for name, reach in zip(line.names, made, strict=False):

@@ -41,6 +41,7 @@ from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import SUFFIXES, LookupTable, read_table
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.shown import Shown
 
 Change = Callable[[ControllerModel], ControllerModel]
 
@@ -48,8 +49,8 @@ ZERO = "zero"
 """In place of a file: a table of zeros on the grid of the performance table."""
 
 
-@dataclass(frozen=True)
-class ControllerText:
+@dataclass(frozen=True, repr=False)
+class ControllerText(Shown):
     """A controller as text, with the rule bases and tables that it uses.
 
     Attributes
@@ -60,11 +61,21 @@ class ControllerText:
         By the names of the text, one for all axes or one for each.
     path : str
         Of the file, empty where there is none.
+    source : str
+        The text as it was read; empty where the controller has been changed since.
     """
 
     model: ControllerModel
     sheets: Mapping[str, tuple[Sheet, ...]] = field(default_factory=dict)
     path: str = ""
+    source: str = field(default="", compare=False)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}{repr(self.model).removeprefix('<ControllerModel')}"
+
+    def __str__(self) -> str:
+        """Return the text of the file."""
+        return self.source or repr(self)
 
     def run(self, **options: Any) -> ControllerRun:
         """Start it, for a loop of one's own; see :class:`ControllerRun`."""
@@ -99,14 +110,15 @@ def read_controller(
         If it has mistakes, or something does not fit; `diagnostics` has all of them.
     """
     name = os.fspath(path)
-    parsed = parse(read_text(path), name)
+    source = read_text(path)
+    parsed = parse(source, name)
     if parsed.controller is None:
         raise RuleBaseError(parsed.diagnostics)
     model = change(parsed.controller) if change is not None else parsed.controller
     text, faults = with_files(model, Path(name).parent, name, instead)
     if faults:
         raise RuleBaseError(faults)
-    return text
+    return text if change is not None else replace(text, source=source)
 
 
 def with_files(
@@ -398,11 +410,11 @@ class ControllerRun:
     >>> from fuzzyarm import load, shipped
     >>> run = load(shipped("fuzzy-direct.frb")).run(compiled=False)
     >>> run.inputs
-    ('joint1.position', 'joint1.velocity', 'joint2.position', 'joint2.velocity')
+    ('joint1.position', 'joint2.position', 'joint1.velocity', 'joint2.velocity')
     >>> still = dict.fromkeys(run.inputs, 0.0)
     >>> drives = run.step(still, still | {"joint1.position": 0.001})
-    >>> round(drives["joint1.voltage"], 3), drives["joint2.voltage"]
-    (0.586, 0.0)
+    >>> round(drives["joint1.voltage"], 3), round(drives["joint2.voltage"], 3)
+    (1.345, 0.0)
     """
 
     def __init__(

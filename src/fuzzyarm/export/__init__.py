@@ -9,6 +9,7 @@ controller is a :class:`~fuzzyarm.export.controllers.ControllerProgram`.
 """
 
 from fuzzyarm.export.controllers import ControllerProgram, with_tables
+from fuzzyarm.export.cost import StepCost, step_cost
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.table_numbers import FixedTable, FloatTable
@@ -22,6 +23,7 @@ from fuzzyarm.export.write import (
     routines_of,
     write_export,
 )
+from fuzzyarm.lazy import lazily
 
 __all__ = [
     "CONTROLLER_EXPORTS",
@@ -33,9 +35,13 @@ __all__ = [
     "ExportedController",
     "FixedTable",
     "FloatTable",
+    "StepCost",
     "export_controller",
     "export_files",
     "routines_of",
+    "step_cost",
     "with_tables",
     "write_export",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

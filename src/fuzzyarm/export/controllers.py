@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +19,7 @@ from fuzzyarm.export.table_numbers import FixedTable
 from fuzzyarm.model.controller import Line, Signal, Source
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import LookupTable
+from fuzzyarm.table.compiler import over_inputs
 from fuzzyarm.text.numbers import number_text
 from fuzzyarm.version import __version__
 
@@ -65,12 +66,10 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
         for number, name in enumerate(line.names):
             outputs = [sheet.outputs[number].name for sheet in used if isinstance(sheet, RuleBase)]
             own = source.name if len(line.names) == 1 else f"{source.name}_{outputs[0]}"
-            sheets[own] = tuple(
-                table(sheet, output)
-                for sheet, output in zip(used, outputs, strict=True)
-                if isinstance(sheet, RuleBase)
-            )
-            looked_up = Source("table", own, source.inputs, source.options)
+            rulebases = [sheet for sheet in used if isinstance(sheet, RuleBase)]
+            made = [table(*pair) for pair in zip(rulebases, outputs, strict=True)]
+            inputs, sheets[own] = _looked_up(rulebases, made, source.inputs)
+            looked_up = Source("table", own, inputs, source.options)
             found.append(replace(line, names=(name,), source=looked_up))
         return found
 
@@ -79,6 +78,25 @@ def with_tables(text: ControllerText, compile_output: Compile) -> ControllerText
         for each in text.model.axes
     )
     return ControllerText(replace(text.model, axes=axes), sheets, text.path)
+
+
+def _looked_up(
+    rulebases: Sequence[RuleBase], tables: Sequence[LookupTable], inputs: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[LookupTable, ...]]:
+    """Return the inputs of a look-up, those that any of the tables needs, and tables over them."""
+    needed = [
+        k
+        for k in range(len(inputs))
+        if any(
+            rulebase.inputs[k].name in table.names
+            for rulebase, table in zip(rulebases, tables, strict=True)
+        )
+    ]
+    over = tuple(
+        over_inputs(table, [rulebase.inputs[k] for k in needed])
+        for rulebase, table in zip(rulebases, tables, strict=True)
+    )
+    return tuple(inputs[k] for k in needed), over
 
 
 @dataclass(frozen=True)

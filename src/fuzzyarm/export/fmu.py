@@ -54,7 +54,7 @@ def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) ->
     if version not in VERSIONS:
         raise ExportError(f"no version {version} of FMI", hint="there are 2 and 3")
     if program.precision != "float64":
-        raise ExportError("a unit computes in double precision", hint="--precision float64")
+        raise ExportError("an FMU computes in double precision", hint="--precision float64")
     compiler = find_compiler()
     steps = program.steps
     files, made = controller_c(steps, prefix, prefix, ".h", program.tried.vectors, program.head())
@@ -94,14 +94,14 @@ def find_compiler() -> list[str]:
     words = shlex.split(asked)
     if words:
         if shutil.which(words[0]) is None:
-            raise ExportError(f"the C compiler '{words[0]}' of CC is not there")
+            raise ExportError(f"the C compiler '{words[0]}' named by CC was not found")
         return words
     for name in ("cc", "gcc", "clang"):
         if shutil.which(name) is not None:
             return [name]
     raise ExportError(
-        "an .fmu needs a C compiler, and there is none",
-        hint="install gcc or clang, or say which one in CC; a .h needs none",
+        "an .fmu needs a C compiler, and none was found",
+        hint="install gcc or clang, or name one in CC; a .h needs no compiler",
     )
 
 

@@ -222,6 +222,8 @@ class _Builder:
             raise refuse(f"defuzzifier {way.method} of '{name}'")
         if output.discrete:
             return
+        if way.joined:
+            raise refuse(f"joined samples of '{name}'")
         if way.resolution is not None:
             size = way.resolution * (1 + len(output.members))
             if size > MOST_SAMPLES:

@@ -150,6 +150,15 @@ def write_export(
 ) -> Exported:
     """Write exported files, each whole or not at all, and return them.
 
+    Parameters
+    ----------
+    routines : sequence of Routine
+        What the files hold, in order.
+    path : path-like
+        Its suffix says which language.
+    name : str, optional
+        Of the module; by default that of the file.
+
     Raises
     ------
     ExportError
@@ -175,7 +184,7 @@ def _suffix_and_prefix(path: Path, name: str | None, known: Sequence[str]) -> tu
     reserved = name in C_RESERVED or (suffix == ".st" and name.lower() in ST_RESERVED)
     if identifier(name) != name or reserved:
         raise ExportError(
-            f"'{name}' cannot begin the identifiers", hint=f"for instance {identifier(name)}_x"
+            f"'{name}' cannot begin an identifier", hint=f"for instance {identifier(name)}_x"
         )
     return suffix, name
 

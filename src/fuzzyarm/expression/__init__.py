@@ -9,4 +9,28 @@ with), :mod:`.evaluation` (numbers, arrays, derivative, bounds), :mod:`.printing
 :mod:`.functions` (source text, compiled functions), :mod:`.records` (what is known of a
 kind), :mod:`.shapes` and :mod:`.norms` (the built-in ones), :mod:`.kinds` (all of them),
 :mod:`.formulas` (what users write).
+
+Public are :mod:`.kinds` and :mod:`.op`.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.lazy import lazily
+
+if TYPE_CHECKING:
+    from fuzzyarm.expression import kinds, op
+
+__all__ = [
+    "kinds",
+    "op",
+]
+
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "kinds": ("kinds",),
+        "op": ("op",),
+    },
+)

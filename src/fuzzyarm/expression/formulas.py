@@ -424,7 +424,7 @@ def _tokens(text: str, token: re.Pattern[str]) -> Iterator[tuple[str, str, int]]
             raise FormulaError(f"'{text[start]}' has no meaning here", text, start)
         yield match.lastgroup, match[match.lastgroup], match.start(match.lastgroup)
         position = match.end()
-    raise FormulaError(f"a formula may have {MAX_TOKENS} words at most", text, position)
+    raise FormulaError(f"a formula may have at most {MAX_TOKENS} words", text, position)
 
 
 # ── writing ──────────────────────────────────────────────────────────────────────────

@@ -7,11 +7,12 @@ calls as a user's own (:mod:`~fuzzyarm.expression.kinds`).
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import chain, product
+from itertools import chain, pairwise, product
 from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
@@ -177,6 +178,36 @@ class Shape(Kind):
             return lambda x: degree_on_polyline(corners, x)
         scalar = self.scalar
         return lambda x: scalar(x, *parameters)
+
+    def fault(self, parameters: Sequence[float]) -> tuple[int, str] | None:
+        """Return what keeps numbers from being those of such a shape; None if nothing does.
+
+        Parameters
+        ----------
+        parameters : sequence of float
+            As many as the kind takes; of ``points`` x1, y1, x2, y2, ….
+
+        Returns
+        -------
+        tuple of (int, str) or None
+            Index of the number at fault and one sentence.
+        """
+        for i, value in enumerate(parameters):
+            if math.isnan(value):
+                return i, f"a {self.name} cannot have the number nan"
+        for i, (before, number) in enumerate(pairwise(parameters), start=1):
+            if self.ordered and number < before:
+                return i, f"the numbers of a {self.name} must not decrease"
+        for i, (name, value) in enumerate(zip(self.parameters, parameters, strict=False)):
+            if name in self.positive and not value > 0.0:
+                return i, f"{self.number_words(name)} must be above 0"
+            if name in self.nonzero and value == 0.0:
+                return i, f"{self.number_words(name)} must not be 0"
+        return None
+
+    def number_words(self, name: str) -> str:
+        """Return what a message calls one of its numbers: ``the deviation of a gaussian``."""
+        return f"the {name.replace('-', ' ')} of a {self.name}"
 
     def array(self, *arguments: Any) -> Any:
         """Return the degrees over an array: x, then the parameters."""

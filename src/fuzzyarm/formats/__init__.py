@@ -6,6 +6,8 @@ every finding with its position. Writing gives an :class:`Exported` in the same 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.formats.fcl_reader import parse_fcl
 from fuzzyarm.formats.fcl_writer import write_fcl
 from fuzzyarm.formats.findings import Exported, Imported
@@ -23,8 +25,13 @@ from fuzzyarm.formats.registry import (
     read,
     same_model,
     suffix_of,
+    text_in,
     write,
 )
+from fuzzyarm.lazy import lazily
+
+if TYPE_CHECKING:
+    from fuzzyarm.formats.skfuzzy import from_skfuzzy, to_skfuzzy
 
 __all__ = [
     "FOREIGN",
@@ -34,6 +41,7 @@ __all__ = [
     "Exported",
     "FormatError",
     "Imported",
+    "from_skfuzzy",
     "parse",
     "parse_fcl",
     "parse_fis",
@@ -42,8 +50,12 @@ __all__ = [
     "read",
     "same_model",
     "suffix_of",
+    "text_in",
+    "to_skfuzzy",
     "write",
     "write_fcl",
     "write_fis",
     "write_fll",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {"skfuzzy": ("from_skfuzzy", "to_skfuzzy")}, __all__)

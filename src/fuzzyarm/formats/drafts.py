@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
+from itertools import groupby
+from operator import itemgetter
 
 from fuzzyarm.expression.formulas import read_formula
 from fuzzyarm.expression.kinds import SHAPES
@@ -156,6 +158,17 @@ def rulebase_of(
     inputs = tuple(draft.input() for draft in drafts if not draft.is_output)
     outputs = tuple(draft.output() for draft in drafts if draft.is_output)
     return RuleBase(name, inputs, outputs, blocks, description)
+
+
+def blocks_by_norms(
+    rules: Iterable[tuple[tuple[str, str], Rule]],
+) -> tuple[RuleBlock, ...]:
+    """Return a block for each run of rules with the same conjunction and disjunction."""
+    runs = groupby(rules, key=itemgetter(0))
+    return tuple(
+        RuleBlock(tuple(rule for _, rule in run), f"{number}" if number > 1 else "", *norms)
+        for number, (norms, run) in enumerate(runs, 1)
+    )
 
 
 def note_rounding(text: str, findings: Findings) -> None:

@@ -206,6 +206,26 @@ def parse_fcl(
     """Read a function block: :func:`~fuzzyarm.formats.registry.parse` of ``.fcl``.
 
     The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
+
+    Parameters
+    ----------
+    text : str
+        The file.
+    path : str
+        Its name, for the findings.
+    dialect : str, optional
+        The producer.
+    block : str, optional
+        Which function block, where there are several.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Imported
+        The rule base, if there is no error, and every finding.
     """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:

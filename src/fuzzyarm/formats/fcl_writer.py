@@ -48,6 +48,22 @@ def write_fcl(
     """Write a function block: :func:`~fuzzyarm.formats.registry.write` of ``.fcl``.
 
     The `dialect` is the producer there, ``jfuzzylogic`` or ``fuzzylite``.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Any.
+    dialect : str, optional
+        The producer.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Exported
+        The text, if there is no error, and every finding.
     """
     producers = (dialect,) if dialect is not None else ("fuzzylite", "jfuzzylogic")
     dialects = [FCL[each] for each in producers]

@@ -17,6 +17,7 @@ from fuzzyarm.expression.formulas import FormulaError, read_formula
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Related, Severity, Span
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.shown import one_line
 
 # --- What a reader or writer of a foreign format hands back, and how it collects findings ---
 
@@ -38,7 +39,7 @@ MAX_RULES = 10_000
 LOSSY_HINT = "--lossy goes on regardless"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Imported:
     """A foreign file, read.
 
@@ -57,13 +58,17 @@ class Imported:
     diagnostics: tuple[Diagnostic, ...] = ()
     producer: str = ""
 
+    def __repr__(self) -> str:
+        what = "no rule base" if self.rulebase is None else repr(self.rulebase)
+        return one_line(self, f"{what}, {len(self.diagnostics)} findings, as of {self.producer}")
+
     @property
     def errors(self) -> tuple[Diagnostic, ...]:
         """The findings that keep the file from being used."""
         return tuple(d for d in self.diagnostics if d.is_error)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Exported:
     """A rule base, written in a foreign format.
 
@@ -77,6 +82,10 @@ class Exported:
 
     text: str | None
     diagnostics: tuple[Diagnostic, ...] = ()
+
+    def __repr__(self) -> str:
+        size = "no text" if self.text is None else f"{len(self.text):,} characters"
+        return one_line(self, f"{size}, {len(self.diagnostics)} findings")
 
     @property
     def errors(self) -> tuple[Diagnostic, ...]:

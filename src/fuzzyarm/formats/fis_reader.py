@@ -107,7 +107,26 @@ def parse_fis(
     lossy: bool = False,
     strict: bool = False,
 ) -> Imported:
-    """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``."""
+    """Read a fuzzy inference system: :func:`~fuzzyarm.formats.registry.parse` of ``.fis``.
+
+    Parameters
+    ----------
+    text : str
+        The file.
+    path : str
+        Its name, for the findings.
+    producer : str, optional
+        The program that wrote it.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Imported
+        The rule base, if there is no error, and every finding.
+    """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
         found = FIS[producer or detect(plain)]
@@ -179,7 +198,7 @@ class _Reader:
         for line in section.lines:
             parts = line.around("=")
             if parts is None:
-                message = f"'{line.text[:40]}' is not 'key=value'"
+                message = f"'{line.text[:40]}' is not of the form 'key=value'"
                 self.findings.error("syntax", message, line)
             elif is_open(parts[1].text):
                 self.findings.error("syntax", "a quote or bracket is not closed", parts[1])

@@ -217,7 +217,7 @@ def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> N
         findings.error("syntax", "the kind of the membership function is missing", kind)
         return
     if kind.text.lower().endswith("mf"):
-        message = f"'{kind.text[:40]}' is a function of its author's own, which is not in the file"
+        message = f"'{kind.text[:40]}' is a custom function, which is not in the file"
         findings.error("unknown-shape", message, kind)
         return
     findings.unknown("unknown-shape", "the membership function", kind, known)

@@ -52,7 +52,24 @@ def write_fis(
     lossy: bool = False,
     strict: bool = False,
 ) -> Exported:
-    """Write a fuzzy inference system: :func:`~fuzzyarm.formats.registry.write` of ``.fis``."""
+    """Write a fuzzy inference system: :func:`~fuzzyarm.formats.registry.write` of ``.fis``.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Any.
+    producer : str, optional
+        The program to write for.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Exported
+        The text, if there is no error, and every finding.
+    """
     producers = (producer,) if producer is not None else tuple(FIS)
     dialects = [FIS[each] for each in producers]
     return best([_Writer(rulebase, each, lossy=lossy, strict=strict).export() for each in dialects])

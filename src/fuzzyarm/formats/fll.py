@@ -67,7 +67,7 @@ def _lines(text: str, findings: Findings) -> Iterator[_Line]:
     for line in lines_of(text, lambda raw: raw.partition("#")[0]):
         parts = line.around(":")
         if parts is None:
-            findings.error("syntax", f"'{line.text[:40]}' is no 'key: value'", line)
+            findings.error("syntax", f"'{line.text[:40]}' is not of the form 'key: value'", line)
         else:
             yield _Line(*parts)
 
@@ -180,7 +180,24 @@ _SECTIONS = ("Engine", "InputVariable", "OutputVariable", "RuleBlock")
 def parse_fll(
     text: str, path: str = "<text>", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Read an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.parse` of ``.fll``."""
+    """Read an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.parse` of ``.fll``.
+
+    Parameters
+    ----------
+    text : str
+        The file.
+    path : str
+        Its name, for the findings.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Imported
+        The rule base, if there is no error, and every finding.
+    """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase, Dialect]:
         return _Reader(plain, findings).read(), FLL
@@ -405,7 +422,22 @@ def _identifier(name: str) -> str:
 
 
 def write_fll(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) -> Exported:
-    """Write an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.write` of ``.fll``."""
+    """Write an engine of fuzzylite: :func:`~fuzzyarm.formats.registry.write` of ``.fll``.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Any.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Exported
+        The text, if there is no error, and every finding.
+    """
     return _Writer(rulebase, FLL, lossy=lossy, strict=strict).export()
 
 

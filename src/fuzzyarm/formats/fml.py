@@ -94,7 +94,7 @@ def _parsed(text: str) -> _Element:
     def start(tag: str, attributes: dict[str, str]) -> None:
         name = tag.rpartition("}")[2]
         if len(stack) > MAX_NESTING:
-            message = f"elements may nest {MAX_NESTING} deep at most"
+            message = f"elements may nest at most {MAX_NESTING} deep"
             raise FaultError(message, Word(name, here(len(name) + 1)), "too-deep")
         element = _Element(Word(name, here(len(name) + 1)), attributes)
         stack[-1].children.append(element)
@@ -155,7 +155,24 @@ _VARIABLES = {
 def parse_fml(
     text: str, path: str = "<text>", *, lossy: bool = False, strict: bool = False
 ) -> Imported:
-    """Read a fuzzy system: :func:`~fuzzyarm.formats.registry.parse` of ``.fml``."""
+    """Read a fuzzy system: :func:`~fuzzyarm.formats.registry.parse` of ``.fml``.
+
+    Parameters
+    ----------
+    text : str
+        The file.
+    path : str
+        Its name, for the findings.
+    lossy : bool
+        Whether to go on where numbers would change.
+    strict : bool
+        Whether to refuse slight losses too.
+
+    Returns
+    -------
+    Imported
+        The rule base, if there is no error, and every finding.
+    """
 
     def read(plain: str, findings: Findings) -> tuple[RuleBase | None, Dialect]:
         try:

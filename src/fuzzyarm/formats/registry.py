@@ -18,9 +18,10 @@ from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.writing import note_threshold
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
-from fuzzyarm.text.diagnostic import Diagnostic, Span
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
 
 FOREIGN = (".fll", ".fcl", ".fis")
 """Suffixes of other programs' files."""
@@ -42,6 +43,13 @@ class FormatError(FuzzyarmError, ValueError):
 
 def suffix_of(path: str | os.PathLike[str], known: tuple[str, ...] = SUFFIXES) -> str:
     """Return the suffix of `path`, one of `known`, in small letters.
+
+    Parameters
+    ----------
+    path : path-like
+        A name of a file.
+    known : tuple of str
+        The suffixes there are.
 
     Raises
     ------
@@ -175,7 +183,7 @@ def decoded(data: bytes, path: str) -> tuple[str, tuple[Diagnostic, ...]]:
 
 
 def write(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     suffix: str,
     *,
     producer: str | None = None,
@@ -203,6 +211,7 @@ def write(
     FormatError
         If `suffix` or `producer` is not known.
     """
+    rulebase = rulebase.model
     _demand_program(producer, suffix, "reads")
     match suffix:
         case ".fll":
@@ -214,6 +223,31 @@ def write(
         case ".frb":
             return _write_own(rulebase, lossy=lossy, strict=strict)
     raise FormatError(f"no format has the suffix '{suffix}'")
+
+
+def text_in(rulebase: RuleBase, path: str | os.PathLike[str], *, lossy: bool = False) -> str:
+    """Return `rulebase` in the format that the suffix of `path` names.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to write.
+    path : path-like
+        Its suffix is the format.
+    lossy : bool
+        Whether to go on where numbers would change.
+
+    Raises
+    ------
+    FormatError
+        If the suffix is not that of a format of rule bases.
+    RuleBaseError
+        If the format cannot express the rule base, with every finding.
+    """
+    exported = write(rulebase, suffix_of(path), lossy=lossy)
+    if exported.text is None:
+        raise RuleBaseError(exported.diagnostics)
+    return exported.text
 
 
 def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
@@ -237,7 +271,13 @@ def _write_own(rulebase: RuleBase, *, lossy: bool, strict: bool) -> Exported:
 
 
 def same_model(one: RuleBase, other: RuleBase) -> bool:
-    """Whether two rule bases are equal, a NaN being equal to a NaN."""
+    """Whether two rule bases are equal, a NaN being equal to a NaN.
+
+    Parameters
+    ----------
+    one, other : RuleBase
+        Values.
+    """
     return _without_nan(one) == _without_nan(other)
 
 

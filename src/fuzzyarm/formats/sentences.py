@@ -109,7 +109,7 @@ class _Parser:
 
     def condition(self, depth: int) -> Expression:
         if depth > MAX_NESTING:
-            message = f"parentheses may nest {MAX_NESTING} deep at most"
+            message = f"parentheses may nest at most {MAX_NESTING} deep"
             at = self.words[min(self.at, len(self.words) - 1)]
             raise FaultError(message, at, "too-deep")
         if self.dialect.equal_precedence:
@@ -158,7 +158,7 @@ class _Parser:
             else:
                 found.append(self.conclusion())
             if len(found) > MAX_CONCLUSIONS:
-                message = f"a rule may have {MAX_CONCLUSIONS} conclusions at most"
+                message = f"a rule may have at most {MAX_CONCLUSIONS} conclusions"
                 raise FaultError(message, self.words[self.at - 1], "too-many")
             if self.key() not in self.dialect.separators:
                 return found

@@ -1,10 +1,12 @@
 """scikit-fuzzy: a ``ControlSystem`` to a rule base and back.
 
 scikit-fuzzy keeps a term as numbers over the points of its universe and draws straight
-lines between them, so a term comes over as ``points`` and is exactly the same function.
+lines between them. A term comes over as the shape that these numbers came from, or, where that
+is asked for or nothing else has them, as ``points``, which is exactly the same function.
 Its centroid is the exact one of the clipped terms, but joins their union between the points
 of the universe (and of the cuts) by straight lines: where two terms cross between two
-points, it differs from the integral by a triangle of that width. docs/formats.md has more.
+points, it differs from the integral by a triangle of that width.
+docs/from-scikit-fuzzy.md has the sizes.
 
 This is the one part of the package that needs array libraries, inside its functions.
 """
@@ -12,14 +14,16 @@ This is the one part of the package that needs array libraries, inside its funct
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import reduce
-from itertools import pairwise, product
+from itertools import chain, pairwise, product
+from types import SimpleNamespace
 from typing import Any
 
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
-from fuzzyarm.formats.drafts import VALUES
+from fuzzyarm.formats.drafts import VALUES, blocks_by_norms
 from fuzzyarm.formats.findings import Findings, Imported
+from fuzzyarm.formats.recovery import even_family, is_joined, joined, recovered
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold, refuse_type_2
 from fuzzyarm.model.rulebase import (
@@ -41,7 +45,7 @@ from fuzzyarm.model.rulebase import (
 from fuzzyarm.model.shapes import membership
 from fuzzyarm.text.diagnostic import Diagnostic
 
-__all__ = ["from_skfuzzy", "to_skfuzzy"]
+__all__ = ["from_skfuzzy", "skfuzzy_numbers", "to_skfuzzy"]
 
 # --- From a control system of scikit-fuzzy to a rule base ---
 
@@ -58,17 +62,29 @@ _TNORMS, _SNORMS = ("min", "product"), ("max", "probor")
 """Norms that a rule is given there; it clips by the minimum and joins terms by the maximum."""
 
 
-def from_skfuzzy(system: Any, name: str = "system", *, lossy: bool = False) -> Imported:
+def from_skfuzzy(
+    system: Any,
+    name: str = "system",
+    *,
+    points: bool = False,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Imported:
     """Return the rule base that a control system of scikit-fuzzy is.
 
     Parameters
     ----------
-    system : skfuzzy.control.ControlSystem
+    system : skfuzzy.control.ControlSystem or ControlSystemSimulation
         Complete: every variable with its terms, every rule.
     name : str
         What the rule base is called.
+    points : bool
+        Whether terms stay the straight lines between the points of their universe, rather than
+        the triangle, gaussian and so on that has the same degrees at all of them.
     lossy : bool
         Whether a loss that changes numbers is a warning rather than an error.
+    strict : bool
+        Whether a slight loss is an error rather than a warning.
 
     Returns
     -------
@@ -76,20 +92,56 @@ def from_skfuzzy(system: Any, name: str = "system", *, lossy: bool = False) -> I
         The rule base where there is no error, and every finding (without positions: there is
         no text).
     """
-    findings = Findings(lossy=lossy)
-    inputs = tuple(_input(each) for each in system.antecedents)
-    outputs = tuple(_output(each, findings) for each in system.consequents)
+    findings = Findings(lossy=lossy, strict=strict)
+    clips = getattr(system, "clip_to_bounds", True)
+    system = getattr(system, "ctrl", system)  # of a simulation
+    variables = [*system.antecedents, *system.consequents]
+    labels = [str(each.label) for each in variables]
+    for label in sorted({each for each in labels if labels.count(each) > 1}):
+        findings.error("duplicate-variable", f"two variables are called '{label}'")
+    terms = {id(each): _terms(each, findings, points=points) for each in variables}
+    inputs = tuple(
+        Input(
+            str(each.label), *_range(each), terms[id(each)],
+            outside="clamp" if clips else "error",
+        )
+        for each in system.antecedents
+    )  # fmt: skip
+    outputs = tuple(_output(each, terms[id(each)], findings) for each in system.consequents)
     blocks = _blocks(list(system.rules), findings)
+    if not blocks and not findings.failed:
+        findings.error("no-rules", "the control system has no rules")
     rulebase = None if findings.failed else RuleBase(name, inputs, outputs, blocks)
     return Imported(rulebase, findings.all(), "scikit-fuzzy")
 
 
-def _input(variable: Any) -> Input:
-    low, high = _range(variable)
-    return Input(variable.label, low, high, _terms(variable))
+def skfuzzy_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks a control system, or a simulation of it, for its own numbers.
+
+    The order of the rules is found once: scikit-fuzzy finds it again at each computation, which
+    takes longer than all the rest.
+    """
+    from skfuzzy.control import ControlSystemSimulation
+
+    clips = getattr(system, "clip_to_bounds", True)
+    system = getattr(system, "ctrl", system)
+    simulation = ControlSystemSimulation(system, clip_to_bounds=clips, cache=False)
+    simulation.ctrl = SimpleNamespace(
+        graph=system.graph,
+        rules=list(system.rules),
+        antecedents=list(system.antecedents),
+        consequents=list(system.consequents),
+    )
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        simulation.inputs(dict(values))
+        simulation.compute()
+        return {str(name): float(value) for name, value in simulation.output.items()}
+
+    return numbers
 
 
-def _output(variable: Any, findings: Findings) -> Output:
+def _output(variable: Any, terms: tuple[Term, ...], findings: Findings) -> Output:
     low, high = _range(variable)
     method = METHODS.get(variable.defuzzify_method)
     if method is None:
@@ -100,54 +152,97 @@ def _output(variable: Any, findings: Findings) -> Output:
         message = f"'{variable.label}' accumulates by something else than the maximum"
         findings.loss("unsupported-norm", message)
     return Output(
-        variable.label,
+        str(variable.label),
         low,
         high,
-        _terms(variable),
+        terms,
         outside="extend",
-        defuzzifier=Defuzzifier(method or "centroid"),
+        defuzzifier=_defuzzifier(variable, method or "centroid", findings),
     )
+
+
+def _defuzzifier(variable: Any, method: str, findings: Findings) -> Defuzzifier:
+    """Return the joined samples of an even universe, the exact integral of any other."""
+    xs = [float(x) for x in variable.universe]
+    if len(xs) < 2 or "maximum" in method:
+        return Defuzzifier(method)
+    if _are_even(xs):
+        return Defuzzifier(method, len(xs), "joined")
+    message = (
+        f"the points of '{variable.label}' are not even: its {method} is exact here, while "
+        "scikit-fuzzy joins its sets by straight lines between them"
+    )
+    findings.info("between-samples", message)
+    return Defuzzifier(method)
+
+
+def _are_even(xs: list[float]) -> bool:
+    step = (xs[-1] - xs[0]) / (len(xs) - 1)
+    near = 1e-12 * (xs[-1] - xs[0])
+    return all(abs(x - (xs[0] + step * i)) <= near for i, x in enumerate(xs))
+
+
+def _is_output(variable: Any) -> bool:
+    return hasattr(variable, "accumulation_method")
 
 
 def _range(variable: Any) -> tuple[float, float]:
     return float(variable.universe.min()), float(variable.universe.max())
 
 
-def _terms(variable: Any) -> tuple[Term, ...]:
-    xs = [float(x) for x in variable.universe]
-    return tuple(
-        Term(str(label), _points(xs, [float(y) for y in term.mf]))
-        for label, term in variable.terms.items()
-    )
-
-
-def _points(xs: list[float], ys: list[float]) -> Shape:
-    """Return straight lines through all points, without those inside a plateau."""
-    pairs: list[float] = []
-    for i, (x, y) in enumerate(zip(xs, ys, strict=True)):
-        if 0 < i < len(xs) - 1 and ys[i - 1] == y == ys[i + 1]:
-            continue
-        pairs += (x, y)
-    return Shape("points", tuple(pairs))
+def _terms(variable: Any, findings: Findings, *, points: bool) -> tuple[Term, ...]:
+    """Return the terms of a variable; say so where one differs between the points."""
+    name, xs = variable.label, [float(x) for x in variable.universe]
+    if len(xs) < 2 or any(not a < b for a, b in pairwise(xs)):
+        message = f"the universe of '{name}' must be two and more numbers that increase"
+        findings.error("unordered-points", message)
+        return ()
+    degrees = {str(label): [float(y) for y in term.mf] for label, term in variable.terms.items()}
+    if not all(map(math.isfinite, chain(xs, *degrees.values()))):
+        findings.error("not-finite", f"the universe or a term of '{name}' has a nan or inf")
+        return ()
+    shapes = [recovered(xs, ys) or joined(xs, ys) for ys in degrees.values()]
+    shapes = even_family(shapes, xs[0], xs[-1], xs) or shapes
+    if points:
+        shapes = [
+            shape if is_joined(shape, xs) else joined(xs, ys)
+            for shape, ys in zip(shapes, degrees.values(), strict=True)
+        ]
+    changed = [
+        label for label, shape in zip(degrees, shapes, strict=True) if not is_joined(shape, xs)
+    ]
+    # An output is joined by its defuzzifier, which takes no notice of a shape between the points.
+    if changed and not (_is_output(variable) and _are_even(xs)):
+        message = (
+            f"{', '.join(changed)} of '{name}' between its {len(xs)} points: the whole shape here, "
+            "straight lines to scikit-fuzzy"
+        )
+        findings.info("between-samples", message, hint="--points keeps the straight lines")
+    return tuple(Term(label, shape) for label, shape in zip(degrees, shapes, strict=True))
 
 
 def _blocks(rules: list[Any], findings: Findings) -> tuple[RuleBlock, ...]:
     """Return a block for each run of rules with the same norms."""
-    blocks: list[RuleBlock] = []
+    read: list[tuple[tuple[str, str], Rule]] = []
     for rule in rules:
+        _note_intermediates(rule, findings)
         norms = (_norm_name(rule.and_func), _norm_name(rule.or_func))
-        conjunction, disjunction = norms
-        if conjunction not in _TNORMS or disjunction not in _SNORMS:
+        if norms[0] not in _TNORMS or norms[1] not in _SNORMS:
             message = f"the rule '{rule.label}' joins conditions by a function of its own"
             findings.error("unknown-norm", message)
             continue
-        made = _rules(rule)
-        last = blocks[-1] if blocks else None
-        if last is not None and (last.conjunction, last.disjunction) == norms:
-            blocks[-1] = RuleBlock((*last.rules, *made), last.name, *norms)
-        else:
-            blocks.append(RuleBlock(made, "" if not blocks else f"{len(blocks) + 1}", *norms))
-    return tuple(blocks)
+        read += [(norms, made) for made in _rules(rule)]
+    return blocks_by_norms(read)
+
+
+def _note_intermediates(rule: Any, findings: Findings) -> None:
+    for term in rule.antecedent_terms:
+        if _is_output(term.parent):
+            message = (
+                f"'{term.parent.label}' is an output; scikit-fuzzy takes the activation of its "
+                f"term '{term.label}' in the conditions of '{rule.label}', not its value"
+            )
+            findings.loss("chained-output", message)
 
 
 def _norm_name(function: Callable[..., Any]) -> str:
@@ -199,7 +294,8 @@ def to_skfuzzy(
     rulebase : RuleBase
         Mamdani with min (or product) and max, clipped by min.
     samples : int
-        Even points of every universe; the corners of straight terms are added to them.
+        Even points of every universe; the corners of straight terms are added to them. An
+        output with joined samples has these.
     lossy : bool
         Whether to go on where scikit-fuzzy gives other numbers.
 
@@ -257,7 +353,7 @@ def _check_output(output: Output, findings: Findings) -> None:
     if output.defuzzifier.method not in _BACK:
         message = f"scikit-fuzzy has no {output.defuzzifier.method} for '{output.name}'"
         findings.error("unsupported-defuzzifier", message)
-    if output.defuzzifier.resolution is not None:
+    if output.defuzzifier.resolution is not None and not output.defuzzifier.joined:
         message = f"'{output.name}' is sampled; scikit-fuzzy integrates between its points"
         findings.loss("sampling", message)
     if output.aggregation != "max":
@@ -309,6 +405,8 @@ def _system(rulebase: RuleBase, samples: int) -> Any:
 def _universe(variable: Input | Output, samples: int) -> Any:
     import numpy as np
 
+    if isinstance(variable, Output) and variable.defuzzifier.joined:
+        return np.linspace(variable.low, variable.high, variable.defuzzifier.resolution or 2)
     corners = [c for term in variable.terms for c in _corners(term.shape)]
     inside = [c for c in corners if variable.low <= c <= variable.high]
     return np.union1d(np.linspace(variable.low, variable.high, samples), inside)

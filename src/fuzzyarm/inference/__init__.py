@@ -5,7 +5,7 @@ Importing it imports no array library; evaluating scalars does not either.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.errors import (
     CyclicRulesError,
@@ -19,6 +19,7 @@ from fuzzyarm.inference.errors import (
 )
 from fuzzyarm.inference.infer import check_expectations, infer, infer_interval
 from fuzzyarm.inference.point import prepare
+from fuzzyarm.lazy import lazily
 
 if TYPE_CHECKING:
     from fuzzyarm.inference.engine import Compiled, compiled
@@ -45,14 +46,6 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Import what a check does not need when it is asked for."""
-    if name in {"Compiled", "compiled"}:
-        from fuzzyarm.inference import engine
-
-        return getattr(engine, name)
-    if name in {"Trace", "explain"}:
-        from fuzzyarm.inference import trace
-
-        return getattr(trace, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__ = lazily(
+    __name__, {"engine": ("Compiled", "compiled"), "trace": ("Trace", "explain")}, __all__
+)

@@ -25,8 +25,8 @@ def positions(low: float, high: float, count: int, sampling: str) -> list[float]
     count : int
         Number of samples N.
     sampling : str
-        ``endpoints`` and ``trapezoid``: N points with both ends; ``midpoints``: the
-        middles of N equal stretches; ``left``: their left ends.
+        ``endpoints``, ``trapezoid`` and ``joined``: N points with both ends;
+        ``midpoints``: the middles of N equal stretches; ``left``: their left ends.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def positions(low: float, high: float, count: int, sampling: str) -> list[float]
     InferenceError
         If there are too few samples.
     """
-    both_ends = sampling in {"endpoints", "trapezoid"}
+    both_ends = sampling in {"endpoints", "trapezoid", "joined"}
     if count < (2 if both_ends else 1):
         raise InferenceError(f"a defuzzifier cannot work with {count} samples at {sampling}")
     width = high - low

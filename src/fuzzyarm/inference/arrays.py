@@ -189,11 +189,7 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
         raise MissingInputError(missing)
     arrays = {}
     for variable in rulebase.inputs:
-        try:
-            array = np.asarray(inputs[variable.name], dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            detail = f"is not an array of numbers: {type(inputs[variable.name]).__name__}"
-            raise NotANumberError(variable.name, detail) from None
+        array = _numbers(variable.name, inputs[variable.name])
         if np.isnan(array).any():
             raise NotANumberError(variable.name)
         arrays[variable.name] = _into_range(variable, array)
@@ -203,6 +199,19 @@ def _checked(rulebase: RuleBase, inputs: Mapping[str, Any]) -> dict[str, Array]:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
         raise NotANumberError(names[0], f"does not fit the others: {shapes}") from None
     return arrays
+
+
+def _numbers(name: str, values: Any) -> Array:
+    """Return an input as floats; text is not a number, even of digits."""
+    try:
+        array = np.asarray(values)
+        texts = array.dtype.kind == "O" and any(isinstance(x, str | bytes) for x in array.flat)
+        if array.dtype.kind in "fiubO" and not texts:
+            return array.astype(float, copy=False)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    kind = type(values).__name__
+    raise NotANumberError(name, f"is not an array of numbers: {kind}")
 
 
 def _into_range(variable: Variable, array: Array) -> Array:

@@ -61,7 +61,7 @@ def defuzzify_at_point(
     float or None
         None where the aggregate has no area.
     """
-    method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
+    method = plan.output.defuzzifier.method
     if method in KARNIK_MENDEL:
         return _ends_at_point(plan, fired, values, inputs)
     if plan.discrete:
@@ -71,8 +71,15 @@ def defuzzify_at_point(
         from fuzzyarm.inference.maxima import discrete_at_point
 
         return discrete_at_point(plan, fired, value_of)
-    if method in CENTROIDS:
-        return _centroid_at_point(plan, fired)
+    if plan.output.defuzzifier.joined:
+        from fuzzyarm.inference.joined import joined_at_point
+
+        return joined_at_point(plan, fired)
+    return _centroid_at_point(plan, fired) if method in CENTROIDS else _place_at_point(plan, fired)
+
+
+def _place_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the bisector or one of the maxima."""
     from fuzzyarm.inference.maxima import (
         bisector_at_point,
         maxima_at_point,
@@ -80,8 +87,8 @@ def defuzzify_at_point(
         sampled_maxima_at_point,
     )
 
-    exact = resolution is None
-    if method == "bisector":
+    exact = plan.output.defuzzifier.resolution is None
+    if plan.output.defuzzifier.method == "bisector":
         return bisector_at_point(plan, fired) if exact else sampled_bisector_at_point(plan, fired)
     return maxima_at_point(plan, fired) if exact else sampled_maxima_at_point(plan, fired)
 
@@ -195,6 +202,10 @@ def defuzzify_over_arrays(
         average = method in CENTROIDS or method in WEIGHTED
         many = weighted_over_arrays if average else discrete_over_arrays
         value, weight = many(plan, strengths, value_of)
+    elif plan.output.defuzzifier.joined:
+        from fuzzyarm.inference.joined import joined_over_arrays
+
+        value, weight = joined_over_arrays(plan, strengths)
     elif method in CENTROIDS:
         value, weight = _centroid_over_arrays(plan, strengths)
     elif method == "bisector":

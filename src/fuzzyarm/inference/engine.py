@@ -13,11 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
+from fuzzyarm.inference.errors import NotANumberError
 from fuzzyarm.inference.kernel import MISSING, evaluate, run, sweep
+from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.layout import Block, Layout, NotCoveredError, lay_out, make_block
 from fuzzyarm.inference.plan import plan, remembered
-from fuzzyarm.inference.point import check_names, holds_arrays, merged, prepare
+from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
 from fuzzyarm.kernels import address_of, in_threads, is_at_hand, jit_wanted
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 
 CHUNK = 8192
@@ -100,6 +103,10 @@ class Compiled:
             self._engine = _Engine(rulebase, layout, compiled=self.kernel == "numba")
             self._one = self._engine.one
 
+    def __reduce__(self) -> tuple[type[Compiled], tuple[RuleBase]]:
+        # Machine code stays; another process takes its own from the disk.
+        return type(self), (self.rulebase,)
+
     def __repr__(self) -> str:
         why = f": {self.reason}" if self.reason else ""
         return f"<compiled {self.rulebase.name!r}, kernel {self.kernel}{why}>"
@@ -118,7 +125,10 @@ class Compiled:
             The outputs in their order.
         """
         if len(values) == len(self._names):
-            found = self._one(values)
+            try:
+                found = self._one(values)
+            except struct.error:  # one is not a number, which the engine for a point says
+                found = None
             if found is not None:
                 return found
         return tuple(prepare(self.rulebase).evaluate(self._by_name(values)).values())
@@ -128,16 +138,16 @@ class Compiled:
         *values: Any,
         held: Mapping[str, float] | None = None,
         **named: Any,
-    ) -> dict[str, Any]:
+    ) -> Any:
         """Evaluate the rule base.
 
         Parameters
         ----------
-        *values : float, array_like or mapping
-            The inputs in their order, or one mapping of them by name.
+        *values : float, array_like, mapping, DataFrame or Dataset
+            The inputs in their order, or all of them by name in one.
         held : mapping of str to float, optional
             Last values of outputs that hold where no rule fires.
-        **named : float or array_like
+        **named : float, array_like, Series, DataFrame or DataArray
             Inputs by name. Arrays broadcast against each other.
 
         Returns
@@ -155,7 +165,9 @@ class Compiled:
                     if self._only is not None:
                         return {self._only: found[0]}
                     return dict(zip(self._outputs, found, strict=True))
-        return self._general(merged(self._mapping(values), named), held)
+        given, labels = gathered(self._mapping(values), named, self.rulebase.inputs)
+        general = self._general(given, held)
+        return general if labels is None else labels.on(general)
 
     def _general(
         self, given: Mapping[str, Any], held: Mapping[str, float] | None
@@ -174,9 +186,9 @@ class Compiled:
         if self._engine is None or given.keys() != set(self._names):
             return None
         try:
-            found = self._one([float(given[name]) for name in self._names])
-        except (TypeError, ValueError, OverflowError):
-            return None
+            found = self._one([number_of(name, given[name]) for name in self._names])
+        except NotANumberError:
+            return None  # the engine for a point says so
         return None if found is None else dict(zip(self._outputs, found, strict=True))
 
     def _plain(self, given: Mapping[str, Any], held: Mapping[str, float] | None) -> dict[str, Any]:
@@ -185,8 +197,8 @@ class Compiled:
             return dict(infer_arrays(self.rulebase, given, held))
         return dict(prepare(self.rulebase).evaluate(given, held))
 
-    def _mapping(self, values: tuple[Any, ...]) -> Mapping[str, Any] | None:
-        if len(values) == 1 and (values[0] is None or isinstance(values[0], Mapping)):
+    def _mapping(self, values: tuple[Any, ...]) -> Any:
+        if len(values) == 1 and (values[0] is None or _is_by_name(values[0])):
             return values[0]
         return self._by_name(values)
 
@@ -194,6 +206,11 @@ class Compiled:
         if len(values) > len(self._names):
             raise TypeError(f"{len(values)} inputs are given, there are {len(self._names)}")
         return dict(zip(self._names, values, strict=False))
+
+
+def _is_by_name(value: Any) -> bool:
+    """Whether a value has inputs by name: a mapping, a DataFrame, a Dataset."""
+    return isinstance(value, Mapping) or (hasattr(value, "columns") and hasattr(value, "index"))
 
 
 class _Engine:
@@ -335,7 +352,8 @@ def infer_many(
         # Interval type-2 sets are reduced point by point without the kernel.
         is_long = rulebase.is_type2 and points > POINTS_WORTH_COMPILING
         if _at_hand(sweep) or steps > STEPS_WORTH_COMPILING or is_long:
-            return _compiled(rulebase)(dict(given), held=held)
+            found: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
+            return found
     return dict(infer_arrays(rulebase, given, held))
 
 
@@ -346,7 +364,7 @@ def infer_one(rulebase: RuleBase, given: Mapping[str, Any]) -> dict[str, float] 
     return _compiled(rulebase).ordinary(given)
 
 
-def compiled(rulebase: RuleBase) -> Compiled:
+def compiled(rulebase: AnyRuleBase) -> Compiled:
     """Make a rule base ready to be evaluated fast.
 
     Parameters
@@ -357,7 +375,8 @@ def compiled(rulebase: RuleBase) -> Compiled:
     Returns
     -------
     Compiled
-        A callable with the inputs, results and errors of :func:`fuzzyarm.infer`. Machine
+        A callable with the inputs, results and errors of :func:`fuzzyarm.infer`; it can be
+        pickled, and so goes to other processes. Machine
         code does the work where it covers the model, see its `kernel` and `reason`. The
         machine code is the same for all models: it is made once, and kept on disk.
 
@@ -368,11 +387,15 @@ def compiled(rulebase: RuleBase) -> Compiled:
 
     Examples
     --------
-    >>> fast = compiled(rulebase)                              # doctest: +SKIP
-    >>> fast(e=1.3, ce=-2.2)                                   # doctest: +SKIP
+    >>> import numpy as np
+    >>> from fuzzyarm import compiled, load, shipped
+    >>> fast = compiled(load(shipped("pd7.frb")))
+    >>> fast(e=1.3, ce=-2.2)
     {'u': -1.0677966101694918}
-    >>> fast.at(1.3, -2.2)                                     # doctest: +SKIP
+    >>> fast.at(1.3, -2.2)
     (-1.0677966101694918,)
-    >>> fast(e=axis[:, None], ce=axis[None, :])                # doctest: +SKIP
+    >>> axis = np.linspace(-6.0, 6.0, 5)
+    >>> fast(e=axis[:, None], ce=axis[None, :])["u"].shape
+    (5, 5)
     """
-    return Compiled(rulebase)
+    return Compiled(rulebase.model)

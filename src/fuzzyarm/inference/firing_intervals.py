@@ -131,6 +131,10 @@ class _Doubling:
                     self.lower_names[variable.name, term.name] = name
 
     def result(self) -> Doubled:
+        for output in self.outputs.values():
+            if output.name in self.two_sided and output.defuzzifier.joined:
+                way = output.defuzzifier.method
+                raise InferenceError(f"{way} of '{output.name}' takes no joined samples")
         readings: list[tuple[int, ...]] = []
         blocks = []
         count = 0

@@ -5,70 +5,89 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.firing_intervals import Ends, ends
+from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.plan import part_for, remembered
-from fuzzyarm.inference.point import check_names, holds_arrays, merged, prepare
+from fuzzyarm.inference.point import check_names, holds_arrays, prepare
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Expectation, Outcome, Output, RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
 
 # --- Evaluate a rule base: one call for scalars and arrays ---
 
 
 def infer(
-    rulebase: RuleBase,
-    inputs: Mapping[str, Any] | None = None,
+    rulebase: AnyRuleBase,
+    inputs: Any = None,
     /,
     *,
     held: Mapping[str, float] | None = None,
     outputs: Iterable[str] | None = None,
     **named: Any,
-) -> dict[str, float | NDArray[np.float64]]:
+) -> Any:
     """Evaluate a rule base.
 
     Parameters
     ----------
     rulebase : RuleBase
-        The model.
-    inputs : mapping of str to float or array_like, optional
-        Inputs by name; for names that are not identifiers.
+        The value, or one that is being written.
+    inputs : mapping of str to float or array_like, DataFrame or Dataset, optional
+        Inputs by name; for names that are not identifiers. Columns of a DataFrame and variables
+        of a Dataset that are not inputs are passed over.
     held : mapping of str to float, optional
         Last values of outputs that hold where no rule fires.
     outputs : iterable of str, optional
         Which outputs to evaluate; only the inputs that they depend on are needed then.
-    **named : float or array_like
-        Inputs by name. Arrays broadcast against each other.
+    **named : float, array_like, Series, DataFrame or DataArray
+        Inputs by name, in the units of the file. Arrays broadcast against each other,
+        DataArrays by their dims. A value outside the range of its input is clamped to it,
+        unless the file says ``outside extend`` or ``outside error``.
 
     Returns
     -------
     dict of str to float or ndarray of float64
         Every output, or those wanted, by name: floats where all inputs are scalars, else
-        arrays of the broadcast shape. NaN only where the file states it (``no-rule nan``).
+        arrays of the broadcast shape. Series, DataFrames and DataArrays where inputs are, with
+        their index, or their dims and coordinates. For `inputs` in a DataFrame or a Dataset a
+        DataFrame or a Dataset of the outputs. NaN only where the file states it
+        (``no-rule nan``).
 
     Raises
     ------
     InferenceError
         For a model that cannot be evaluated; names that are unknown, missing or given
-        twice; values that are not numbers or outside a range that forbids it.
+        twice; values that are not numbers (text is not, even ``"2"``) or outside a range that
+        forbids it; indexes or coordinates that differ.
     NoRuleFiredError
         If no rule fires for an output that has no value for that case.
 
     Examples
     --------
-    >>> infer(rulebase, e=1.3, ce=-2.2)                        # doctest: +SKIP
-    {'u': -0.7153}
-    >>> infer(rulebase, e=axis[:, None], ce=axis[None, :])     # doctest: +SKIP
+    >>> from fuzzyarm import infer, load, shipped
+    >>> pd7 = load(shipped("pd7.frb"))
+    >>> infer(pd7, e=1.3, ce=-2.2)
+    {'u': -1.0677966101694918}
+    >>> infer(pd7, e=[1.3, 0.0, -1.3], ce=0.0)
+    {'u': array([ 1.24439919,  0.        , -1.24439919])}
     """
-    given = merged(inputs, named)
+    rulebase = rulebase.model
+    given, labels = gathered(inputs, named, rulebase.inputs)
+    found = _outputs(rulebase, given, held, None if outputs is None else tuple(outputs))
+    return found if labels is None else labels.on(found)
+
+
+def _outputs(
+    rulebase: RuleBase,
+    given: Mapping[str, Any],
+    held: Mapping[str, float] | None,
+    outputs: tuple[str, ...] | None,
+) -> dict[str, Any]:
+    """Evaluate a rule base at inputs without labels."""
     if outputs is not None:
-        return _some(rulebase, given, held, tuple(outputs))
+        return _some(rulebase, given, held, outputs)
     if holds_arrays(given):
         from fuzzyarm.inference.engine import infer_many
 
@@ -84,8 +103,8 @@ def infer(
 
 
 def infer_interval(
-    rulebase: RuleBase,
-    inputs: Mapping[str, Any] | None = None,
+    rulebase: AnyRuleBase,
+    inputs: Any = None,
     /,
     *,
     held: Mapping[str, float] | None = None,
@@ -116,11 +135,11 @@ def infer_interval(
     >>> infer_interval(rulebase, service=2, food=3)            # doctest: +SKIP
     {'tip': (5.42027992017134, 9.455351198544325)}
     """
-    found = both_ends(rulebase)
+    found = both_ends(rulebase.model)
     names = found.names if outputs is None else _named(found.names, outputs)
     wanted = None if outputs is None else dict.fromkeys(n for pair in names.values() for n in pair)
     each = {end: value for name, value in (held or {}).items() for end in names.get(name, (name,))}
-    values = infer(found.rulebase, merged(inputs, named), held=each, outputs=wanted)
+    values = infer(found.rulebase, inputs, held=each, outputs=wanted, **named)
     return {name: (values[left], values[right]) for name, (left, right) in names.items()}
 
 
@@ -143,17 +162,18 @@ def _some(
     given: Mapping[str, Any],
     held: Mapping[str, float] | None,
     outputs: tuple[str, ...],
-) -> dict[str, float | NDArray[np.float64]]:
+) -> dict[str, Any]:
     """Evaluate some outputs, with the inputs that they need among those given."""
     part = part_for(rulebase, outputs)
     check_names(given, [variable.name for variable in rulebase.inputs])
     check_names(held or (), [variable.name for variable in rulebase.outputs], what="output")
     needed = {variable.name for variable in part.inputs}
     known = {variable.name for variable in part.outputs}
-    found = infer(
+    found = _outputs(
         part,
         {name: value for name, value in given.items() if name in needed},
-        held={name: value for name, value in (held or {}).items() if name in known},
+        {name: value for name, value in (held or {}).items() if name in known},
+        None,
     )
     return {name: found[name] for name in outputs}
 
@@ -206,7 +226,7 @@ def check_expectations(
 
 def _as_array(rulebase: RuleBase, inputs: Mapping[str, float]) -> Mapping[str, float]:
     found = infer(rulebase, {name: [value] for name, value in inputs.items()})
-    return {name: float(values[0]) for name, values in found.items()}  # type: ignore[index]
+    return {name: float(values[0]) for name, values in found.items()}
 
 
 def _check(

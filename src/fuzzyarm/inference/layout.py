@@ -806,6 +806,8 @@ def _check_output(plan: OutputPlan) -> None:
             raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
         return
     exact_bisector = method == "bisector" and output.defuzzifier.resolution is None
+    if output.defuzzifier.joined and not plan.discrete:
+        raise NotCoveredError(f"joined samples of '{output.name}'")
     if plan.discrete or not (method in CENTROIDS or exact_bisector):
         raise NotCoveredError(f"the {method} of '{output.name}'")
     if _defuzzifier(plan) in INTEGRATED:

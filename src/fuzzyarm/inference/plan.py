@@ -238,11 +238,6 @@ def _check_variables(rulebase: RuleBase) -> None:
     if len(set(known)) < len(known):
         twice = next(name for name in known if known.count(name) > 1)
         raise InferenceError(f"there are two variables called '{twice}'")
-    for variable in variables:
-        if not variable.low < variable.high:
-            raise InferenceError(
-                f"the range of '{variable.name}' is empty: {variable.low:g} .. {variable.high:g}"
-            )
     for rule in rulebase.rules:
         parts: list[Is | Consequent] = [*propositions(rule.antecedent), *rule.consequents]
         for part in parts:

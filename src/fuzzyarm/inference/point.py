@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference.defuzzify import defuzzify_at_point
 from fuzzyarm.inference.errors import (
-    InferenceError,
     MissingInputError,
     NoRuleFiredError,
     NotANumberError,
@@ -413,12 +412,12 @@ class Prepared:
         values, degrees = point.values, point.degrees
         for name, low, high, outside, partition in self._input_steps:
             try:
-                value = float(inputs[name])
+                value = inputs[name]
             except KeyError:
                 check_names(inputs, self._names)
                 raise MissingInputError(n for n in self._names if n not in inputs) from None
-            except (TypeError, ValueError, OverflowError):
-                raise NotANumberError(name, f"is not a number: {inputs[name]!r}") from None
+            if type(value) is not float:
+                value = number_of(name, value)
             if not low <= value <= high:
                 value = _outside(name, value, low, high, outside)
             values[name] = value
@@ -594,19 +593,23 @@ def prepare(rulebase: RuleBase) -> Prepared:
 # ── inputs as a caller gives them ────────────────────────────────────────────────────
 
 
-def merged(inputs: Mapping[str, Any] | None, named: Mapping[str, Any]) -> dict[str, Any]:
-    """Put inputs from both ways of giving them together."""
-    given = dict(inputs or {})
-    for name, value in named.items():
-        if name in given:
-            raise InferenceError(f"input '{name}' is given twice")
-        given[name] = value
-    return given
-
-
 def holds_arrays(given: Mapping[str, Any]) -> bool:
     """Whether any input is an array."""
     return any(not isinstance(value, float | int) and _is_array(value) for value in given.values())
+
+
+def number_of(name: str, value: Any) -> float:
+    """Return the value of an input; raise NotANumberError where it is not a number.
+
+    Text is not, even of digits: what came from a file or a form has not been read yet.
+    """
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    if not isinstance(value, str | bytes | bytearray) and kind not in ("U", "S"):
+        try:
+            return float(value)
+        except (TypeError, ValueError, OverflowError):
+            pass
+    raise NotANumberError(name, f"is not a number: {value!r}")
 
 
 def _is_array(value: object) -> bool:

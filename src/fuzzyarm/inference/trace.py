@@ -17,6 +17,7 @@ from fuzzyarm.inference.point import Point, Prepared, bring_into_range, prepare
 from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.inference.type_reduction import side_of
 from fuzzyarm.inference.weighted import tsukamoto_at_point
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
     KARNIK_MENDEL,
     And,
@@ -31,6 +32,7 @@ from fuzzyarm.model.rulebase import (
     propositions,
 )
 from fuzzyarm.model.shapes import apply_hedges
+from fuzzyarm.text.shown import Drawn, one_line
 
 SAMPLES = 201
 """Points that a smooth curve is drawn through."""
@@ -166,14 +168,32 @@ class OutputTrace:
     right: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Trace:
-    """Every step of one inference."""
+@dataclass(frozen=True, slots=True, repr=False)
+class Trace(Drawn):
+    """Every step of one inference; ``print`` and notebooks draw it.
+
+    Attributes
+    ----------
+    rulebase : str
+        Its name.
+    inputs : tuple of FuzzyValue
+        With the outputs that later rules use.
+    rules : tuple of RuleTrace
+        All of them, in the order of the file.
+    outputs : tuple of OutputTrace
+        In the order of the file.
+    """
 
     rulebase: str
     inputs: tuple[FuzzyValue, ...]
     rules: tuple[RuleTrace, ...]
     outputs: tuple[OutputTrace, ...]
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{each.name} = {each.given:.6g}" for each in self.inputs)
+        found = ", ".join(f"{each.name} = {each.value:.6g}" for each in self.outputs)
+        fired = f"{len(self.fired)} of {len(self.rules)} rules fire"
+        return one_line(self, f"{self.rulebase}: {given} → {found}, {fired}")
 
     def to_dict(self) -> dict[str, Any]:
         """Return the trace as dicts, lists and numbers, fit for JSON.
@@ -209,7 +229,7 @@ def _finite(value: Any) -> Any:
 
 
 def explain(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     inputs: Mapping[str, float] | None = None,
     /,
     *,
@@ -239,6 +259,7 @@ def explain(
     InferenceError, NoRuleFiredError
         As :func:`fuzzyarm.inference.infer`.
     """
+    rulebase = rulebase.model
     given = {**(inputs or {}), **named}
     prepared = prepare(rulebase)
     point = prepared.run(given, held)

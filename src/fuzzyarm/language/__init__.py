@@ -5,6 +5,7 @@ Only the standard library is used here, so importing it is instant.
 
 from fuzzyarm.language.reading import Parsed, format_text, load_rulebase, parse, read_text
 from fuzzyarm.language.writer import write
+from fuzzyarm.lazy import lazily
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -62,3 +63,5 @@ __all__ = [
     "read_text",
     "write",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -130,7 +130,7 @@ class _Reader:
         for extra in found[1:]:
             self.scope.report(
                 "duplicate-statement",
-                f"a controller has one {what} only",
+                f"a controller has only one {what}",
                 extra.span,
                 related=(Related("first here", found[0].span),),
             )
@@ -165,7 +165,7 @@ class _Reader:
         if value != int(value) or not 1 <= value <= MAX_EVERY:
             self.scope.report(
                 "bad-set-point",
-                f"a set point lasts a whole number of periods, not {node.every}",
+                f"a set point must last a whole number of periods, not {node.every}",
                 node.every.span,
             )
             return 1
@@ -212,9 +212,9 @@ class _Reader:
         if node.low is not None and node.high is not None:
             tune = Tune(node.low.value, node.high.value, node.log)
             if not tune.low < tune.high or (tune.log and tune.low <= 0.0):
-                message = "the range of tune goes from a lower to a higher number"
+                message = "the range of tune must go from a lower to a higher number"
                 if tune.low < tune.high:
-                    message = "a range in steps of the logarithm begins above 0"
+                    message = "a logarithmic range must begin above 0"
                 self.scope.report("bad-range", message, node.low.span.to(node.high.span))
             elif not all(tune.low <= number <= tune.high for number in numbers):
                 self.scope.report(
@@ -354,7 +354,9 @@ class _Reader:
             low, high = node.value.value, node.high.value
             if not low < high:
                 span = node.value.span.to(node.high.span)
-                self.scope.report("bad-range", "limits go from a lower to a higher number", span)
+                self.scope.report(
+                    "bad-range", "limits must go from a lower to a higher number", span
+                )
             return word, (low, high)
         if isinstance(node.value, Figure):
             return word, node.value.value
@@ -393,7 +395,7 @@ class _Reader:
         by, inside = self._amount(node.by), self._amount(node.inside)
         for value, span in ((by, node.by.span), (inside, node.inside.span)):
             if isinstance(value, float) and not value > 0.0:
-                self.scope.report("bad-number", "a number above 0 is wanted", span)
+                self.scope.report("bad-number", "expected a number above 0", span)
         return Zoom(names, by, inside, node.wait, node.span)
 
     def _learn(self, node: LearnNode, signals: dict[str, Word]) -> Learn:
@@ -430,9 +432,11 @@ class _Reader:
             within = (node.low.value, node.high.value)
             if not within[0] < within[1]:
                 span = node.low.span.to(node.high.span)
-                self.scope.report("bad-range", "limits go from a lower to a higher number", span)
+                self.scope.report(
+                    "bad-range", "limits must go from a lower to a higher number", span
+                )
         if node.slew is not None and not node.slew.value > 0.0:
-            self.scope.report("bad-number", "a number above 0 is wanted", node.slew.span)
+            self.scope.report("bad-number", "expected a number above 0", node.slew.span)
         slew = node.slew.value if node.slew is not None else None
         return Drive(
             node.port.text, self._products(node.products, signals), within, slew, node.span

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from itertools import pairwise
 from typing import TypedDict
 
 from fuzzyarm.expression.kinds import SHAPES
@@ -168,49 +167,28 @@ def _elaborate_shape(node: ShapeNode, draft: Draft | None, scope: Scope) -> Shap
 
 
 def _shape_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
-    """Return what is wrong with the numbers of a shape, and which of them; None if nothing is.
+    """Return what is wrong with the numbers of a shape, and which of them; None if nothing is."""
+    fault = _infinite(kind, parameters) or SHAPES[kind].fault(parameters)
+    if fault is None and kind == "points":
+        fault = _points_fault(parameters)
+    return fault or _absurd(kind, parameters)
 
-    Parameters
-    ----------
-    kind : str
-        A key of SHAPES.
-    parameters : tuple of float
-        As many as the kind takes.
 
-    Returns
-    -------
-    tuple of (int, str) or None
-        Index of the number at fault and one sentence.
-    """
-    if kind == "points":
-        return _magnitude_fault(kind, (), parameters) or _points_fault(parameters)
+def _infinite(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
     record = SHAPES[kind]
-    fault = _magnitude_fault(kind, record.unbounded, parameters)
-    if fault is None and record.ordered:
-        for i, (before, number) in enumerate(pairwise(parameters), start=1):
-            if number < before:
-                return i, f"the numbers of a {kind} must not decrease"
-    return fault or _size_fault(kind, parameters)
-
-
-def _magnitude_fault(
-    kind: str, unbounded: tuple[str, ...], parameters: tuple[float, ...]
-) -> tuple[int, str] | None:
-    names = SHAPES[kind].parameters or ("",) * len(parameters)
-    for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
+    for i, value in enumerate(parameters):
+        name = record.parameters[i] if record.parameters else ""
         if math.isnan(value):
-            return i, f"a {kind} cannot have the number nan"
-        if math.isinf(value) and name not in unbounded:
+            return None  # which comes first
+        if math.isinf(value) and name not in record.unbounded:
             return i, f"a {kind} cannot have an infinite number here"
-        if MAX_MAGNITUDE < abs(value) < math.inf:
-            return i, f"a {kind} cannot have numbers beyond {MAX_MAGNITUDE:g}"
     return None
 
 
 def _points_fault(parameters: tuple[float, ...]) -> tuple[int, str] | None:
     for i in range(2, len(parameters), 2):
         if parameters[i] < parameters[i - 2]:
-            return i, "the numbers of a points must not decrease"
+            return i, "the x of points must not decrease"
         if i >= 4 and parameters[i] == parameters[i - 4]:
             return i, "at most two points may share an x"
     for i in range(1, len(parameters), 2):
@@ -219,16 +197,15 @@ def _points_fault(parameters: tuple[float, ...]) -> tuple[int, str] | None:
     return None
 
 
-def _size_fault(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+def _absurd(kind: str, parameters: tuple[float, ...]) -> tuple[int, str] | None:
+    """Return the number of a sound shape that no area or moment could be computed with."""
     record = SHAPES[kind]
-    for i, (name, value) in enumerate(zip(record.parameters, parameters, strict=True)):
-        what = f"the {name.replace('-', ' ')} of a {kind}"
-        if name in record.positive and not value > 0.0:
-            return i, f"{what} must be above 0"
-        if name in record.nonzero and value == 0.0:
-            return i, f"{what} must not be 0"
+    names = record.parameters or ("",) * len(parameters)
+    for i, (name, value) in enumerate(zip(names, parameters, strict=True)):
+        if MAX_MAGNITUDE < abs(value) < math.inf:
+            return i, f"a {kind} cannot have numbers beyond {MAX_MAGNITUDE:g}"
         if name in (*record.positive, *record.nonzero) and abs(value) < MIN_WIDTH:
-            return i, f"{what} is below {MIN_WIDTH:g}"
+            return i, f"{record.number_words(name)} is below {MIN_WIDTH:g}"
     return None
 
 
@@ -349,9 +326,8 @@ def declare_variable(node: VariableNode, scope: Scope) -> None:
         scope.full.add(node.role)
         scope.broken_variables = True
         return
-    low, high = range_of(node)
-    if node.low is not None and node.high is not None and not low < high:
-        turned = f"{node.high} .. {node.low}" if low > high else None
+    if node.low is not None and node.high is not None and not node.low.value < node.high.value:
+        turned = f"{node.high} .. {node.low}" if node.low.value > node.high.value else None
         scope.report(
             "bad-range",
             f"the range of '{node.name.text}' must go from a lower to a higher number",
@@ -377,10 +353,13 @@ def _range_fault(low: float, high: float) -> str | None:
 
 
 def range_of(node: VariableNode) -> tuple[float, float]:
-    """Return the range of a variable; 0 to 1 where the file's could not be read."""
+    """Return the range of a variable; 0 to 1 where the file's is not one."""
     if node.low is None or node.high is None:
         return 0.0, 1.0
-    return node.low.value, node.high.value
+    low, high = node.low.value, node.high.value
+    if not low < high or _range_fault(low, high):
+        return 0.0, 1.0
+    return low, high
 
 
 def add_term(node: TermNode, scope: Scope) -> None:
@@ -393,7 +372,7 @@ def add_term(node: TermNode, scope: Scope) -> None:
         lower = _elaborate_lower(below, shape, draft, scope)
     if draft is not None:
         # A term with a bad shape is declared all the same, so that its uses are not mistakes too.
-        shape = shape or Shape("singleton", (range_of(draft.node)[0],))
+        shape = shape or Shape("singleton", (0.0,))
         _add(draft, Term(node.name.text, shape, node.name.span, lower), scope)
 
 
@@ -411,7 +390,7 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
             continue
         if len(node.names) < 2 and node.family.text != "singletons":
             scope.report(
-                "too-few-terms", "evenly spaced terms need two names at least", node.names[0].span
+                "too-few-terms", "evenly spaced terms need at least two names", node.names[0].span
             )
             continue
         if node.family.text == "singletons" and draft.is_input:
@@ -594,4 +573,7 @@ def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
         )
         return Defuzzifier(method)
     sampling = setting.sampling.text if setting.sampling else "endpoints"
+    if setting.sampling is not None and sampling == "joined" and "maximum" in method:
+        message = f"{method} does not know joined samples"
+        scope.report("misplaced-setting", message, setting.sampling.span)
     return Defuzzifier(method, int(samples), sampling)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import ChainMap
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -271,16 +271,44 @@ def parse_document(text: str, memory: ParseMemory | None = None) -> Document:
         return Document((), diagnostics=(too_large,))
     diagnostics: list[Diagnostic] = []
     memory = memory or ParseMemory()
-    lines = memory.tokenize(text, diagnostics)
+    document = _read_lines(memory.tokenize(text, diagnostics), diagnostics, memory.read)
+    memory.finish()
+    return document
+
+
+def parse_statements(text: str, line: int) -> Document:
+    """Return the statements in `text`, more of a rule base that has been read up to `line`.
+
+    Parameters
+    ----------
+    text : str
+        Lines of a rule base.
+    line : int
+        The number of the first.
+    """
+    too_large = _size_fault(text)
+    if too_large is not None:
+        return Document((), diagnostics=(too_large,))
+    diagnostics: list[Diagnostic] = []
+    numbered = enumerate(split_lines(text), line)
+    lines = [tokenize_line(number, each, diagnostics) for number, each in numbered]
+    return _read_lines(lines, diagnostics, _read_group)
+
+
+def _read_lines(
+    lines: list[Line],
+    diagnostics: list[Diagnostic],
+    read: Callable[[_Group], tuple[StatementNode, Found]],
+) -> Document:
+    """Return the statements in `lines`; `diagnostics` are those of the lexer."""
     groups, ending = _group_lines(lines, diagnostics)
     statements = []
     for group in groups:
         node: StatementNode = Broken(group.record.word, group.tokens[0].span)
         if len(diagnostics) <= MAX_DIAGNOSTICS:
-            node, found = memory.read(group)
+            node, found = read(group)
             diagnostics += found
         statements.append(Statement(node, Trivia(group.before, group.behind)))
-    memory.finish()
     # The lexer's complaint of a token comes before the parser's of the same one.
     first: dict[tuple[int, int], Diagnostic] = {}
     strange = {d.line for d in diagnostics if d.name == "unexpected-character"}

@@ -41,14 +41,17 @@ from fuzzyarm.language.statements import (
     RuleNode,
     StatementNode,
     TermNode,
+    TuneNode,
     VariableNode,
 )
 from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.language.tune import TuneItem
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
     Expectation,
     Expression,
+    GainTuning,
     Hedge,
     Hedged,
     Input,
@@ -58,10 +61,12 @@ from fuzzyarm.model.rulebase import (
     Or,
     Outcome,
     Output,
+    PeakTuning,
     Property,
     Rule,
     RuleBase,
     RuleBlock,
+    Tuning,
     last_conclusions,
     propositions,
 )
@@ -289,7 +294,7 @@ def elaborate_expectation(node: ExpectNode, scope: Scope) -> Expectation | None:
     if missing and len(scope.diagnostics) == before and not scope.broken_variables:
         scope.report(
             "incomplete-expectation",
-            f"an expectation names every input; missing: {', '.join(missing)}",
+            f"an expectation must name every input; missing: {', '.join(missing)}",
             node.span,
         )
     outcomes = tuple(_outcome(outcome, scope) for outcome in node.outcomes)
@@ -345,7 +350,7 @@ def elaborate_property(node: ProveNode, scope: Scope) -> Property | None:
     if node.verb == "slope" and node.low is not None and node.high is not None:
         _demand_stretch(node.high.span, node.low.value, node.high.value, scope)
     if node.verb == "table" and node.high is not None and not node.high.value > 0.0:
-        scope.report("bad-tolerance", "the worst error of a table is above 0", node.high.span)
+        scope.report("bad-tolerance", "the worst error of a table must be above 0", node.high.span)
     if node.verb == "odd":
         _demand_symmetry(node, region, scope)
     if len(scope.diagnostics) > before or output is None:
@@ -447,7 +452,7 @@ def _levels(item: LookupItem, scope: Scope) -> tuple[float, ...] | None:
     span = item.figures[0].span.to(item.figures[-1].span)
     if item.form == "list":
         if len(figures) < 2 or any(b <= a for a, b in itertools.pairwise(figures)):
-            scope.report("bad-levels", "levels are two or more increasing numbers", span)
+            scope.report("bad-levels", "levels must be two or more increasing numbers", span)
             return None
         return tuple(figures)
     low, high, third = figures
@@ -503,6 +508,84 @@ def _rounding(item: LookupItem | None, scope: Scope) -> float | None:
     return figure.value
 
 
+# --- The `tune` block ---
+
+MOST_GAP = 50.0
+"""Of neighbouring peaks, percent of the range."""
+
+
+def elaborate_tuning(node: TuneNode, scope: Scope) -> Tuning:
+    """Return what the ``tune`` block lets move, as far as it is sound."""
+    peaks: list[PeakTuning] = []
+    gains: list[GainTuning] = []
+    kept: list[tuple[str, str]] = []
+    moved: set[str] = set()
+    for item in node.items:
+        if item.key.text == "peaks":
+            _report_twice(item, moved, scope)
+            found = _peaks(item, scope)
+            peaks += [found] if found.variables else []
+        elif item.key.text == "gain":
+            _report_twice(item, moved, scope)
+            gains += [_tuned_gain(item)] if _sound_range(item, scope) else []
+        else:
+            draft = scope.variable(item.names[0])
+            terms = [scope.term(draft, word) for word in item.terms]
+            names = [term.name for term in terms if term is not None]
+            if draft is not None and len(names) == len(item.terms):
+                kept += [(draft.name, name) for name in names or [""]]
+    return Tuning(tuple(peaks), tuple(gains), tuple(kept))
+
+
+def _report_twice(item: TuneItem, moved: set[str], scope: Scope) -> None:
+    for word in item.names:
+        name = f"{item.key.text} {word.text}"
+        if name in moved:
+            scope.report("duplicate-setting", f"'{word.text}' is tuned twice", word.span)
+        moved.add(name)
+
+
+def _peaks(item: TuneItem, scope: Scope) -> PeakTuning:
+    drafts = [scope.variable(word) for word in item.names]
+    for draft, word in zip(drafts, item.names, strict=True):
+        if draft is not None and not all(map(math.isfinite, range_of(draft.node))):
+            message = f"'{draft.name}' has no finite range for its peaks to move in"
+            scope.report("bad-range", message, word.span)
+    gap = {}
+    if item.gap is not None:
+        if not 0.0 <= item.gap.value <= MOST_GAP:
+            message = f"a gap is 0 to {MOST_GAP:g} percent of the range"
+            scope.report("bad-range", message, item.gap.span)
+        gap["gap"] = item.gap.value / 100.0
+    return PeakTuning(
+        tuple(draft.name for draft in drafts if draft is not None),
+        "mirrored" in item.words,
+        "keep order" in item.words,
+        "partition" in item.words,
+        **gap,
+    )
+
+
+def _sound_range(item: TuneItem, scope: Scope) -> bool:
+    assert item.low is not None
+    assert item.high is not None
+    span, before = item.low.span.to(item.high.span), len(scope.diagnostics)
+    if not item.low.value < item.high.value:
+        message = "the range of a gain must go from a lower to a higher number"
+        scope.report("bad-range", message, span)
+    elif {"times", "log"} & set(item.words) and not item.low.value > 0.0:
+        scope.report("bad-range", "multiples and logarithms of a gain begin above 0", span)
+    return len(scope.diagnostics) == before
+
+
+def _tuned_gain(item: TuneItem) -> GainTuning:
+    assert item.low is not None
+    assert item.high is not None
+    flags = ("times" in item.words, "log" in item.words, "per axis" in item.words)
+    names = tuple(word.text for word in item.names)
+    return GainTuning(names, item.low.value, item.high.value, *flags, item.span)
+
+
 # --- The whole file ---
 
 UNNAMED = "unnamed"
@@ -549,9 +632,36 @@ def elaborate(
         lookup=_lookup(nodes, scope),
         expectations=_expectations(nodes, scope),
         properties=_properties(nodes, scope),
+        tuning=_tuning(nodes, scope),
     )
     _judge_whole(rulebase, nodes, scope)
     return rulebase, scope.diagnostics
+
+
+def judge_statement(node: StatementNode, scope: Scope) -> None:
+    """Add one statement to `scope`, below those that it has, and report what is wrong with it.
+
+    For a rule base that is written statement by statement: what :func:`elaborate` would say of
+    it at this point, but for what only the whole can tell.
+    """
+    if isinstance(node, VariableNode):
+        declare_variable(node, scope)
+    elif isinstance(node, TermNode):
+        add_term(node, scope)
+    elif isinstance(node, EvenTermsNode):
+        add_even_terms(node, scope)
+    elif isinstance(node, InferenceNode):
+        apply_inference(node, scope, {})
+    elif isinstance(node, BlockNode):
+        block_norms(node, scope, {})
+    elif isinstance(node, RuleNode | GridNode):
+        _rules_of(node, scope, MAX_RULES, ParseMemory())
+    elif isinstance(node, LookupNode):
+        elaborate_lookup(node, scope)
+    elif isinstance(node, ExpectNode):
+        elaborate_expectation(node, scope)
+    elif isinstance(node, ProveNode):
+        elaborate_property(node, scope)
 
 
 def _presumed(nodes: list[StatementNode], role: str) -> frozenset[str]:
@@ -640,6 +750,11 @@ def _lookup(nodes: list[StatementNode], scope: Scope) -> Lookup | None:
     return elaborate_lookup(node, scope) if node else None
 
 
+def _tuning(nodes: list[StatementNode], scope: Scope) -> Tuning | None:
+    node = _single(nodes, TuneNode, "tune block", scope)
+    return elaborate_tuning(node, scope) if node else None
+
+
 def _expectations(nodes: list[StatementNode], scope: Scope) -> tuple[Expectation, ...]:
     found = [
         elaborate_expectation(n, scope)
@@ -666,7 +781,7 @@ def _single(nodes: list[StatementNode], kind: type[_Node], what: str, scope: Sco
     for extra in found[1:MAX_DIAGNOSTICS]:
         scope.report(
             "duplicate-statement",
-            f"a file has one {what} only",
+            f"a file has only one {what}",
             extra.span,
             related=(Related("first here", found[0].span),),
         )
@@ -756,5 +871,5 @@ def _judge_chain(rulebase: RuleBase, scope: Scope) -> None:
                         f"the output '{name}' is asked for here, but rules set it in this block"
                         " or a later one",
                         proposition.span,
-                        hint="rules that use an output stand in a block after those that set it",
+                        hint="put the rule into a block after those that set the output",
                     )

@@ -21,6 +21,7 @@ from fuzzyarm.text.diagnostic import (
     RuleBaseError,
     Span,
 )
+from fuzzyarm.text.shown import one_line
 
 # --- Reading ---
 
@@ -44,6 +45,11 @@ class Parsed(NamedTuple):
     partial: RuleBase
     diagnostics: tuple[Diagnostic, ...]
     whole: ControllerModel | None = None
+
+    def __repr__(self) -> str:
+        what = repr(self.partial if self.whole is None else self.whole)
+        count = len(self.diagnostics)
+        return one_line(self, f"{what}, {count} finding{'' if count == 1 else 's'}")
 
     @property
     def rulebase(self) -> RuleBase | None:

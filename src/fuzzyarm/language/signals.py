@@ -93,7 +93,7 @@ class AmountNode(NamedTuple):
         while cursor.next_is("*") or cursor.next_is("/"):
             divides = cursor.take().text == "/"
             factors.append((cls._factor(cursor), divides))
-        return cls(tuple(factors), start)
+        return cls(tuple(factors), start.to(cursor.tokens[cursor.position - 1].span))
 
     @staticmethod
     def _factor(cursor: Cursor) -> Figure | None:

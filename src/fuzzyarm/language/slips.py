@@ -43,7 +43,7 @@ _IF = re.compile(r"^(\s*)(?:(?:rule\b\s*)?\w*\s*[:.)]?\s*)??if\b", _ANY_CASE)
 _RANGE = re.compile(rf"({_NUMBER})\s*(?:-(?=\s)|\bto\b|[,:]|\s)\s*({_NUMBER})")
 
 _RULE = ("rule", "row", "header", "")
-_LISTS = ("row", "header", "input", "output", "term", "lookup")
+_LISTS = ("row", "header", "input", "output", "term", "lookup", "tune")
 _NAMED = ("rulebase", "input", "output")
 _NUMBERS = ("input", "output", "term")
 
@@ -174,7 +174,7 @@ def _surroundings(lines: Sequence[str], number: int) -> tuple[list[str], str, li
     end = number
     if start < number and STATEMENTS[word].takes_lines:
         between = [line for line in lines[start : number - 1] if _code(line)]
-        if word == "lookup":
+        if word in ("lookup", "tune"):
             return [lines[start - 1]], word, []
         return [lines[start - 1], *between[:1]], "row" if between else "header", []
     if start < number and not lines[number - 1][:1].isspace():

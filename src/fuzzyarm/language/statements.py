@@ -35,6 +35,7 @@ from fuzzyarm.language.phrases import (
 )
 from fuzzyarm.language.rules import CellNode, GridNode, RowNode, RuleNode
 from fuzzyarm.language.tokens import STARTERS, Cursor, Fault, Figure, Trivia, Word
+from fuzzyarm.language.tune import TUNE_ITEMS, TUNE_WORDS, TuneNode
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import NOWHERE, Span
 from fuzzyarm.text.names import quote
@@ -59,6 +60,7 @@ __all__ = [
     "StatementNode",
     "StretchNode",
     "TermNode",
+    "TuneNode",
     "VariableNode",
 ]
 
@@ -723,6 +725,15 @@ STATEMENTS: dict[str, StatementKind] = {
                 "nearest": "looked up at the nearest level",
             },
             outline="prove",
+        ),
+        StatementKind(
+            "tune",
+            TuneNode,
+            "",
+            "what `fuzzyarm tune` may move; nothing else reads it",
+            TUNE_ITEMS | TUNE_WORDS,
+            takes_lines=True,
+            outline="tune",
         ),
     )
 }

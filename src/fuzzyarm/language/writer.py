@@ -39,6 +39,8 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import Figure, Trivia, Word
+from fuzzyarm.language.tune import TuneItem, TuneNode
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
     WEIGHTED,
     And,
@@ -59,6 +61,7 @@ from fuzzyarm.model.rulebase import (
     RuleBlock,
     Shape,
     Term,
+    Tuning,
     Variable,
 )
 from fuzzyarm.text.numbers import evenly, mirror
@@ -69,6 +72,24 @@ _FEWEST = 4
 """Rules that make a grid worth its lines."""
 
 
+class _Order(dict[tuple[str, str], int]):
+    """The position of each term in its variable, by their names."""
+
+    def __init__(self, rulebase: RuleBase) -> None:
+        super().__init__(
+            ((variable.name, term.name), i)
+            for variable in (*rulebase.inputs, *rulebase.outputs)
+            for i, term in enumerate(variable.terms)
+        )
+        self._rulebase = rulebase
+
+    def __missing__(self, names: tuple[str, str]) -> int:
+        """Say which name of a model that was made in Python does not exist."""
+        variable, term = names
+        self._rulebase.variable(variable).term(term)
+        raise AssertionError(names)
+
+
 class _GridRun:
     """Consecutive rules that fill a grid row by row.
 
@@ -76,7 +97,7 @@ class _GridRun:
     in common beyond row and column (``when …``).
     """
 
-    def __init__(self, rule: Rule, cell: _Cell, order: dict[tuple[str, str], int]) -> None:
+    def __init__(self, rule: Rule, cell: _Cell, order: _Order) -> None:
         row, column, self.rest = cell
         self.output = rule.consequents[0].variable
         self.row, self.column = row.variable, column.variable
@@ -127,11 +148,7 @@ _Cell = tuple[Is, Is, tuple[Expression, ...]]
 
 def _split_into_grids(rules: Sequence[Rule], rulebase: RuleBase) -> list[Rule | GridNode]:
     """Return `rules` in order, with each run that reads back from a grid as a grid."""
-    order = {
-        (variable.name, term.name): i
-        for variable in (*rulebase.inputs, *rulebase.outputs)
-        for i, term in enumerate(variable.terms)
-    }
+    order = _Order(rulebase)
     pieces: list[Rule | GridNode] = []
     run: _GridRun | None = None
     for rule in rules:
@@ -172,12 +189,23 @@ def _cell(rule: Rule | None) -> CellNode:
 # --- From the model to the syntax tree ---
 
 
-def write(rulebase: RuleBase) -> str:
+def write(rulebase: AnyRuleBase) -> str:
     """Return canonical text that parses to `rulebase` again.
 
     Rules that fill a grid in order are written as a grid, all others as ``rule`` lines.
     Every setting is written out, so that the text depends on no default.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The value, or one that is being written.
+
+    Returns
+    -------
+    str
+        In the form of ``fuzzyarm fmt``.
     """
+    rulebase = rulebase.model
     statements: list[Statement] = []
     for section in _sections(rulebase):
         for i, node in enumerate(section):
@@ -199,6 +227,8 @@ def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
         yield [_lookup(rulebase.lookup)]
     yield [_expectation(expectation) for expectation in rulebase.expectations]
     yield [property_node(each, rulebase) for each in rulebase.properties]
+    if rulebase.tuning is not None:
+        yield [_tuning(rulebase.tuning)]
 
 
 def _variable(role: str, variable: Variable) -> VariableNode:
@@ -230,9 +260,10 @@ def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
         )
         for (family, names), variables in shared.items()
     ]
+    inputs = [variable.name for variable in rulebase.inputs]
     for variable in others:
         yield [
-            TermNode(Word(variable.name), Word(term.name), _shapes(term, rulebase))
+            TermNode(Word(variable.name), Word(term.name), _shapes(term, inputs))
             for term in variable.terms
         ]
 
@@ -253,16 +284,16 @@ def _even_family(variable: Variable) -> str | None:
     return None
 
 
-def _shapes(term: Term, rulebase: RuleBase) -> ShapeNode:
-    lower = None if term.lower is None else _shape(term.lower, rulebase)
-    return _shape(term.shape, rulebase)._replace(lower=lower)
+def _shapes(term: Term, names: Sequence[str]) -> ShapeNode:
+    lower = None if term.lower is None else shape_node(term.lower, names)
+    return shape_node(term.shape, names)._replace(lower=lower)
 
 
-def _shape(shape: Shape, rulebase: RuleBase) -> ShapeNode:
+def shape_node(shape: Shape, names: Sequence[str]) -> ShapeNode:
+    """Return a shape as it would be written; `names` are those of the inputs, for ``linear``."""
     kind = Word(shape.kind)
     height = None if shape.height == 1.0 else Figure(shape.height)
     if shape.kind == "linear":
-        names = [variable.name for variable in rulebase.inputs]
         *factors, constant = shape.parameters
         parts = [
             LinearPart(factor, Word(name))
@@ -405,6 +436,31 @@ def _bins(bins: tuple[float, ...]) -> tuple[str, tuple[Figure, ...]]:
     if bins and len(bins) % 2 == 0 and mirror(upper) == bins:
         return "mirrored", tuple(map(Figure, upper))
     return "list", tuple(map(Figure, bins))
+
+
+def _tuning(tuning: Tuning) -> TuneNode:
+    items = []
+    for peaks in tuning.peaks:
+        said = {
+            "mirrored": peaks.mirrored,
+            "keep order": peaks.ordered,
+            "partition": peaks.partition,
+        }
+        words = tuple(word for word, holds in said.items() if holds)
+        # 100 times a share may end in a digit that the share does not have.
+        gap = Figure(float(f"{100.0 * peaks.gap:.12g}"))
+        items.append(TuneItem(Word("peaks"), tuple(map(Word, peaks.variables)), words, gap=gap))
+    for gain in tuning.gains:
+        flags = {"times": gain.times, "log": gain.log, "per axis": gain.per_axis}
+        words = tuple(word for word, holds in flags.items() if holds)
+        low, high = Figure(gain.low), Figure(gain.high)
+        items.append(
+            TuneItem(Word("gain"), tuple(map(Word, gain.names)), words, low=low, high=high)
+        )
+    for variable in dict.fromkeys(variable for variable, _ in tuning.kept):
+        terms = tuple(Word(term) for owner, term in tuning.kept if owner == variable and term)
+        items.append(TuneItem(Word("keep"), (Word(variable),), terms=terms))
+    return TuneNode(tuple(items))
 
 
 def _expectation(expectation: Expectation) -> ExpectNode:

@@ -1,1 +1,82 @@
-"""Rule bases from samples, and judged by samples; controllers that learn along a trajectory."""
+"""Rule bases from samples, and judged by samples; controllers that learn along a trajectory.
+
+:func:`read_samples` reads a table of data, :func:`fit` makes a rule base of it,
+:func:`validate` judges any rule base by data; :func:`train` teaches a controller.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.lazy import lazily
+
+# Of the same names as their modules, so that they have to stand here first.
+from fuzzyarm.learning.fit import Fit, FitError, Options, fit
+from fuzzyarm.learning.wang_mendel import wang_mendel
+
+if TYPE_CHECKING:
+    from fuzzyarm.learning.data import (
+        ColumnError,
+        Columns,
+        DataError,
+        Samples,
+        as_samples,
+        frame_samples,
+        function_samples,
+        read_samples,
+        rulebase_samples,
+        table_samples,
+    )
+    from fuzzyarm.learning.self_organizing import Snapshot, train
+    from fuzzyarm.learning.validation import Validation, ValidationError, validate
+
+__all__ = [
+    "ColumnError",
+    "Columns",
+    "DataError",
+    "Fit",
+    "FitError",
+    "Options",
+    "Samples",
+    "Snapshot",
+    "Validation",
+    "ValidationError",
+    "as_samples",
+    "fit",
+    "frame_samples",
+    "function_samples",
+    "read_samples",
+    "rulebase_samples",
+    "table_samples",
+    "train",
+    "validate",
+    "wang_mendel",
+]
+
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "data": (
+            "ColumnError",
+            "Columns",
+            "DataError",
+            "Samples",
+            "as_samples",
+            "frame_samples",
+            "function_samples",
+            "read_samples",
+            "rulebase_samples",
+            "table_samples",
+        ),
+        "self_organizing": (
+            "Snapshot",
+            "train",
+        ),
+        "validation": (
+            "Validation",
+            "ValidationError",
+            "validate",
+        ),
+    },
+    __all__,
+)

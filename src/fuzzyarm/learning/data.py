@@ -30,6 +30,7 @@ from fuzzyarm.text.diagnostic import (
     split_lines,
 )
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.shown import one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
@@ -66,7 +67,7 @@ class ColumnError(FuzzyarmError, LookupError):
         self.name, self.columns = name, tuple(columns)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Samples:
     """Rows of data: inputs, and what belongs to them.
 
@@ -98,6 +99,11 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self.values)
+
+    def __repr__(self) -> str:
+        kind = f"{len(self.classes)} classes" if self.classes else "numbers"
+        words = f"{len(self)} rows of {', '.join(self.names)} → {self.target}, {kind}"
+        return one_line(self, words)
 
     @property
     def outputs(self) -> Array:
@@ -204,6 +210,15 @@ def as_samples(
 def frame_samples(frame: Any, columns: Columns = LAST, source: str = "") -> Samples:
     """Return samples in a data frame of pandas.
 
+    Parameters
+    ----------
+    frame : DataFrame
+        A row for each sample.
+    columns : Columns, optional
+        Which are inputs, which the target; by default the last is the target.
+    source : str
+        Where it comes from, for comments.
+
     Raises
     ------
     DataError
@@ -226,7 +241,15 @@ def _cell_text(cell: Any) -> str:
 
 
 def table_samples(table: LookupTable, source: str = "") -> Samples:
-    """Return every cell of a lookup table as a sample: its levels, and its value."""
+    """Return every cell of a lookup table as a sample: its levels, and its value.
+
+    Parameters
+    ----------
+    table : LookupTable
+        What is sampled.
+    source : str
+        Where it comes from, for comments.
+    """
     mesh = np.meshgrid(*(np.array(axis.levels) for axis in table.axes), indexing="ij")
     inputs = np.stack([each.ravel() for each in mesh], axis=1)
     return as_samples(inputs, table.values.ravel(), table.names, table.output, source)
@@ -240,6 +263,19 @@ def rulebase_samples(
     source: str = "",
 ) -> Samples:
     """Return samples of an output of a rule base, spread over the ranges of its inputs.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What is sampled.
+    target : str, optional
+        The output, where there are several.
+    count : int
+        Of samples.
+    seed : int
+        Of their positions.
+    source : str
+        Where it comes from, for comments.
 
     Raises
     ------
@@ -258,7 +294,8 @@ def rulebase_samples(
             raise _refused("unbounded-input", f"the range of '{name}' has no end", source)
 
     def value(**inputs: Array) -> ArrayLike:
-        return infer(rulebase, inputs, outputs=(target,))[target]
+        found: Array = infer(rulebase, inputs, outputs=(target,))[target]
+        return found
 
     return replace(function_samples(value, ranges, count, target, seed), source=source)
 
@@ -371,7 +408,7 @@ def _cells(text: str, path: str) -> tuple[_Cells, tuple[str, ...]]:
     notes: tuple[str, ...] = ()
     if all(_number(cell, comma=comma) is not None for cell in first):
         names = [*(f"x{k + 1}" for k in range(len(first) - 1)), "y"]
-        notes = (f"no line of names: the columns are called {_listed(names)}",)
+        notes = (f"the file has no line of names: the columns are called {_listed(names)}",)
     else:
         names = [cell or f"x{k + 1}" for k, cell in enumerate(first)]
         del filled[0]
@@ -472,7 +509,7 @@ class _Cells:
             message = f"two columns are called '{twice[0]}'"
             raise _refused("duplicate-column", message, self.path)
         if len(self.names) < 2:
-            message = "one column only: an input and a target are needed"
+            message = "only one column: an input and a target are needed"
             raise _refused("no-inputs", message, self.path)
 
     def _check_lengths(self) -> None:

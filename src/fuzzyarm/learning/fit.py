@@ -52,6 +52,7 @@ from fuzzyarm.learning.written import (
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.names import printable
+from fuzzyarm.text.shown import one_line
 from fuzzyarm.version import __version__
 
 STARTS = ("grid", "fcm", "subtractive")
@@ -130,7 +131,7 @@ class Options:
     description: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fit:
     """A learned rule base and what is known of it.
 
@@ -179,6 +180,10 @@ class Fit:
     support: tuple[float, ...]
     digits: int
     interrupted: bool = False
+
+    def __repr__(self) -> str:
+        words = f"error {self.error:.4g}, of linear regression {self.linear_error:.4g}"
+        return one_line(self, f"{self.structure}: {words}, {len(self.rulebase.rules)} rules")
 
 
 def fit(
@@ -233,7 +238,7 @@ def _check(samples: Samples, options: Options) -> None:
     if options.shrinkage is not None and not 0.0 <= options.shrinkage < math.inf:
         raise FitError(f"shrinkage must be 0 or more, not {options.shrinkage:g}")
     if len(samples.classes) == 1:
-        raise FitError(f"'{samples.target}' has one class only: '{samples.classes[0]}'")
+        raise FitError(f"'{samples.target}' has only one class: '{samples.classes[0]}'")
     if options.terms is not None:
         _check_terms(samples, options, options.terms)
 
@@ -418,7 +423,7 @@ def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
 def _fit_words(samples: Samples, options: Options, on_step: Callable[[str], None]) -> Fit:
     low, high = options.words
     if not low <= high:
-        raise WordsError(f"words from {low} to {high} are none")
+        raise WordsError(f"words from {low} to {high}: the range is empty")
     layout = Layout(options.name, options.description)
     parts = list(folds(len(samples), options.parts, series=options.series, seed=options.seed))
     judge = Judge(samples.inputs, samples.outputs, parts)

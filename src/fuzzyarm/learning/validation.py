@@ -22,7 +22,9 @@ from fuzzyarm.inference.sets import degrees
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.text.shown import Shown, one_line
 
 Array = NDArray[np.float64]
 
@@ -102,8 +104,8 @@ class Bin(NamedTuple):
     observed: float
 
 
-@dataclass(frozen=True)
-class Validation:
+@dataclass(frozen=True, repr=False)
+class Validation(Shown):
     """What samples say of a rule base.
 
     Attributes
@@ -155,6 +157,10 @@ class Validation:
     predicted: Array
     observed: Array
 
+    def __repr__(self) -> str:
+        words = f"{self.samples} samples, error {self.error:.4g}, {self.silent} without a rule"
+        return one_line(self, words)
+
     @property
     def never_fired(self) -> tuple[RuleUse, ...]:
         """The rules that no sample makes fire."""
@@ -179,7 +185,7 @@ def _without_nan(data: Any) -> Any:
     return None if isinstance(data, float) and math.isnan(data) else data
 
 
-def validate(rulebase: RuleBase, samples: Samples) -> Validation:
+def validate(rulebase: AnyRuleBase, samples: Samples) -> Validation:
     """Judge a rule base by samples.
 
     Parameters
@@ -195,6 +201,7 @@ def validate(rulebase: RuleBase, samples: Samples) -> Validation:
     ValidationError
         If an output that the target asks for is not there.
     """
+    rulebase = rulebase.model
     wanted = output_names(samples)
     known = [output.name for output in rulebase.outputs]
     has_target = not np.isnan(samples.values).any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.loop.analysis import (
     AnalysisError,
     Portrait,
@@ -33,3 +34,5 @@ __all__ = [
     "simulate",
     "simulate_many",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

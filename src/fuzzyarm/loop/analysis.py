@@ -19,12 +19,14 @@ from fuzzyarm.inference import infer
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import as_controller, simulate, text_of
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.controller import Drive, Learn
 from fuzzyarm.model.controller import Signal as SignalLine
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Plant
+from fuzzyarm.text.shown import Shown, one_line
 
 Vector = NDArray[np.float64]
 
@@ -47,7 +49,7 @@ STILL = ("error", "reference", "measured", "rules", "table")
 
 
 def describing_function(
-    thing: RuleBase | ControllerText,
+    thing: AnyRuleBase | ControllerText,
     amplitudes: ArrayLike,
     frequency: float = 0.0,
     *,
@@ -115,10 +117,10 @@ def _fundamental(
     return np.asarray((values * (sine + 1j * cosine)).sum(axis=1) * 2.0 / (points * sizes))
 
 
-def _static(thing: RuleBase | ControllerText) -> Callable[[Vector, Vector], Vector]:
+def _static(thing: AnyRuleBase | ControllerText) -> Callable[[Vector, Vector], Vector]:
     """Return what gives the output of error and rate, arrays of one shape."""
-    if isinstance(thing, RuleBase):
-        return _of_rulebase(thing)
+    if isinstance(thing, AnyRuleBase):
+        return _of_rulebase(thing.model)
     return _of_controller(thing)
 
 
@@ -169,11 +171,16 @@ def _of_controller(text: ControllerText) -> Callable[[Vector, Vector], Vector]:
     return answer
 
 
-def nonlinearity(thing: RuleBase | ControllerText) -> Any:
+def nonlinearity(thing: AnyRuleBase | ControllerText) -> Any:
     """Return a rule base of one input, or a controller without rates, for python-control.
 
     What it returns is the ``F`` of :func:`control.describing_function_plot` and
     :func:`control.describing_function`.
+
+    Parameters
+    ----------
+    thing : RuleBase or ControllerText
+        As of :func:`describing_function`.
 
     Raises
     ------
@@ -207,8 +214,8 @@ def nonlinearity(thing: RuleBase | ControllerText) -> Any:
 # --- Phase portraits ---
 
 
-@dataclass(frozen=True)
-class Portrait:
+@dataclass(frozen=True, repr=False)
+class Portrait(Shown):
     """Motions from many starts in the plane of two quantities.
 
     Attributes
@@ -233,6 +240,9 @@ class Portrait:
     target: tuple[float, float]
     field: tuple[Vector, Vector, Vector, Vector] | None = None
 
+    def __repr__(self) -> str:
+        return one_line(self, f"{self.name}: {len(self.paths)} motions, {self.y} over {self.x}")
+
 
 STARTS = 12
 """Around the target."""
@@ -242,7 +252,7 @@ INTERVALS = 250
 
 
 def phase_portrait(
-    thing: RuleBase | ControllerText | Controller,
+    thing: AnyRuleBase | ControllerText | Controller,
     plant: Plant | None = None,
     *,
     references: Mapping[str, Signal] | None = None,
@@ -274,7 +284,8 @@ def phase_portrait(
     AnalysisError
         If there is nothing that spans a plane.
     """
-    if isinstance(thing, RuleBase):
+    if isinstance(thing, AnyRuleBase):
+        thing = thing.model
         if plant is not None:
             hint = "a controller says what goes to which port; docs/controllers.md"
             message = f"'{thing.name}' is a rule base, which no plant can be driven by"
@@ -341,7 +352,7 @@ def _on_plant(
     options: Options | None,
 ) -> Portrait:
     if isinstance(plant, EnvironmentPlant | UnitPlant):
-        message = f"{plant.name} keeps its states to itself: it cannot be started anywhere"
+        message = f"{plant.name} does not expose its states: it cannot be started from others"
         raise AnalysisError(message, name=plant.name)
     site = site_of(plant)
     interface = site.interface

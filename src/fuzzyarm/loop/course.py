@@ -521,11 +521,11 @@ class Course:
         return rows
 
     def clock(self) -> Any:
-        """Return the clock of the plant at the start."""
+        """Return the clock of the plant at the start, and room for the changes of the drives."""
         parts = self.options.runge_kutta
         if not parts:
             parts = max(1, math.ceil(self.motion.period / self.plant.longest_step - 1e-9))
-        clock = np.zeros(CLOCK_SIZE)
+        clock = np.zeros(CLOCK_SIZE + 3 * len(self.site.interface.inputs))
         clock[1:4] = self.motion.step, parts, float(self.conventions.single)
         return self._flat(clock)
 

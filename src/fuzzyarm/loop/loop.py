@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.law import summed_drives
 from fuzzyarm.kernels import call, kernel
-from fuzzyarm.plant.plant import ACTUATE, ADVANCE, DERIVE, MEASURE
+from fuzzyarm.plant.plant import ACTUATE, ADVANCE, CLOCK_SIZE, DERIVE, MEASURE
 from fuzzyarm.plant.setting import CLOCK, stored
 
 
@@ -121,7 +121,8 @@ def run_loop(
     state : float
         States of the plant and room; holds those at the end afterwards.
     clock : float
-        Time, control period, steps of the integrator and precision, for the plant.
+        Time, control period, steps of the integrator and precision, for the plant; behind them
+        what :func:`note_changes` adds up.
     record : float
         Filled with the taps in the last period of each set point.
     progress : int, length 4
@@ -162,6 +163,7 @@ def run_loop(
                 derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
             control(board[0 : frame.true], laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
+            note_changes(drives, clock)
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
@@ -299,6 +301,26 @@ def control(
 ) -> None:
     """Fill the drives with what all laws together want."""
     summed_drives(told, laws, numbers, memory, drives)
+
+
+# --- Chatter ---
+#
+# Behind the clock stand, a number for each drive: its value in the last control period, and the
+# sums of the magnitudes and of the squares of its changes. Before the first period drives are 0.
+
+LAST, MAGNITUDES, SQUARES = range(3)
+"""In the order in which they stand."""
+
+
+@kernel
+def note_changes(drives: list[float], clock: list[float]) -> None:
+    """Add up by how much the drives change."""
+    size = len(drives)
+    for i in range(size):
+        change = abs(drives[i] - clock[CLOCK_SIZE + i])
+        clock[CLOCK_SIZE + i] = drives[i]
+        clock[CLOCK_SIZE + MAGNITUDES * size + i] += change
+        clock[CLOCK_SIZE + SQUARES * size + i] += change * change
 
 
 # --- Actuators ---

@@ -49,6 +49,7 @@ from fuzzyarm.plant.plant import Plant, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, schedule
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.shown import one_line
 
 Vector = NDArray[np.float64]
 
@@ -75,7 +76,7 @@ class SweepError(FuzzyarmError, ValueError):
 # --- What came of many runs ---
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Many:
     """What came of many runs; ``many["rms"]`` is a metric of all of them.
 
@@ -107,6 +108,12 @@ class Many:
 
     def __len__(self) -> int:
         return len(self.diverged)
+
+    def __repr__(self) -> str:
+        lost = int(np.isfinite(self.diverged).sum())
+        changed = ", ".join(self.changes) or "the seed"
+        words = f"{len(self)} runs that differ in {changed}, {lost} diverged"
+        return one_line(self, f"{self.controller} on {self.plant}: {words}")
 
     def __getitem__(self, metric: str) -> Vector:
         """Return a metric of all runs, shape (n, outputs); see :class:`Metrics` for the names."""
@@ -262,9 +269,10 @@ class Bench:
             given = {name: np.atleast_1d(value).tolist() for name, value in gains.items()}
             program = self.loop.program_with(given)
         seed = int(changes.get("seed", self.experiment.options.seed + index))
-        return self.loop.run(program, self._course(changes), seed)
+        return self.loop.run(program, self.course(changes), seed)
 
-    def _course(self, changes: Changes) -> Course:
+    def course(self, changes: Changes) -> Course:
+        """Return the experiment with some changes of plants, sensors and disturbances."""
         course = self.loop.course
         plants = self._plants(changes)
         if plants is not None:
@@ -587,7 +595,7 @@ def check_extremes(bench: Bench, changes: Columns) -> None:
             if bench.owners[name] == "gain":
                 bench.loop.program_with({name: np.atleast_1d(extreme).tolist()})
             else:
-                bench._course(given)
+                bench.course(given)
 
 
 def _in_threads(

@@ -40,6 +40,9 @@ class Metrics:
         Sum of all changes of the drives from sample to sample, for each second: chatter.
     saturated : float
         Share of the samples in which a drive is at a limit.
+    chatter : float
+        Root mean square of the change of the first drive of the axis (on the arm its torque)
+        from one control period to the next.
     """
 
     rms: float
@@ -54,6 +57,7 @@ class Metrics:
     effort: float
     variation: float
     saturated: float
+    chatter: float = 0.0
 
     def as_dict(self) -> dict[str, float | None]:
         """Return it by name; what is not finite is None."""
@@ -72,6 +76,7 @@ def metrics_of(
     limits: list[tuple[float, float]],
     period: float,
     maximum: Literal["magnitude", "positive"] = "magnitude",
+    chatter: float = 0.0,
 ) -> Metrics:
     """Measure the run of an axis.
 
@@ -87,10 +92,12 @@ def metrics_of(
         Time from sample to sample, s.
     maximum : {"magnitude", "positive"}, optional
         See :func:`fuzzyarm.loop.loop.signed_maximum`.
+    chatter : float, optional
+        As the loop has it: samples do not tell.
     """
     if not len(errors):
         none = math.nan
-        return Metrics(none, none, none, None, None, None, none, none, none, none, none, none)
+        return Metrics(none, none, none, None, None, None, none, none, none, none, none, none, none)
     magnitude = np.abs(errors)
     elapsed = time - time[0]
     rise, overshoot, settling = _step_response(time, reference, errors)
@@ -113,6 +120,7 @@ def metrics_of(
         float(np.sqrt(np.mean(drives**2))) if drives.size else 0.0,
         float(np.abs(np.diff(drives, axis=0)).sum() / span) if drives.size else 0.0,
         float(held.mean()),
+        chatter,
     )
 
 

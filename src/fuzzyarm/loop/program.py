@@ -16,6 +16,7 @@ from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop, within
 from fuzzyarm.plant.plant import (
     ADVANCE,
+    CLOCK_SIZE,
     is_compiled,
     plain_motion,
     plain_outputs,
@@ -154,6 +155,17 @@ class Record:
         """Indices of the set points that were sampled."""
         whole = np.flatnonzero(self.course.motion.iterations == self.course.motion.every)
         return whole[: int(self.progress[0])]
+
+    def changes(self, kind: int) -> NDArray[np.float64]:
+        """Return for each drive the mean of what the loop added up of its changes.
+
+        Parameters
+        ----------
+        kind : int
+            ``MAGNITUDES`` or ``SQUARES`` of :mod:`fuzzyarm.loop.loop`.
+        """
+        sums = np.array(self.clock[CLOCK_SIZE:]).reshape(3, -1)[kind]
+        return np.asarray(sums / max(int(self.progress[3]), 1))
 
     def diverged(self) -> float | None:
         """Return when the run was stopped because it had diverged, s."""

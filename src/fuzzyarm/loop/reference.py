@@ -71,6 +71,17 @@ class Signal:
 def read_signal(text: str) -> Signal:
     """Read a reference as a user writes it: ``step:1``, ``sine:0.5,2`` or ``FILE.csv``.
 
+    Parameters
+    ----------
+    text : str
+        A kind and its numbers behind a colon, in the unit of the reference and s; or a file of
+        times and values.
+
+    Returns
+    -------
+    Signal
+        A function of time.
+
     Raises
     ------
     PlantError
@@ -151,7 +162,7 @@ def _from_file(path: str, time: Vector) -> Derivatives:
             hint = "a line is TIME,VALUE"
             raise PlantError(f"{path}:{number}: '{line}' is not two numbers", hint=hint) from None
         if rows and not first > rows[-1][0]:
-            raise PlantError(f"{path}:{number}: the times do not rise", name=path)
+            raise PlantError(f"{path}:{number}: the times must increase", name=path)
         if not (math.isfinite(first) and math.isfinite(second)):
             raise PlantError(f"{path}:{number}: '{line}' is not finite", name=path)
         rows.append((first, second))

@@ -17,7 +17,7 @@ from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
-from fuzzyarm.loop.loop import final, rms, signed_maximum
+from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.program import (
     Program,
@@ -44,6 +44,7 @@ from fuzzyarm.plant.setting import (
     Conventions,
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
+from fuzzyarm.text.shown import Shown, one_line
 
 # --- What came of a run ---
 
@@ -57,8 +58,8 @@ def judged_names(axes: Sequence[str], labels: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(Shown):
     """What came of it; angles are shown in degrees, all else in the units of the plant.
 
     Attributes
@@ -94,6 +95,8 @@ class Run:
         Of noise and disturbance.
     ended : float or None
         When the plant ended the run by itself, s.
+    chatter : mapping of str to float
+        Root mean square of the change of each drive from one control period to the next.
     """
 
     controller: str
@@ -119,6 +122,16 @@ class Run:
     period: float = SET_POINT_PERIOD
     seed: int = 1
     ended: float | None = None
+    chatter: Mapping[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        errors = zip(self.labels, self.rms, self.units, strict=True)
+        words = ", ".join(f"rms {name} {x:.4g} {unit}" for name, x, unit in errors)
+        stopped = "" if self.diverged is None else f", diverged at {self.diverged:.4g} s"
+        seconds = self.samples * self.period
+        return one_line(
+            self, f"{self.controller} on {self.plant}: {seconds:.4g} s, {words}{stopped}"
+        )
 
     @property
     def samples(self) -> int:
@@ -162,6 +175,7 @@ class Run:
                 [self.limits[name] for name in names],
                 self.period,
                 self.conventions.maximum,
+                self.chatter.get(names[0], 0.0) if names else 0.0,
             )
         return found
 
@@ -433,6 +447,7 @@ class ClosedLoop:
             followed.period * followed.every,
             course.options.seed if seed is None else seed,
             stopped if over else None,
+            dict(zip(map(label, inputs), np.sqrt(record.changes(SQUARES)).tolist(), strict=True)),
         )
 
 

@@ -49,7 +49,7 @@ class Range:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low <= self.high):
-            message = f"the range {self.low:g}..{self.high:g} of '{self.name}' is not one"
+            message = f"the range of '{self.name}' does not go up: {self.low:g}..{self.high:g}"
             raise SweepError(message, name=self.name, hint="the smaller end first, as in 0..2")
         if self.log and not self.low > 0.0:
             message = f"a logarithmic range of '{self.name}' cannot begin at {self.low:g}"
@@ -253,21 +253,23 @@ class SweepFile:
         """Say what the file asks that this sweep does not."""
         lines = content.decode("utf-8", errors="replace").splitlines()
         if not content.startswith(HEAD.encode()) or len(lines) < 2:
-            return "is not the file of a sweep"
+            return "is not a sweep file"
         try:
             theirs = json.loads(lines[1].removeprefix("# "))
             ours = json.loads(self.head.splitlines()[1].removeprefix("# "))
         except ValueError:
-            return "is not the file of a sweep"
+            return "is not a sweep file"
         names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
         for name in names:
             asked, given = theirs.get(name), ours.get(name)
             if isinstance(asked, dict) and isinstance(given, dict):
                 parts = itertools.chain(asked, given)
                 changed = next(part for part in parts if asked.get(part) != given.get(part))
-                return f"is of another sweep: {name} {changed} differs"
-            return f"is of another sweep: {name} was {json.dumps(asked)}, not {json.dumps(given)}"
-        return "is of another sweep: it has other columns"
+                return f"belongs to another sweep: {name} {changed} differs"
+            return (
+                f"belongs to another sweep: {name} was {json.dumps(asked)}, not {json.dumps(given)}"
+            )
+        return "belongs to another sweep: it has other columns"
 
 
 def quoted(name: str) -> str:

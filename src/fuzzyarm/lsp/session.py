@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.api import Judgement, Review, check_parsed, judge
 from fuzzyarm.language import Parsed, format_text
@@ -39,6 +39,9 @@ from fuzzyarm.language.statements import GridNode
 from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
+
+if TYPE_CHECKING:
+    from fuzzyarm.proof import Verdict
 
 # --- Between the protocol's positions, in code units from 0, and lines and columns from 1 ---
 #
@@ -328,11 +331,15 @@ class Session:
         self._judged = known
         return known[2].findings
 
+    @property
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """The verdicts on the ``prove`` lines; none before the text as it is now is reviewed."""
+        return () if self._judged is None or self._review is None else self._judged[2].verdicts
+
     def hover(self, line: int, column: int) -> Hover | None:
         """Return what stands at a position, with the last verdict on a ``prove`` line."""
         found: Hover | None = self.kind.hover(self.reading, line, column)
-        known = [] if self._judged is None or self._review is None else self._judged[2].verdicts
-        verdict = next((each for each in known if each.line == line), None)
+        verdict = next((each for each in self.verdicts if each.line == line), None)
         if found is None or verdict is None:
             return found
         said = "\n\n".join(plain(words) for words in str(verdict).splitlines())

@@ -1,1 +1,95 @@
-"""What a rule base means, free of text: its data, its shapes, its formulas."""
+"""What a rule base means, free of text: its data, its shapes, its formulas.
+
+The classes of a rule base and of a controller as immutable values, equal where they mean the
+same.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzyarm.lazy import lazily
+
+if TYPE_CHECKING:
+    from fuzzyarm.model.any_rulebase import AnyRuleBase
+    from fuzzyarm.model.controller import ControllerModel
+    from fuzzyarm.model.rulebase import (
+        And,
+        Consequent,
+        Defuzzifier,
+        Expectation,
+        Hedge,
+        Hedged,
+        Input,
+        Is,
+        Lookup,
+        LookupAxis,
+        NotInModelError,
+        Or,
+        Outcome,
+        Output,
+        Property,
+        Rule,
+        RuleBase,
+        RuleBlock,
+        Shape,
+        Term,
+        Variable,
+    )
+
+__all__ = [
+    "And",
+    "AnyRuleBase",
+    "Consequent",
+    "ControllerModel",
+    "Defuzzifier",
+    "Expectation",
+    "Hedge",
+    "Hedged",
+    "Input",
+    "Is",
+    "Lookup",
+    "LookupAxis",
+    "NotInModelError",
+    "Or",
+    "Outcome",
+    "Output",
+    "Property",
+    "Rule",
+    "RuleBase",
+    "RuleBlock",
+    "Shape",
+    "Term",
+    "Variable",
+]
+
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "any_rulebase": ("AnyRuleBase",),
+        "controller": ("ControllerModel",),
+        "rulebase": (
+            "And",
+            "Consequent",
+            "Defuzzifier",
+            "Expectation",
+            "Hedge",
+            "Hedged",
+            "Input",
+            "Is",
+            "Lookup",
+            "LookupAxis",
+            "NotInModelError",
+            "Or",
+            "Outcome",
+            "Output",
+            "Property",
+            "Rule",
+            "RuleBase",
+            "RuleBlock",
+            "Shape",
+            "Term",
+            "Variable",
+        ),
+    },
+)

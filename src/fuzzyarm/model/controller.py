@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.text.shown import one_line
 
 __all__ = [
     "SOURCES",
@@ -168,7 +169,7 @@ class GainModel:
     values: tuple[Amount, ...]
     unit: str = ""
     tune: Tune | None = None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +178,7 @@ class Use:
 
     name: str
     files: tuple[str, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +188,7 @@ class Partner:
     name: str
     law: str
     gains: tuple[tuple[str, float], ...] = ()
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 # --- The lines of an axis ---
@@ -244,7 +245,7 @@ class Signal:
     names: tuple[str, ...]
     source: Source | None
     products: tuple[Product, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def reads(self) -> Iterator[str]:
         """Yield the signals, gains and partners that it is made of."""
@@ -263,7 +264,7 @@ class Zoom:
     by: str | float
     inside: str | float
     wait: bool = False
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,7 +281,7 @@ class Learn:
     delay: int = 1
     rate: str | float = 1.0
     bound: str | float = 6.0
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -294,7 +295,7 @@ class Drive:
     products: tuple[Product, ...]
     within: tuple[float, float] | None = None
     slew: float | None = None
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 Line = Signal | Zoom | Learn | Drive
@@ -306,7 +307,7 @@ class Axes:
 
     names: tuple[str, ...]
     lines: tuple[Line, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
     def driven_by(self, name: str) -> Drive | None:
         """Return the first drive that depends on a signal."""
@@ -327,7 +328,7 @@ def _names_in(products: tuple[Product, ...]) -> Iterator[str]:
                 yield factor.value
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ControllerModel:
     """A controller as text.
 
@@ -354,6 +355,11 @@ class ControllerModel:
     every: int = 1
     description: str = ""
     rulebases: tuple[RuleBase, ...] = ()
+
+    def __repr__(self) -> str:
+        axes, gains = ", ".join(self.axis_names), ", ".join(each.name for each in self.gains)
+        words = f"every {self.period:g} s, axes {axes}, gains {gains or 'none'}"
+        return one_line(self, f"{self.name}: {words}")
 
     def lines(self) -> Iterator[tuple[Axes, Line]]:
         """Iterate over the lines of all axes."""

@@ -6,13 +6,23 @@ term stood in a file (its `span`) takes no part in equality.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.kinds import SHAPES
+from fuzzyarm.model.any_rulebase import AnyRuleBase
+from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
+from fuzzyarm.text.names import near_hint, shortened
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.text.shown import Shown, one_line
 
-SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid")
-"""How a sampled defuzzifier spreads N points over the range of an output."""
+SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
+"""How a sampled defuzzifier spreads N points over the range of an output.
+
+``joined`` is of the centroid and the bisector: they are integrals of straight lines between the
+samples rather than sums.
+"""
 
 DEFUZZIFIERS = (
     "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
@@ -38,7 +48,27 @@ POSITION = "x"
 """The name under which a formula that is a membership function knows where it is."""
 
 
-@dataclass(frozen=True, slots=True)
+class NotInModelError(FuzzyarmError, KeyError):
+    """A variable or a term that a model does not have.
+
+    Attributes
+    ----------
+    name : str
+        As asked for.
+    known : tuple of str
+        The names there are.
+    """
+
+    def __init__(self, what: str, name: str, known: Sequence[str]) -> None:
+        hint = near_hint(name, known)[0]
+        shown = ", ".join(known[:10]) + (", …" if len(known) > 10 else "")
+        message = f"no {what} is called '{name}'"
+        super().__init__(message, hint=hint or (f"there are {shown}" if known else ""))
+        self.name = name
+        self.known = tuple(known)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Shape:
     """The membership function of a term, or the value of a consequent.
 
@@ -53,12 +83,60 @@ class Shape:
         Factor on the whole function, 1 as a rule.
     formula : str
         The text of a ``formula``; empty otherwise.
+
+    Raises
+    ------
+    RuleBaseError
+        For a kind that does not exist, too many or too few numbers, or numbers that are not
+        those of such a shape; its finding names the argument.
+
+    Examples
+    --------
+    >>> Shape("triangle", (0, 1))
+    Traceback (most recent call last):
+    fuzzyarm.text.diagnostic.RuleBaseError: Shape(parameters): error[wrong-parameter-count]: \
+triangle takes 3 numbers (left, peak, right), found 2
     """
 
     kind: str
     parameters: tuple[float, ...] = ()
     height: float = 1.0
     formula: str = ""
+
+    def __post_init__(self) -> None:
+        if type(self.parameters) is not tuple:
+            object.__setattr__(self, "parameters", tuple(map(float, self.parameters)))
+        fault = _shape_fault(self.kind, self.parameters)
+        if fault is not None:
+            raise fault
+
+    def __repr__(self) -> str:
+        numbers = f", {self.parameters!r}" if self.parameters else ""
+        formula = f", formula={self.formula!r}" if self.formula else ""
+        height = f", height={self.height!r}" if self.height != 1.0 else ""
+        return f"Shape({self.kind!r}{numbers}{height}{formula})"
+
+
+def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | None:
+    """Return what is wrong with the arguments of a shape."""
+    if kind not in SHAPES:
+        hint, near = near_hint(kind, SHAPES)
+        message = f"expected the shape of the term, found '{kind}'"
+        return RuleBaseError.of_argument(
+            "unknown-shape", message, "Shape(kind)", hint=hint, replacement=near
+        )
+    record = SHAPES[kind]
+    if not record.fuzzy:
+        return None
+    wanted = len(record.parameters) or 2 * max(1, len(parameters) // 2)
+    if len(parameters) != wanted:
+        names = ", ".join(name.replace("-", "_") for name in record.parameters) or "x, y, x, y, …"
+        message = f"{kind} takes {wanted} numbers ({names}), found {len(parameters)}"
+        return RuleBaseError.of_argument("wrong-parameter-count", message, "Shape(parameters)")
+    fault = record.fault(parameters)
+    if fault is None:
+        return None
+    return RuleBaseError.of_argument("bad-shape", fault[1], f"Shape(parameters[{fault[0]}])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +158,7 @@ class Term:
 
     name: str
     shape: Shape
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
     lower: Shape | None = None
 
 
@@ -102,6 +180,11 @@ class Defuzzifier:
     resolution: int | None = None
     sampling: str = "endpoints"
 
+    @property
+    def joined(self) -> bool:
+        """Whether straight lines between samples are integrated."""
+        return self.resolution is not None and self.sampling == "joined"
+
     def __str__(self) -> str:
         """Return the words of the language."""
         if self.resolution is None:
@@ -109,8 +192,8 @@ class Defuzzifier:
         return f"{self.method}({self.resolution}, {self.sampling})"
 
 
-@dataclass(frozen=True, slots=True)
-class Variable:
+@dataclass(frozen=True, slots=True, repr=False)
+class Variable(Shown):
     """What inputs and outputs have in common: a name, a range and its terms.
 
     Attributes
@@ -134,22 +217,33 @@ class Variable:
     terms: tuple[Term, ...] = ()
     description: str = ""
     outside: str = "clamp"
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.low < self.high:
+            message = f"the range of '{self.name}' must go from a lower to a higher number"
+            argument = f"{type(self).__name__}(low, high)"
+            raise RuleBaseError.of_argument("bad-range", message, argument)
+
+    def __repr__(self) -> str:
+        ends = f"{number_text(self.low)} .. {number_text(self.high)}"
+        terms = shortened(" ".join(term.name for term in self.terms)) or "no terms"
+        return f"<{type(self).__name__} {shortened(self.name)} {ends}: {terms}>"
 
     def term(self, name: str) -> Term:
-        """Return the term called `name`; raise KeyError where there is none."""
+        """Return the term called `name`; raise NotInModelError where there is none."""
         for term in self.terms:
             if term.name == name:
                 return term
-        raise KeyError(name)
+        raise NotInModelError(f"term of '{self.name}'", name, [term.name for term in self.terms])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Input(Variable):
     """An input variable."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Output(Variable):
     """An output variable and the way to its crisp value.
 
@@ -192,7 +286,7 @@ class Is:
     variable: str
     term: str
     hedges: tuple[Hedge, ...] = ()
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +321,7 @@ class Consequent:
     variable: str
     term: str
     hedges: tuple[Hedge, ...] = ()
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,11 +345,11 @@ class Rule:
     antecedent: Expression
     consequents: tuple[Consequent, ...]
     weight: float = 1.0
-    span: Span = field(default=NOWHERE, compare=False)
-    in_grid: bool = field(default=False, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+    in_grid: bool = field(default=False, compare=False, repr=False)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class RuleBlock:
     """Rules that share their norms. Blocks are evaluated in order.
 
@@ -279,6 +373,10 @@ class RuleBlock:
     disjunction: str = "max"
     implication: str = "min"
     threshold: float = 0.0
+
+    def __repr__(self) -> str:
+        norms = f"and {self.conjunction}, or {self.disjunction}, implication {self.implication}"
+        return one_line(self, f"{self.name or '(unnamed)'}: {len(self.rules)} rules, {norms}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -337,7 +435,7 @@ class Expectation:
 
     inputs: tuple[tuple[str, float], ...]
     outcomes: tuple[Outcome, ...]
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -370,12 +468,88 @@ class Property:
     low: float = 0.0
     high: float = 0.0
     mode: str = ""
-    span: Span = field(default=NOWHERE, compare=False)
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
-class RuleBase:
-    """A whole fuzzy system: variables, rules, and how the rules are evaluated."""
+class PeakTuning:
+    """Variables whose terms may move when the rule base is tuned.
+
+    Attributes
+    ----------
+    variables : tuple of str
+        Each by itself.
+    mirrored : bool
+        Whether opposite terms stay opposite about the middle of the range.
+    ordered : bool
+        Whether no peak may cross its neighbour's.
+    partition : bool
+        Whether feet stand under the neighbours' peaks.
+    gap : float
+        How near neighbouring peaks may come, as a share of the range.
+    """
+
+    variables: tuple[str, ...]
+    mirrored: bool = False
+    ordered: bool = False
+    partition: bool = False
+    gap: float = 0.001
+
+
+@dataclass(frozen=True, slots=True)
+class GainTuning:
+    """Gains of a controller that may move when it is tuned.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the gains.
+    low, high : float
+        Between what they may move.
+    times : bool
+        Whether the ends are multiples of the value in the file.
+    log : bool
+        Whether they move in steps of the logarithm; multiples always do.
+    per_axis : bool
+        Whether each axis gets a value of its own.
+    """
+
+    names: tuple[str, ...]
+    low: float
+    high: float
+    times: bool = False
+    log: bool = False
+    per_axis: bool = False
+    span: Span = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """The ``tune`` block of a file; inference does not read it.
+
+    Attributes
+    ----------
+    peaks : tuple of PeakTuning
+        What may move in the rule base.
+    gains : tuple of GainTuning
+        What may move in the controller that uses it.
+    kept : tuple of (str, str)
+        Variable and term that stay where they are; an empty term stands for all of them.
+    """
+
+    peaks: tuple[PeakTuning, ...] = ()
+    gains: tuple[GainTuning, ...] = ()
+    kept: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class RuleBase(AnyRuleBase):
+    """A whole fuzzy system as a value: variables, rules, and how the rules are evaluated.
+
+    It never changes; two are equal where they mean the same, wherever their rules stood. It is
+    what :func:`fuzzyarm.load` returns and what :class:`fuzzyarm.RuleBase`, which writes one in
+    Python, has as its `model`.
+    """
 
     name: str
     inputs: tuple[Input, ...] = ()
@@ -385,6 +559,15 @@ class RuleBase:
     lookup: Lookup | None = None
     expectations: tuple[Expectation, ...] = ()
     properties: tuple[Property, ...] = ()
+    tuning: Tuning | None = None
+
+    @property
+    def model(self) -> RuleBase:
+        """The value: itself."""
+        return self
+
+    def __repr__(self) -> str:
+        return one_line(self, outline(self))
 
     @property
     def rules(self) -> tuple[Rule, ...]:
@@ -392,12 +575,12 @@ class RuleBase:
         return tuple(rule for block in self.blocks for rule in block.rules)
 
     def variable(self, name: str) -> Input | Output:
-        """Return the input or output called `name`; raise KeyError where there is none."""
+        """Return the input or output called `name`; raise NotInModelError where there is none."""
         variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
         for variable in variables:
             if variable.name == name:
                 return variable
-        raise KeyError(name)
+        raise NotInModelError("variable", name, [variable.name for variable in variables])
 
     @property
     def is_type2(self) -> bool:
@@ -408,11 +591,22 @@ class RuleBase:
         )
 
     def output(self, name: str) -> Output:
-        """Return the output called `name`; raise KeyError where there is none."""
+        """Return the output called `name`; raise NotInModelError where there is none."""
         for output in self.outputs:
             if output.name == name:
                 return output
-        raise KeyError(name)
+        raise NotInModelError("output", name, [output.name for output in self.outputs])
+
+
+def outline(rulebase: RuleBase) -> str:
+    """Return a rule base on one line: ``pd7: e, ce → u, 49 rules``."""
+    count = len(rulebase.rules)
+    names = [
+        shortened(", ".join(variable.name for variable in variables)) or "nothing"
+        for variables in (rulebase.inputs, rulebase.outputs)
+    ]
+    words = f"{names[0]} → {names[1]}, {count} rule{'' if count == 1 else 's'}"
+    return f"{shortened(rulebase.name)}: {words}"
 
 
 def propositions(expression: Expression) -> Iterator[Is]:

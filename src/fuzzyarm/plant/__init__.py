@@ -6,6 +6,7 @@ everything else is SI. See ``docs/arm.md`` and ``docs/plants.md`` for the equati
 
 from __future__ import annotations
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.plant.arm import ESTIMATE, INEXACT, LOADED, UNLOADED, ArmParameters
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.library import BallAndBeam, CartPole, Motor, Room, Tanks
@@ -69,3 +70,5 @@ __all__ = [
     "schedule",
     "through",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -88,7 +88,10 @@ class UnitPlant(Plant):
     def _exchange(self, description: Any) -> None:
         events = description.numberOfEventIndicators
         if events:
-            message = f"{self.name} has events ({events} indicators), which model exchange needs"
+            message = (
+                f"{self.name} has events ({events} indicators), which are not supported in "
+                "model exchange"
+            )
             raise PlantError(message, name=self.name, hint="export it for co-simulation")
         count = int(description.numberOfContinuousStates or 0)
         self.states = {f"state{index + 1}": "1" for index in range(count)}
@@ -218,7 +221,7 @@ def _described(path: str) -> Any:
     except Exception as error:  # a damaged archive raises whatever its reader does
         raise PlantError(f"{path} is not an FMU: {_in_one_line(error)}", name=path) from error
     if found.fmiVersion != "2.0" and not found.fmiVersion.startswith("3."):
-        raise PlantError(f"{path} is of FMI {found.fmiVersion}, not 2.0 or 3", name=path)
+        raise PlantError(f"{path} uses FMI {found.fmiVersion}, not 2.0 or 3", name=path)
     if found.coSimulation is None and found.modelExchange is None:
         raise PlantError(f"{path} is neither for co-simulation nor for model exchange", name=path)
     return found

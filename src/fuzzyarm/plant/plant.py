@@ -16,6 +16,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.kernels import address_of, build, is_kernel, kernel
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.text.names import near_hint
+from fuzzyarm.text.shown import one_line
 
 
 class PlantError(FuzzyarmError, ValueError):
@@ -138,6 +139,10 @@ class Plant:
     longest_step: float = math.inf
     duration: float | None = None
     ended: bool = False
+
+    def __repr__(self) -> str:
+        ports = f"{', '.join(self.inputs) or 'nothing'} → {', '.join(self.outputs) or 'nothing'}"
+        return one_line(self, f"{self.name}: {ports}")
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
         """Return the states at the start; zeros by default."""
@@ -272,7 +277,7 @@ def _reference(outputs: Mapping[Address, Port], address: Address) -> Reference:
         address = (axis, outputs[address].rate_of)
         order += 1
         if address not in outputs or order > 2:
-            message = f"'{address[1]}' is not an output of which there can be a rate"
+            message = f"'{address[1]}' is not an output that has a rate"
             raise PlantError(message, name=address[1])
     return Reference(address, order)
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.plant.arm import LOADED, UNLOADED, ArmParameters
 from fuzzyarm.plant.setting import ITERATIONS, SET_POINT_PERIOD, ArmError, Conventions, Pair
+from fuzzyarm.text.shown import one_line
 
 # --- Trajectories: quintic segments from rest to rest, holds, way points (section 4.1) ---
 
@@ -64,7 +65,7 @@ class Segment:
             )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Trajectory:
     """Segments, one after the other.
 
@@ -81,6 +82,10 @@ class Trajectory:
     name: str
     segments: tuple[Segment, ...]
     loaded: tuple[bool, ...]
+
+    def __repr__(self) -> str:
+        count = len(self.segments)
+        return one_line(self, f"{self.name}: {self.duration:.4g} s in {count} segments")
 
     @property
     def duration(self) -> float:
@@ -117,7 +122,22 @@ def _moves(points: Sequence[Pair], duration: float) -> list[Segment]:
 
 
 def reach(angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0) -> Trajectory:
-    """Move there and stay; a load is picked up on arrival."""
+    """Move there and stay; a load is picked up on arrival.
+
+    Parameters
+    ----------
+    angles : pair of float
+        Where to, degrees.
+    segment : float
+        How long the motion takes, s.
+    hold : float
+        How long it stays, s.
+
+    Returns
+    -------
+    Trajectory
+        Of a motion and a stay.
+    """
     there = Segment((0.0, 0.0), angles, segment)
     rest = Segment(angles, angles, hold, hold=True)
     return Trajectory("reach", (there, rest), (False, True))
@@ -126,7 +146,22 @@ def reach(angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0)
 def reach_return(
     angles: Pair = (90.0, -90.0), segment: float = 5.0, hold: float = 5.0
 ) -> Trajectory:
-    """Move there, pick up the load, come back, stay with it."""
+    """Move there, pick up the load, come back, stay with it.
+
+    Parameters
+    ----------
+    angles : pair of float
+        Where to, degrees.
+    segment : float
+        How long each motion takes, s.
+    hold : float
+        How long it stays at the end, s.
+
+    Returns
+    -------
+    Trajectory
+        Of two motions and a stay.
+    """
     home = (0.0, 0.0)
     segments = (
         Segment(home, angles, segment),
@@ -137,7 +172,20 @@ def reach_return(
 
 
 def pick_and_place(angles: Pair = (45.0, -45.0), segment: float = 2.0) -> Trajectory:
-    """Move there, come back with the load, put it down; twice."""
+    """Move there, come back with the load, put it down; twice.
+
+    Parameters
+    ----------
+    angles : pair of float
+        Where to, degrees.
+    segment : float
+        How long each motion takes, s.
+
+    Returns
+    -------
+    Trajectory
+        Of four motions.
+    """
     points = [(0.0, 0.0), angles] * 2 + [(0.0, 0.0)]
     return Trajectory(
         "pick-and-place",

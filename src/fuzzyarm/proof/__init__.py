@@ -3,21 +3,31 @@
 :func:`prove` gives a :class:`Verdict` on a statement; :class:`Prover` gives single bounds. A
 rule base of straight terms, min and the exact centroid (or averages of numbers) is cut into
 pieces on which the output is a quotient of polynomials; everything else goes by boxes.
+:func:`sector` and :func:`slopes_at` set an output beside a linear law;
+:mod:`fuzzyarm.proof.controllers` does so with the drives of a controller.
 """
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.proof.bounds import Bounds, UnprovableError
 from fuzzyarm.proof.prover import Prover
+from fuzzyarm.proof.sector import NoSectorError, Sector, sector, slopes_at
 from fuzzyarm.proof.tables import table_proof
 from fuzzyarm.proof.verdicts import Verdict, property_text, prove, prove_all, read_property
 
 __all__ = [
     "Bounds",
+    "NoSectorError",
     "Prover",
+    "Sector",
     "UnprovableError",
     "Verdict",
     "property_text",
     "prove",
     "prove_all",
     "read_property",
+    "sector",
+    "slopes_at",
     "table_proof",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

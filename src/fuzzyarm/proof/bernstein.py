@@ -24,7 +24,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzyarm.proof.arithmetic import FLOATS, Arithmetic, Array, Stop, rationals
+from fuzzyarm.proof.arithmetic import (
+    FLOATS,
+    Arithmetic,
+    Array,
+    Stop,
+    any_of_rows,
+    greatest_of_rows,
+    rationals,
+)
 
 __all__ = [
     "Extremum",
@@ -224,7 +232,7 @@ class Quotients:
         found = self.upper - bound * self.lower
         if self.error is not None:
             found = found + (self.reach + abs(bound)) * self.error
-        return np.asarray(found.max(axis=1))
+        return greatest_of_rows(found)
 
     def attained(self) -> tuple[Any, int, Array] | None:
         """Return the greatest value at a vertex, with the simplex and the position; or None.
@@ -390,10 +398,9 @@ def maximise(
             owner = int(open_.owner[found[1]])
             if decide:
                 return Extremum(best, best, corner, owner, seen, given_up)
-        if best is None:  # no value anywhere yet: only what has none can be discarded
-            keep = (open_.lower != 0).any(axis=1)
-        else:
-            keep = open_.excess(best + tolerance) > 0
+        # Without a value anywhere only what has none can be discarded.
+        has_value = any_of_rows(open_.lower != 0) if best is None else None
+        keep = open_.excess(best + tolerance) > 0 if has_value is None else has_value
         open_ = open_.take(np.flatnonzero(keep))
         shape = open_.corners.astype(float)
         small = np.ptp(shape, axis=1).max(axis=1, initial=0.0) < smallest

@@ -7,13 +7,25 @@ from typing import NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
 
-__all__ = ["GAP", "WIDENED", "Bounds", "Claim", "NothingFiresError", "Point", "UnprovableError"]
+__all__ = [
+    "GAP",
+    "LIKE_EXPECT",
+    "WIDENED",
+    "Bounds",
+    "Claim",
+    "NothingFiresError",
+    "Point",
+    "UnprovableError",
+]
 
 WIDENED = 1e-12
 """Share of an output's range by which bounds that floats found are widened outward."""
 
 GAP = 1e-8
 """Share of an output's range to which bounds are sought where nothing else is asked for."""
+
+LIKE_EXPECT = 1e-9
+"""Share of an output's range to which ``=``, ``odd`` and sectors hold, as ``expect`` lines do."""
 
 Point = dict[str, float]
 

@@ -227,14 +227,14 @@ class Boxes:
         low, high = self._first(positions)
         best, where = -math.inf if least is None else least, {}
         done, seen = best, 0
+        tops = np.full(len(low), math.inf)  # what is not reached in time keeps that of its parent
         while len(low):
             seen += len(low)
-            tops = np.full(len(low), math.inf)
             for start in range(0, len(low), CHUNK):
                 if self.stop.now:
                     break
                 part = slice(start, start + CHUNK)
-                tops[part] = over(low[part], high[part])[1]
+                tops[part] = np.minimum(tops[part], over(low[part], high[part])[1])
             if at is not None:
                 middles = 0.5 * (low + high)
                 promising = np.argsort(-tops)[:256]
@@ -258,6 +258,7 @@ class Boxes:
                 )
             if len(low):
                 low, high = self._halved(low, high)
+                tops = np.concatenate([tops, tops])
         return _Found(max(done, best), best, where, seen, complete=True)
 
     def _first(self, positions: Sequence[Sequence[float]]) -> tuple[Array, Array]:
@@ -425,6 +426,8 @@ class Boxes:
             raise UnprovableError(f"no rule concludes '{output.name}'")
         if way not in {"centroid", "weighted-average", "weighted-sum"}:
             raise UnprovableError(f"nothing is proved of the defuzzifier {way}")
+        if output.defuzzifier.joined and not self.output.discrete:
+            raise UnprovableError(f"nothing is proved of joined samples ('{output.name}')")
         kinds: list[Any] = [SNORMS[output.aggregation]]
         for _, index in self.output.contributions:
             planned = self.plan.rules[index]

@@ -27,8 +27,16 @@ import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.proof.arithmetic import Arithmetic, Array, Stop
-from fuzzyarm.proof.straight import Corners, Node, Straight, StraightRule
+from fuzzyarm.proof.arithmetic import (
+    Arithmetic,
+    Array,
+    Stop,
+    any_of_rows,
+    greatest_of_rows,
+    least_of_rows,
+    sums_of_rows,
+)
+from fuzzyarm.proof.straight import Corners, Node, Straight, StraightRule, height_at
 
 __all__ = ["Cell", "Cut", "Grid", "Pieces", "TooManyPiecesError", "cut"]
 
@@ -69,11 +77,14 @@ class Cut(NamedTuple):
     mirrored : bool
         Whether the heights at the opposite point (each input with the other sign) are wanted
         too: columns behind the others.
+    form : tuple of Fraction
+        Weights of a sum of the inputs; pieces are cut where it is 0.
     """
 
     box: tuple[tuple[Fraction, Fraction], ...]
     positions: tuple[Sequence[Fraction], ...] = ()
     mirrored: bool = False
+    form: tuple[Fraction, ...] = ()
 
 
 # ── one input ────────────────────────────────────────────────────────────────────────
@@ -125,7 +136,7 @@ class Grid:
         stretches = list(pairwise(cuts))
         lines = [[_line_between(corners, a, b) for _, corners in mine] for a, b in stretches]
         for index, x in enumerate(cuts):
-            at = [_value_at(corners, x) for _, corners in mine]
+            at = [height_at(corners, x) for _, corners in mine]
             before = [b for _, b in lines[index - 1]] if index else None
             after = [a for a, _ in lines[index]] if index < len(lines) else None
             if at not in (before, after):  # a value that neither side has
@@ -186,19 +197,6 @@ def _line_between(corners: Corners, a: Fraction, b: Fraction) -> tuple[Fraction,
             slope = (y1 - y0) / (x1 - x0)
             return y0 + slope * (a - x0), y0 + slope * (b - x0)
     raise AssertionError("a stretch with a corner inside")
-
-
-def _value_at(corners: Corners, x: Fraction) -> Fraction:
-    """Return the height of a line at a point, the greatest on a vertical edge."""
-    at = [y for position, y in corners if position == x]
-    if at:
-        return max(at)
-    if x < corners[0][0]:
-        return corners[0][1]
-    if x > corners[-1][0]:
-        return corners[-1][1]
-    (x0, y0), (x1, y1) = next(pair for pair in pairwise(corners) if pair[0][0] < x < pair[1][0])
-    return y0 + (y1 - y0) / (x1 - x0) * (x - x0)
 
 
 # ── all inputs ───────────────────────────────────────────────────────────────────────
@@ -442,11 +440,11 @@ class Pieces:
         """Return the larger or the smaller of two heights that do not cross inside a piece."""
         gap = first.values - second.values
         values = (np.maximum if largest else np.minimum)(first.values, second.values)
-        takes_first = (gap.sum(axis=1) >= 0) == largest
+        takes_first = (sums_of_rows(gap) >= 0) == largest
         slopes = np.where(takes_first[:, None], first.slopes, second.slopes)
         if not self.arithmetic.exact:
-            unclear = np.abs(gap).max(axis=1) <= 4 * SAME
-            differ = np.abs(first.slopes - second.slopes).max(axis=1) > 1e-9
+            unclear = greatest_of_rows(np.abs(gap)) <= 4 * SAME
+            differ = greatest_of_rows(np.abs(first.slopes - second.slopes)) > 1e-9
             self.doubtful[which[unclear & differ]] = True
         return _Affine(values, slopes)
 
@@ -469,12 +467,12 @@ class Pieces:
                 ) -> list[Array]:
                     return [column(index, ids) - level for level in levels]
 
-                which = np.flatnonzero((self.heights[:, :, first + index] > 0).any(axis=1))
+                which = np.flatnonzero(any_of_rows(self.heights[:, :, first + index] > 0))
                 self._refine(which, own_levels)
             for overlap in form.overlaps:
                 levels = [number(level) for level in _inner_levels(overlap.layers)]
                 members = (overlap.member, *overlap.others)
-                some = [(self.heights[:, :, first + m] > 0).any(axis=1) for m in members]
+                some = [any_of_rows(self.heights[:, :, first + m] > 0) for m in members]
                 which = np.flatnonzero(some[0] & np.logical_or.reduce(some[1:]))
 
                 def against(
@@ -492,6 +490,27 @@ class Pieces:
                 self._refine(which, against)
 
     # ── cutting ──────────────────────────────────────────────────────────────────────
+
+    def form_at(self, weights: Sequence[Fraction], which: Array, shares: Array) -> Array:
+        """Return Σ wᵢ xᵢ at points of pieces: `shares` has (pieces, points, inputs)."""
+        number = self.arithmetic.number
+        total = self.arithmetic.zeros(*shares.shape[:2])
+        for axis, weight in enumerate(weights):
+            if weight:
+                cells = self.grid.cells[axis]
+                left = self.arithmetic.array([c.left for c in cells])[self.cell[which, axis]]
+                width = self.widths(axis)[which]
+                total = total + number(weight) * (
+                    left[:, None] + width[:, None] * shares[:, :, axis]
+                )
+        return np.asarray(total)
+
+    def cut_at_form(self, weights: Sequence[Fraction]) -> None:
+        """Cut where a sum of the inputs is 0."""
+        self._refine(
+            np.arange(self.count),
+            lambda which: [self.form_at(weights, which, self.corners[which])],
+        )
 
     def _refine(self, which: Array, undecided_on: Callable[[Array], list[Array]]) -> Array:
         """Cut pieces until none of the differences has both signs on one; return them all."""
@@ -512,7 +531,7 @@ class Pieces:
         return np.concatenate(done) if done else np.zeros(0, dtype=int)
 
     def _is_mixed(self, gap: Array) -> Array:
-        low, high = gap.min(axis=1), gap.max(axis=1)
+        low, high = least_of_rows(gap), greatest_of_rows(gap)
         if self.arithmetic.exact:
             return np.asarray((low < 0) & (high > 0))
         return np.asarray((low < -SAME) & (high > SAME))
@@ -575,4 +594,6 @@ def cut(
     pieces = Pieces(model, what, arithmetic, only, stop)
     if not model.multiplies:
         pieces.fire(model.adds)
+    if what.form:
+        pieces.cut_at_form(what.form)
     return pieces

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -29,20 +30,20 @@ from fuzzyarm.proof.bounds import (
     UnprovableError,
 )
 from fuzzyarm.proof.pieces import Cut, TooManyPiecesError, cut
-from fuzzyarm.proof.straight import NotStraightError, Straight, straight
+from fuzzyarm.proof.straight import NotStraightError, Straight, straight, with_fixed
 from fuzzyarm.proof.surface import Surface, TableValues
 
 if TYPE_CHECKING:
     from fuzzyarm.proof.boxes import Boxes
     from fuzzyarm.table import LookupTable
 
-__all__ = ["Prover", "written"]
+__all__ = ["Prover", "Question", "written"]
 
 Make = Callable[[Surface], Quotients]
 
 
 @dataclass(frozen=True)
-class _Question:
+class Question:
     """A quotient over a box: what is asked, and how the inputs are cut for it.
 
     `steep`: slopes are asked for, which floats do not know where they are in doubt which of
@@ -54,6 +55,7 @@ class _Question:
     positions: tuple[Any, ...] = ()
     mirrored: bool = False
     steep: bool = False
+    form: tuple[Fraction, ...] = ()
 
 
 class Prover:
@@ -77,6 +79,10 @@ class Prover:
     ----------
     reason : str
         Why boxes are used; empty for exact pieces.
+    inputs : tuple of Variable
+        Those that are not fixed.
+    fixed : dict of str to Fraction
+        Inputs with one value, see :meth:`with_fixed`.
     """
 
     def __init__(
@@ -96,7 +102,9 @@ class Prover:
         self.range = high - low if math.isfinite(high - low) else 1.0
         self.tolerance = tolerance
         self.gap = tolerance if tolerance is not None else GAP * self.range
-        self.names = tuple(variable.name for variable in rulebase.inputs)
+        self.inputs = rulebase.inputs
+        self.names = tuple(variable.name for variable in self.inputs)
+        self.fixed: dict[str, Fraction] = {}
         self._surfaces: dict[tuple[Any, ...], Surface] = {}
         self.reason = ""
         self.model: Straight | None = None
@@ -118,7 +126,7 @@ class Prover:
             If an input is unbounded and the region does not bound it.
         """
         found = []
-        for variable in self.rulebase.inputs:
+        for variable in self.inputs:
             low, high = region.get(variable.name, (variable.low, variable.high))
             if not (math.isfinite(low) and math.isfinite(high)):
                 raise UnprovableError(
@@ -127,6 +135,23 @@ class Prover:
                 )
             found.append((Fraction(low), Fraction(high)))
         return tuple(found)
+
+    def with_fixed(self, values: Mapping[str, Fraction]) -> Prover:
+        """Return the prover of a rule base of straight pieces in which some inputs have a value.
+
+        Pieces then have the dimension of those that are left, at least one.
+        """
+        values = {name: values[name] for name in self.names if name in values}
+        if self.model is None or not 0 < len(values) < len(self.names):
+            return self
+        made = copy(self)
+        axes = {self.names.index(name): x for name, x in values.items()}
+        made.model = with_fixed(self.model, axes)
+        made.inputs = tuple(each for each in self.inputs if each.name not in values)
+        made.names = tuple(each.name for each in made.inputs)
+        made.fixed = {**self.fixed, **values}
+        made._surfaces = {}
+        return made
 
     @property
     def pieces_cut(self) -> int:
@@ -142,7 +167,7 @@ class Prover:
             return self._boxes(box).value(self.gap)
         no_rule = self.output.no_rule
         try:
-            bounds = self._bounds(_Question(box, Surface.value), shifted=True)
+            bounds = self.bounds_of(Question(box, Surface.value), shifted=True)
         except NothingFiresError:
             if not isinstance(no_rule, int | float):
                 raise
@@ -157,19 +182,19 @@ class Prover:
 
     def slope(self, region: Mapping[str, tuple[float, float]], name: str) -> Bounds:
         """Return bounds of the slope along an input, wherever the output has one."""
-        self._demand_pieces("slopes")
+        self.demand_pieces("slopes")
         axis = self.names.index(name)
-        question = _Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
+        question = Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
         self._demand_no_jumps(question, axis)
-        return self._bounds(question)
+        return self.bounds_of(question)
 
     def steepness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
         """Return bounds of the length of the gradient: the high one is a Lipschitz constant."""
-        self._demand_pieces("slopes")
-        question = _Question(self.box(region), Surface.gradient_squared, steep=True)
+        self.demand_pieces("slopes")
+        question = Question(self.box(region), Surface.gradient_squared, steep=True)
         for axis in range(len(self.names)):
             self._demand_no_jumps(question, axis)
-        found = self._bounds(question, both=False, share=2.0 * self.range)
+        found = self.bounds_of(question, both=False, share=2.0 * self.range)
         low, high = 0.0, math.nextafter(math.sqrt(found.high), math.inf)
         return found._replace(
             low=low, high=high, reached_low=low, reached_high=math.sqrt(found.reached_high)
@@ -178,16 +203,16 @@ class Prover:
     def table(self, table: LookupTable, mode: str) -> Bounds:
         """Return bounds of what a table is above the output (negative: below it)."""
         box = self.box({})
-        self._demand_fitting(table)
+        table = self._fitting(table)
         if self.model is None:
             return self._boxes(box).table(table, mode, self.gap)
         self._demand_value_everywhere("the error of a table")
         question = self._table_question(table, mode, box)
-        return self._clamped_or_refused(self._bounds(question))
+        return self._clamped_or_refused(self.bounds_of(question))
 
     def table_at_most(self, table: LookupTable, mode: str, bound: float) -> Claim:
         """Tell whether a table differs nowhere by more than `bound`."""
-        question = self._table_question(table, mode, self.box({}))
+        question = self._table_question(self._fitting(table), mode, self.box({}))
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
@@ -208,7 +233,7 @@ class Prover:
         """Tell whether the output (or minus the output) is at most `bound`, below it if strict."""
         assert self.model is not None
         return self.at_most(
-            _Question(self.box(region), Surface.value),
+            Question(self.box(region), Surface.value),
             Fraction(bound),
             negated=negated,
             strict=strict,
@@ -224,25 +249,25 @@ class Prover:
         negated: bool,
     ) -> Claim:
         """Tell whether the slope (or minus the slope) is at most `bound`."""
-        self._demand_pieces("slopes")
+        self.demand_pieces("slopes")
         axis = self.names.index(name)
-        question = _Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
+        question = Question(self.box(region), lambda surface: surface.slope(axis), steep=True)
         self._demand_no_jumps(question, axis)
         return self.at_most(question, bound, negated=negated)
 
     def oddness(self, region: Mapping[str, tuple[float, float]]) -> Bounds:
         """Return bounds of u(x) + u(−x)."""
-        self._demand_pieces("symmetry")
+        self.demand_pieces("symmetry")
         self._demand_value_everywhere("symmetry")
-        self._demand_inside_range("symmetry")
-        return self._bounds(_Question(self.box(region), Surface.odd, mirrored=True))
+        self.demand_inside_range("symmetry")
+        return self.bounds_of(Question(self.box(region), Surface.odd, mirrored=True))
 
     def odd_within(self, region: Mapping[str, tuple[float, float]], bound: float) -> Claim:
         """Tell whether u(x) + u(−x) is nowhere further from 0 than `bound`."""
-        self._demand_pieces("symmetry")
+        self.demand_pieces("symmetry")
         self._demand_value_everywhere("symmetry")
-        self._demand_inside_range("symmetry")
-        question = _Question(self.box(region), Surface.odd, mirrored=True)
+        self.demand_inside_range("symmetry")
+        question = Question(self.box(region), Surface.odd, mirrored=True)
         above = self.at_most(question, Fraction(bound), negated=False)
         return above if not above.holds else self.at_most(question, Fraction(bound), negated=True)
 
@@ -257,22 +282,22 @@ class Prover:
         box = self.box(region)
         if self.model is None:
             return self._boxes(box).uncovered()
-        question = _Question(box, Surface.value)
-        surface = self._surface(question, rationals() if self.exact else FLOATS)
+        question = Question(box, Surface.value)
+        surface = self.surface(question, rationals() if self.exact else FLOATS)
         if not self.exact:
             open_ = surface.nearly_uncovered()
             if not open_.size:
                 return None
             cells = np.unique(surface.pieces.flat_cells[open_])
-            surface = self._surface(question, rationals(), cells)
+            surface = self.surface(question, rationals(), cells)
         found = surface.uncovered()
-        return None if found is None else self._named(surface.pieces.position(*found))
+        return None if found is None else self.named(surface.pieces.position(*found))
 
     # ── the search ───────────────────────────────────────────────────────────────────
 
-    def _bounds(
+    def bounds_of(
         self,
-        question: _Question,
+        question: Question,
         *,
         shifted: bool = False,
         both: bool = True,
@@ -280,7 +305,7 @@ class Prover:
     ) -> Bounds:
         """Return both ends of a quotient, to the tolerance; in rationals where floats fail."""
         arithmetic = rationals() if self.exact else FLOATS
-        surface = self._surface(question, arithmetic)
+        surface = self.surface(question, arithmetic)
         gap = arithmetic.number(Fraction(self.gap * share))
         quotients = question.make(surface)
         shift = surface.centre if shifted else arithmetic.number(Fraction(0))
@@ -296,7 +321,7 @@ class Prover:
             reached, bound = found.reached, found.bound
             at: dict[str, Fraction] = {}
             if found.corner is not None:
-                at = self._named(surface.pieces.position(found.owner, found.corner))
+                at = self.named(surface.pieces.position(found.owner, found.corner))
             if left.size and not self.exact:
                 again = self._again(question, surface, left, sign, reached)
                 if again is not None:
@@ -311,13 +336,13 @@ class Prover:
         return self._as_bounds(ends, shift, pieces, complete=complete)
 
     def _again(
-        self, question: _Question, surface: Surface, left: Array, sign: int, least: Any
+        self, question: Question, surface: Surface, left: Array, sign: int, least: Any
     ) -> tuple[float, tuple[Any, dict[str, Fraction]] | None, int] | None:
         """Search in rationals the cells that floats have left open."""
         if self.stop.now:
             return None
         cells = np.unique(surface.pieces.flat_cells[left])
-        exact = self._surface(question, rationals(), cells)
+        exact = self.surface(question, rationals(), cells)
         quotients = question.make(exact)
         chosen = quotients if sign == 1 else quotients.negated()
         number = rationals().number
@@ -325,13 +350,13 @@ class Prover:
         found = maximise(chosen, number(Fraction(self.gap)), self.stop, least=known)
         better = None
         if found.corner is not None:
-            at = self._named(exact.pieces.position(found.owner, found.corner))
+            at = self.named(exact.pieces.position(found.owner, found.corner))
             better = found.reached, at
         return float(found.bound), better, found.pieces
 
     def at_most(
         self,
-        question: _Question,
+        question: Question,
         bound: Fraction,
         *,
         negated: bool,
@@ -342,7 +367,7 @@ class Prover:
         seen = 0
         cells: Array | None = None
         for arithmetic in (rationals(),) if self.exact else (FLOATS, rationals()):
-            surface = self._surface(question, arithmetic, cells)
+            surface = self.surface(question, arithmetic, cells)
             quotients = question.make(surface)
             centre = as_fraction(surface.centre) if shifted else Fraction(0)
             limit = bound + centre if negated else bound - centre
@@ -361,7 +386,7 @@ class Prover:
             if arithmetic.exact and strict and not fails:
                 touching = chosen.touches(start)
                 if touching is not None:
-                    at = self._named(surface.pieces.position(*touching))
+                    at = self.named(surface.pieces.position(*touching))
                     return Claim(False, at, seen, True)
             if fails:
                 corner = found.corner
@@ -369,7 +394,7 @@ class Prover:
                 if question.steep:  # a slope has two sides: step inside the piece
                     inside = surface.pieces.corners[found.owner].sum(axis=0) / (corner.size + 1)
                     corner = corner + (inside - corner) / 2**14
-                at = self._named(surface.pieces.position(found.owner, corner))
+                at = self.named(surface.pieces.position(found.owner, corner))
                 return Claim(False, at, seen, arithmetic.exact)
             left = np.concatenate([found.left.owner, np.flatnonzero(doubtful)])
             if not left.size and found.owner < 0:
@@ -384,7 +409,7 @@ class Prover:
         return Claim(None, {}, seen, False)
 
     @staticmethod
-    def _doubtful(question: _Question, surface: Surface) -> Array:
+    def _doubtful(question: Question, surface: Surface) -> Array:
         doubtful = surface.pieces.doubtful
         return doubtful if question.steep else np.zeros_like(doubtful)
 
@@ -410,17 +435,18 @@ class Prover:
 
     # ── surfaces, remembered ─────────────────────────────────────────────────────────
 
-    def _surface(
-        self, question: _Question, arithmetic: Arithmetic, cells: Array | None = None
+    def surface(
+        self, question: Question, arithmetic: Arithmetic, cells: Array | None = None
     ) -> Surface:
+        """Return the pieces that a question needs; whole cuts are remembered."""
         assert self.model is not None
         positions = tuple(tuple(each) for each in question.positions)
-        key = (question.box, positions, question.mirrored, arithmetic.exact)
+        key = (question.box, positions, question.mirrored, question.form, arithmetic.exact)
         if cells is None and key in self._surfaces:
             known = self._surfaces[key]
             known.pieces.stop = self.stop
             return known
-        what = Cut(question.box, positions, question.mirrored)
+        what = Cut(question.box, positions, question.mirrored, question.form)
         try:
             pieces = cut(self.model, what, arithmetic, cells, self.stop)
             made = Surface(self.model, pieces)
@@ -432,13 +458,13 @@ class Prover:
 
     def _table_question(
         self, table: LookupTable, mode: str, box: tuple[tuple[Fraction, Fraction], ...]
-    ) -> _Question:
+    ) -> Question:
         names = self.names
 
         def make(surface: Surface) -> Quotients:
             return surface.difference(TableValues(table, mode, surface.pieces, names))
 
-        return _Question(box, make, TableValues.positions(table, mode, names))
+        return Question(box, make, TableValues.positions(table, mode, names))
 
     def _boxes(self, box: tuple[tuple[Fraction, Fraction], ...]) -> Boxes:
         from fuzzyarm.proof.boxes import Boxes
@@ -464,17 +490,20 @@ class Prover:
             value = min(value, Fraction(self.output.high))
         return value
 
-    def _named(self, position: list[Fraction]) -> dict[str, Fraction]:
-        return dict(zip(self.names, position, strict=True))
+    def named(self, position: list[Fraction]) -> dict[str, Fraction]:
+        """Return inputs by name, those that are fixed included, in the order of the rule base."""
+        found = {**self.fixed, **dict(zip(self.names, position, strict=True))}
+        return {each.name: found[each.name] for each in self.rulebase.inputs}
 
     # ── what is refused ──────────────────────────────────────────────────────────────
 
-    def _demand_pieces(self, what: str) -> None:
+    def demand_pieces(self, what: str) -> None:
+        """Refuse a rule base that is not made of straight pieces."""
         if self.model is None:
-            raise UnprovableError(f"{what} are proved in straight pieces only: {self.reason}")
+            raise UnprovableError(f"proofs of {what} need straight pieces: {self.reason}")
 
-    def _demand_no_jumps(self, question: _Question, axis: int) -> None:
-        surface = self._surface(question, rationals() if self.exact else FLOATS)
+    def _demand_no_jumps(self, question: Question, axis: int) -> None:
+        surface = self.surface(question, rationals() if self.exact else FLOATS)
         if surface.pieces.grid.jumps[axis]:
             raise UnprovableError(f"a term of '{self.names[axis]}' has a vertical edge: jumps")
         low, high = question.box[axis]
@@ -484,31 +513,35 @@ class Prover:
         }
         if low < high and self.uncovered(region) is not None:
             raise UnprovableError("there are points at which no rule fires")
-        self._demand_inside_range("slopes")
+        self.demand_inside_range("slopes")
 
     def _demand_value_everywhere(self, what: str) -> None:
         at = self.uncovered({})
         if at is not None:
             raise UnprovableError(f"{what}: no rule fires at {written(at)}")
 
-    def _demand_fitting(self, table: LookupTable) -> None:
-        if set(table.names) != set(self.names):
+    def _fitting(self, table: LookupTable) -> LookupTable:
+        """Return a table over all inputs; one of other inputs is refused."""
+        if not set(table.names) <= set(self.names):
             raise UnprovableError(
                 f"the table is over {', '.join(table.names)},"
                 f" and the rule base over {', '.join(self.names)}"
             )
+        from fuzzyarm.table.compiler import over_inputs
 
-    def _demand_inside_range(self, what: str) -> None:
+        return over_inputs(table, self.rulebase.inputs)
+
+    def demand_inside_range(self, what: str) -> None:
         """Refuse an output that leaves its range, where it is clamped."""
         assert self.model is not None
         if math.isfinite(self.model.low) or self.output.outside == "extend":
             return
-        found = self._bounds(_Question(self.box({}), Surface.value), shifted=True)
+        found = self.bounds_of(Question(self.box({}), Surface.value), shifted=True)
         if found.low < self.output.low or found.high > self.output.high:
             raise UnprovableError(f"{what}: '{self.output.name}' leaves its range and is clamped")
 
     def _clamped_or_refused(self, bounds: Bounds) -> Bounds:
-        self._demand_inside_range("the error of a table")
+        self.demand_inside_range("the error of a table")
         return bounds
 
     def _clamped(self, bounds: Bounds) -> Bounds:

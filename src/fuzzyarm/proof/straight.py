@@ -10,9 +10,10 @@ is proved over boxes (:mod:`fuzzyarm.proof.boxes`).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
@@ -23,7 +24,16 @@ from fuzzyarm.inference.sets import Piece, straight_pieces
 from fuzzyarm.model.rulebase import And, Expression, Hedge, Hedged, Is, RuleBase
 from fuzzyarm.model.shapes import polyline
 
-__all__ = ["Node", "NotStraightError", "Proposition", "Straight", "StraightRule", "straight"]
+__all__ = [
+    "Node",
+    "NotStraightError",
+    "Proposition",
+    "Straight",
+    "StraightRule",
+    "height_at",
+    "straight",
+    "with_fixed",
+]
 
 Corners = tuple[tuple[Fraction, Fraction], ...]
 
@@ -133,6 +143,46 @@ def straight(rulebase: RuleBase, output: str) -> Straight:
         If the model cannot be evaluated at all.
     """
     return _Reading(plan(rulebase), output).result()
+
+
+def with_fixed(model: Straight, fixed: Mapping[int, Fraction]) -> Straight:
+    """Return a model in which some inputs, not all, have a value: one of the others.
+
+    A membership of a fixed input becomes a level line over the first input that is left.
+    """
+    free = [axis for axis in range(len(model.names)) if axis not in fixed]
+    numbers = {axis: number for number, axis in enumerate(free)}
+
+    def proposition(each: Proposition) -> Proposition:
+        if each.input in numbers:
+            return Proposition(numbers[each.input], each.corners)
+        x = fixed[each.input]
+        return Proposition(0, ((Fraction(0), height_at(each.corners, x)),))
+
+    def value(each: Value) -> Value:
+        shift = sum((each.coefficients[axis] * x for axis, x in fixed.items()), start=Fraction(0))
+        return Value(each.constant + shift, tuple(each.coefficients[axis] for axis in free))
+
+    return replace(
+        model,
+        names=tuple(model.names[axis] for axis in free),
+        ranges=tuple(model.ranges[axis] for axis in free),
+        propositions=tuple(map(proposition, model.propositions)),
+        values=tuple(map(value, model.values)),
+    )
+
+
+def height_at(corners: Corners, x: Fraction) -> Fraction:
+    """Return the height of a line at a point, the greatest on a vertical edge."""
+    at = [y for position, y in corners if position == x]
+    if at:
+        return max(at)
+    if x < corners[0][0]:
+        return corners[0][1]
+    if x > corners[-1][0]:
+        return corners[-1][1]
+    (x0, y0), (x1, y1) = next(pair for pair in pairwise(corners) if pair[0][0] < x < pair[1][0])
+    return y0 + (y1 - y0) / (x1 - x0) * (x - x0)
 
 
 class _Reading:

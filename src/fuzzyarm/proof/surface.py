@@ -7,6 +7,7 @@ quotient with a denominator that is nowhere negative:
     value      M / A                        slope    (M′A − MA′) / A²
     table      (M − B·A) / A                odd      (M₁A₂ + M₂A₁) / (A₁A₂)
     gradient   Σ (M′A − MA′)² / A⁴
+    sector     (M + cA) / (σA), the centre c and a sum σ of the inputs
 """
 
 from __future__ import annotations
@@ -20,7 +21,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.proof.arithmetic import Arithmetic, Array, Stop
+from fuzzyarm.proof.arithmetic import (
+    Arithmetic,
+    Array,
+    Stop,
+    any_of_rows,
+    greatest_of_rows,
+    sums_of_rows,
+)
 from fuzzyarm.proof.bernstein import (
     MARGIN,
     Quotients,
@@ -100,6 +108,13 @@ class Surface:
             inputs = max(_factors(rule.antecedent) for rule in self.model.rules)
         return inputs + any(any(value.coefficients) for value in self.model.values)
 
+    @property
+    def area_degree(self) -> int:
+        """The degree of A alone."""
+        if self.model.form is not None:
+            return 2
+        return self.degree - any(any(value.coefficients) for value in self.model.values)
+
     # ── what a statement asks for ────────────────────────────────────────────────────
 
     def value(self) -> Quotients:
@@ -160,8 +175,7 @@ class Surface:
             size = 4.0 * MARGIN * one.size * two.size
             return _Parts(upper, lower, size * (self.reach + abs(float(shift))), size)
 
-        area_degree = 2 if self.model.form is not None else self.degree
-        return self._quotients(self.degree + area_degree, make)
+        return self._quotients(self.degree + self.area_degree, make)
 
     def difference(self, table: TableValues) -> Quotients:
         """Return the value less that of a table."""
@@ -174,7 +188,27 @@ class Surface:
             far = self.reach + float(np.abs(there).max(initial=0))
             return _Parts(found.moment - there * found.area, found.area, 4.0 * size * far, size)
 
-        return self._quotients(self.degree + table.degree, make)
+        return self._quotients(max(self.degree, self.area_degree + table.degree), make)
+
+    def over_form(self, weights: Sequence[Fraction], more: Fraction = Fraction(0)) -> Quotients:
+        """Return the value over σ = Σ wᵢ xᵢ, both with the sign of σ; in rationals only.
+
+        The pieces are cut where σ is 0. Where the value is not 0 there, the quotient has no
+        bound. `more` is added to the value with the sign of σ.
+        """
+        shift = self.arithmetic.number(more)
+        one = self.arithmetic.number(Fraction(1))
+
+        def make(which: Array, points: Array) -> _Parts:
+            found = self._sums(which, points, slopes=False)
+            shares = np.matmul(points, self.pieces.corners[which])
+            form = self.pieces.form_at(weights, which, shares)
+            sign = np.where(form.sum(axis=1) < 0, -one, one)[:, None]
+            value = found.moment + self.centre * found.area
+            size = MARGIN * found.size
+            return _Parts(sign * value + shift * found.area, sign * form * found.area, size, size)
+
+        return self._quotients(self.degree + (self.model.form is None), make)
 
     def uncovered(self) -> tuple[int, Array] | None:
         """Return a piece and a vertex of it at which no rule fires; None if there is none."""
@@ -273,7 +307,7 @@ class Surface:
             column: np.ascontiguousarray(chunk[:, :, first + column])
             for column in range(self.model.columns)
         }
-        positive = {column: (heights > 0).any(axis=1) for column, heights in columns.items()}
+        positive = {column: any_of_rows(heights > 0) for column, heights in columns.items()}
         lattice = {  # once for each column: overlaps ask for the same again
             column: heights @ points.T
             for column, heights in columns.items()
@@ -361,7 +395,7 @@ class Surface:
             yield from self._products(which, points, mirrored=first > 0)
             return
         for column in range(self.model.columns):
-            rows = np.flatnonzero((self.pieces.heights[which, :, first + column] > 0).any(axis=1))
+            rows = np.flatnonzero(any_of_rows(self.pieces.heights[which, :, first + column] > 0))
             if rows.size:
                 height, slope = self._heights(which[rows], points, first + column)
                 yield column, rows, height, slope[:, None, :]
@@ -438,19 +472,19 @@ class _Sum:
         self.area[rows] += area
         self.moment[rows] += moment
         if not self.exact:  # heights are off by a share of 1, however small they are
-            self.size[rows] += np.abs(area).max(axis=1) + 0.1 * abs(whole)
+            self.size[rows] += greatest_of_rows(np.abs(area)) + 0.1 * abs(whole)
         if self.area_slopes is None or self.moment_slopes is None:
             return
         self.area_slopes[rows] += area_slopes
         self.moment_slopes[rows] += moment_slopes
         if not self.exact:
-            self.steep[rows] += np.abs(area_slopes).sum(axis=2).max(axis=1)
+            self.steep[rows] += greatest_of_rows(np.abs(area_slopes).sum(axis=2))
 
     def add_layers(
         self, rows: Array, layers: _Layered, height: Array, slope: Array, sign: int
     ) -> None:
         """Add (or subtract) the polynomials of one clipped set."""
-        middle = height.sum(axis=1) / height.shape[1]
+        middle = sums_of_rows(height) / height.shape[1]
         layer = np.zeros(len(rows), dtype=int)
         for start in layers.starts[1:]:
             layer += middle >= start
@@ -517,7 +551,7 @@ def _pick(
     first: Array, first_slope: Array, second: Array, second_slope: Array, *, larger: bool
 ) -> tuple[Array, Array]:
     """Return the larger or the smaller of two heights that do not cross, with its slopes."""
-    takes_first = ((first - second).sum(axis=1) >= 0) == larger
+    takes_first = (sums_of_rows(first - second) >= 0) == larger
     slope = np.where(takes_first[:, None], first_slope, second_slope)
     return (np.maximum if larger else np.minimum)(first, second), slope
 
@@ -607,20 +641,23 @@ class TableValues:
         if self.mode != "linear":
             constant = self.values[tuple(index)]
             return np.asarray(constant[:, None] + 0 * shares[:, :, 0])
-        total: Any = None
-        one = self.arithmetic.number(Fraction(1))
+        values = []
         for corner in product((0, 1), repeat=len(self.order)):
             where = tuple(
                 np.minimum(i + step, size - 1)
                 for i, step, size in zip(index, corner, self.values.shape, strict=True)
             )
-            weight = self.values[where][:, None]
-            for step, place, (left, right) in zip(corner, self.order, self.shares, strict=True):
-                a, b = left[cell[:, place]], right[cell[:, place]]
-                share = a[:, None] + (b - a)[:, None] * shares[:, :, place]
-                weight = weight * (share if step else one - share)
-            total = weight if total is None else total + weight
-        return np.asarray(total)
+            values.append(self.values[where][:, None])
+        # The last input varies fastest: neighbours in the list are its ends.
+        pairs = list(zip(self.order, self.shares, strict=True))
+        for place, (left, right) in reversed(pairs):
+            a, b = left[cell[:, place]], right[cell[:, place]]
+            share = a[:, None] + (b - a)[:, None] * shares[:, :, place]
+            values = [
+                low + (high - low) * share
+                for low, high in zip(values[::2], values[1::2], strict=True)
+            ]
+        return np.asarray(values[0])
 
 
 def _share(levels: list[Fraction], index: int, x: Fraction) -> Fraction:

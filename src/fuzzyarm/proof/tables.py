@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference.plan import part_for
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.prover import Prover
@@ -40,16 +41,23 @@ def table_proof(
         points, at both sides of thresholds, inputs outside the levels included. None where it
         cannot be proved in exact pieces: boxes take longer than compiling may.
     """
-    prover: list[Prover] = []
+    provers: dict[bool, Prover] = {}
+
+    def prover_for(table: LookupTable) -> Prover:
+        # Over fewer inputs there are far fewer pieces; a table may have more axes all the same.
+        part = part_for(rulebase, [output])
+        enough = set(table.names) <= {each.name for each in part.inputs}
+        if enough not in provers:
+            provers[enough] = Prover(part if enough else rulebase, output)
+        return provers[enough]
 
     def prove(table: LookupTable, mode: str) -> float | None:
         try:
-            if not prover:
-                prover.append(Prover(rulebase, output))
-            if prover[0].model is None:
+            prover = prover_for(table)
+            if prover.model is None:
                 return None
-            prover[0].stop = Stop(seconds)
-            bounds = prover[0].table(table, mode)
+            prover.stop = Stop(seconds)
+            bounds = prover.table(table, mode)
         except FuzzyarmError:
             return None
         return max(bounds.high, -bounds.low) if bounds.complete else None

@@ -18,12 +18,14 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Property, RuleBase
 from fuzzyarm.proof.arithmetic import Stop
-from fuzzyarm.proof.bounds import Bounds, Claim
+from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.numbers import number_text, outward_text
+from fuzzyarm.text.shown import Shown, one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.language.statements import ProveNode
@@ -32,15 +34,12 @@ __all__ = ["Verdict", "property_text", "prove", "prove_all", "read_property"]
 
 PROVED, REFUTED, UNDECIDED = "proved", "refuted", "undecided"
 
-LIKE_EXPECT = 1e-9
-"""Share of an output's range to which ``=`` and ``odd`` hold, as for an ``expect`` line."""
-
 Tell = Callable[[str, int, float], None]
 """Called with the statement, the number of open pieces and the gap between the bounds."""
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, repr=False)
+class Verdict(Shown):
     """What is known of one statement.
 
     Attributes
@@ -64,6 +63,10 @@ class Verdict:
         Why it is undecided or refuted, or why boxes were used.
     line : int
         Of the file; 0 for a statement from elsewhere.
+    output : str
+        Which output it is about.
+    points : tuple of dict of str to float
+        Where a refuted statement fails: a point, or two.
     """
 
     statement: str
@@ -75,11 +78,17 @@ class Verdict:
     way: str = ""
     reason: str = ""
     line: int = 0
+    output: str = ""
+    points: tuple[Mapping[str, float], ...] = ()
 
     @property
     def proved(self) -> bool:
         """Whether it holds at every point."""
         return self.verdict == PROVED
+
+    def __repr__(self) -> str:
+        bound = "" if self.bound is None else f", bound {bound_text(self.bound)}"
+        return one_line(self, f"{self.verdict}: {self.statement}{bound}")
 
     def __str__(self) -> str:
         words = [f"{self.verdict}: {self.statement}"]
@@ -102,6 +111,13 @@ def bound_text(bound: tuple[float, float] | float) -> str:
 
 def read_property(rulebase: RuleBase, text: str) -> Property:
     """Return the statement in a text such as ``u rises with e``.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What the statement is about.
+    text : str
+        The statement, with or without ``prove`` in front.
 
     Raises
     ------
@@ -126,13 +142,21 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
 
 
 def property_text(claim: Property, rulebase: RuleBase) -> str:
-    """Return a statement as it stands behind ``prove``."""
+    """Return a statement as it stands behind ``prove``.
+
+    Parameters
+    ----------
+    claim : Property
+        The statement.
+    rulebase : RuleBase
+        What it is about.
+    """
     node: ProveNode = property_node(claim, rulebase)
     return str(node).removeprefix("prove ")
 
 
 def prove(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     statement: str | Property,
     *,
     tolerance: float | None = None,
@@ -175,12 +199,13 @@ def prove(
     >>> fuzzyarm.prove(pd7, "u odd").verdict
     'proved'
     """
+    rulebase = rulebase.model
     claim = read_property(rulebase, statement) if isinstance(statement, str) else statement
     return _Case(rulebase, claim, tolerance, budget, tell, {}, exact=exact).verdict()
 
 
 def prove_all(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     *,
     tolerance: float | None = None,
     budget: float = math.inf,
@@ -196,6 +221,7 @@ def prove_all(
     rulebase, tolerance, exact, tell
         As for :func:`prove`.
     """
+    rulebase = rulebase.model
     provers: dict[str, Prover] = {}
     for claim in rulebase.properties:
         yield _Case(rulebase, claim, tolerance, budget, tell, provers, exact=exact).verdict()
@@ -224,6 +250,7 @@ class _Case:
         self.provers = provers
         watch = None if tell is None else (lambda count, gap: tell(self.text, count, gap))
         self.stop = Stop(budget, watch)
+        self.failing: list[dict[str, float]] = []
 
     @property
     def prover(self) -> Prover:
@@ -258,14 +285,15 @@ class _Case:
             facts.setdefault("pieces", bounds.pieces)
             facts.setdefault("way", bounds.way)
         if verdict == UNDECIDED and not facts.get("reason"):
-            over = "the time is over" if self.stop.now else "the bounds do not tell"
+            over = "time ran out" if self.stop.now else "the bounds do not decide it"
             facts["reason"] = over + self._because_of_boxes(" (boxes: ", ")")
         elif facts.get("way") == "boxes" and not facts.get("reason"):
             facts["reason"] = self._because_of_boxes("by boxes: ", "")
+        if verdict == REFUTED:
+            facts["points"] = tuple(self.failing)
         seconds = time.monotonic() - self.started
-        return Verdict(
-            self.text, verdict, seconds=seconds, line=max(0, self.claim.span.line), **facts
-        )
+        line, output = max(0, self.claim.span.line), self.claim.output
+        return Verdict(self.text, verdict, seconds=seconds, line=line, output=output, **facts)
 
     def _because_of_boxes(self, before: str, after: str) -> str:
         reason = self.provers[self.claim.output].reason if self.provers else ""
@@ -337,7 +365,12 @@ class _Case:
         at = self.prover.uncovered(self.region)
         if at is None:
             return None
+        self._note(at)
         return self._said(REFUTED, reason=f"no rule fires at {written(at)}")
+
+    def _note(self, at: Mapping[str, Any]) -> None:
+        """Remember a point at which the statement fails, if it is refuted."""
+        self.failing.append({name: float(x) for name, x in at.items()})
 
     def _confirmed(
         self, at: Mapping[str, float], fails: Callable[[Fraction], bool]
@@ -382,6 +415,7 @@ class _Case:
     def _expect(self, at: Mapping[str, float], value: Fraction) -> str:
         from fuzzyarm.language.tokens import name_text
 
+        self._note(at)
         inputs = ", ".join(f"{name_text(name)} = {number_text(x)}" for name, x in at.items())
         output = name_text(self.claim.output)
         return f"expect {inputs} -> {output} = {number_text(float(f'{float(value):.12g}'))}"
@@ -518,6 +552,7 @@ class _Case:
         way = "boxes" if prover.model is None else "exact"
         if at is None:
             return self._said(PROVED, pieces=pieces, way=way)
+        self._note(at)
         return self._said(REFUTED, pieces=pieces, way=way, reason=f"no rule fires at {written(at)}")
 
     def _table(self) -> Verdict:
@@ -543,6 +578,8 @@ class _Case:
 
             confirmed = (self._expect(at, u),) if fails(u := self._value_at(at) or there) else None
             if confirmed is not None or claim.mode != "linear":
+                if confirmed is None:
+                    self._note(at)
                 reason = f"the error is {max(bounds.reached_high, -bounds.reached_low):.10g}"
                 return self._said(REFUTED, evidence=confirmed or (), reason=reason, **facts)
         if prover.model is not None:

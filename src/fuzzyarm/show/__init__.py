@@ -3,6 +3,7 @@
 The drawings are renderables of rich: ``make_console().print(rulebase_view(model))``.
 """
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
 from fuzzyarm.show.drawing import HeatGrid, Scale, make_console, number_words, plain_text, scale_of
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rulebase_view, rules_view
@@ -38,3 +39,5 @@ __all__ = [
     "trace_view",
     "visible_range",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -65,7 +65,13 @@ class RuleBaseDiff:
 
 
 def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
-    """Return what differs from `before` to `after`."""
+    """Return what differs from `before` to `after`.
+
+    Parameters
+    ----------
+    before, after : RuleBase
+        Two versions.
+    """
     return RuleBaseDiff(
         tuple(_changes(_rules(before), _rules(after))),
         tuple(_changes(_terms(before), _terms(after))),
@@ -77,7 +83,13 @@ _MARKS = {"changed": ("~", "yellow"), "added": ("+", "green"), "removed": ("-", 
 
 
 def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
-    """Return the differences as a list with ``~``, ``+`` and ``-`` in front."""
+    """Return the differences as a list with ``~``, ``+`` and ``-`` in front.
+
+    Parameters
+    ----------
+    diff : RuleBaseDiff
+        From :func:`compare_rulebases`.
+    """
     from rich.console import Group
     from rich.text import Text
 
@@ -179,7 +191,13 @@ _MOST_LISTED = 400
 
 
 def table_diff_view(diff: TableDiff) -> Group:
-    """Return what changed: a summary, the header, a grid of the changes, and each cell."""
+    """Return what changed: a summary, the header, a grid of the changes, and each cell.
+
+    Parameters
+    ----------
+    diff : TableDiff
+        From :func:`fuzzyarm.table.compare_tables`.
+    """
     from rich.console import Group
     from rich.text import Text
 

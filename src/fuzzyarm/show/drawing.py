@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import IO, TYPE_CHECKING, Any
 
@@ -21,7 +22,15 @@ if TYPE_CHECKING:
 
 
 def number_words(x: float, digits: int = 6) -> str:
-    """Return `x` to at most `digits` significant digits, for reading."""
+    """Return `x` to at most `digits` significant digits, for reading.
+
+    Parameters
+    ----------
+    x : float
+        Any number.
+    digits : int
+        At least 1.
+    """
     rounded = float(f"{x:.{digits}g}") + 0.0
     return number_text(rounded)
 
@@ -59,11 +68,21 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
                     yield Segment("\n".join(map(printable, text.split("\n"))), style)
 
     settings: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
+    if file is not None:
+        settings["force_jupyter"] = False  # else a notebook would show it as well
     return PrintableConsole(file=file, **(settings | options))
 
 
 def plain_text(drawing: RenderableType, width: int = 80) -> str:
-    """Return a drawing as text without colours, for logs, hovers and reports."""
+    """Return a drawing as text without colours, for logs, hovers and reports.
+
+    Parameters
+    ----------
+    drawing : renderable of rich
+        What a function of :mod:`fuzzyarm.show` returns.
+    width : int
+        Columns.
+    """
     import io
 
     out = io.StringIO()
@@ -82,8 +101,9 @@ Cell = tuple[str, str]
 class HeatGrid:
     r"""Rows and columns with labels.
 
-    Where the terminal is too narrow, the columns go on in further bands below: nothing is
-    cut off. Without colours the texts say everything.
+    Where the terminal is too narrow, the columns go on in further bands below: no cell is
+    cut off. Labels lose their middle where they are too long for a band of one column.
+    Without colours the texts say everything.
 
     Attributes
     ----------
@@ -101,7 +121,8 @@ class HeatGrid:
     cells: Sequence[Sequence[Cell]]
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
-        left, widths = self._left(), self._widths()
+        grid = self._for(options.max_width)
+        left, widths = grid._left(), grid._widths()
         room = options.max_width - left
         # A space on either side of a text looks better, one in front of it is enough.
         gap = 2 if sum(widths) + 2 * len(widths) <= room else 1
@@ -109,13 +130,24 @@ class HeatGrid:
             if k:
                 yield _line([])
             span = range(start, stop)
-            parts = [(_padded(self.corner, left), "bold")]
-            parts += [(_boxed(self.columns[j], widths[j], gap), "bold") for j in span]
+            parts = [(_padded(grid.corner, left), "bold")]
+            parts += [(_boxed(grid.columns[j], widths[j], gap), "bold") for j in span]
             yield _line(parts)
-            for label, row in zip(self.rows, self.cells, strict=True):
+            for label, row in zip(grid.rows, grid.cells, strict=True):
                 parts = [(_padded(label, left), "bold")]
                 parts += [(_boxed(row[j][0], widths[j], gap), row[j][1]) for j in span]
                 yield _line(parts)
+
+    def _for(self, width: int) -> HeatGrid:
+        """Return this grid with labels short enough for a line."""
+        left, widest = self._left(), max(self._widths(), default=0)
+        if left + 1 + widest <= width:
+            return self
+        most = max(5, width // 3, width - 1 - widest)
+        rows = [fitted(label, most) for label in self.rows]
+        narrow = replace(self, corner=fitted(self.corner, most), rows=rows)
+        most = max(3, width - 1 - narrow._left())
+        return replace(narrow, columns=[fitted(label, most) for label in self.columns])
 
     def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
         from rich.measure import Measurement
@@ -250,6 +282,52 @@ def scale_of(values: Iterable[float], low: float | None = None, high: float | No
     return Scale(least, most, diverging=False)
 
 
+_SHADES = "·░▒▓█"
+
+
+def shade(share: float) -> str:
+    """Return the darker the higher, for terminals and files without colours."""
+    return _SHADES[min(len(_SHADES) - 1, int(share * len(_SHADES)))]
+
+
+@dataclass(frozen=True)
+class ScaleBar:
+    """A scale as a line of colours between its ends.
+
+    Attributes
+    ----------
+    scale : Scale
+        The stretch of numbers.
+    width : int
+        Of the whole line, in characters.
+    name : str
+        What the numbers are; left out where there is no room for it.
+    """
+
+    scale: Scale
+    width: int
+    name: str = ""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+        from rich.text import Text
+
+        low, high = (_compact(x, 3) for x in (self.scale.low, self.scale.high))
+        name = f"{fitted(self.name, self.width // 3)} " if self.name else ""
+        room = self.width - len(name) - len(low) - len(high) - 2
+        line = Text(no_wrap=True, overflow="ellipsis")
+        line.append(f"{name}{low} ", "dim")
+        plain = console.color_system is None or console.no_color
+        for k in range(max(2, room)):
+            share = (k + 0.5) / max(2, room)
+            value = self.scale.low + share * (self.scale.high - self.scale.low)
+            if plain:
+                line.append(shade(share))
+            else:
+                line.append(" ", f"on {self.scale.hexadecimal(value)}")
+        line.append(f" {high}", "dim")
+        yield line
+
+
 # --- Curves of straight lines as a row of blocks ---
 
 Curve = Sequence[tuple[float, float]]
@@ -277,16 +355,44 @@ def marker(value: float, low: float, high: float, width: int) -> str:
     return " " * max(0, min(width - 1, column)) + "^"
 
 
-def ruler(low: float, high: float, width: int) -> str:
-    """Return the ends and the middle of a range, spread over `width` characters."""
-    left, middle, right = (number_words(x, 4) for x in (low, 0.5 * (low + high), high))
+def fitted(text: str, room: int) -> str:
+    """Return a text of at most `room` letters; of a longer one both ends, where names differ."""
+    if len(text) <= room:
+        return text
+    kept = max(0, room - 1)
+    return f"{text[: (kept + 1) // 2]}…{text[len(text) - kept // 2 :]}" if room > 0 else ""
+
+
+def ruler(low: float, high: float, width: int, name: str = "") -> str:
+    """Return the ends of a range, and its middle or a name, spread over `width` characters.
+
+    What there is no room for is left out, the middle first, so that no two run together.
+    """
+    for digits in (4, 3, 2, 1):
+        left, right = (_compact(x, digits) for x in (low, high))
+        room = width - len(left) - len(right) - 2
+        if room >= -1:
+            break
+    else:
+        return ""
+    middle = fitted(name, room) if name else _compact(0.5 * (low + high), 4)
     line = [" "] * width
     line[: len(left)] = left
     line[width - len(right) :] = right
     start = width // 2 - len(middle) // 2
+    if name:  # in the middle of what the ends leave
+        start = len(left) + 1 + (room - len(middle)) // 2
     if len(left) < start and start + len(middle) < width - len(right):
         line[start : start + len(middle)] = middle
     return "".join(line)
+
+
+def _compact(x: float, digits: int) -> str:
+    """Return a number in few letters: a million is 1e6."""
+    words = number_words(x, digits)
+    power = f"{x:.{digits - 1}e}"
+    short = re.sub(r"\.?0*e([+-])0*", lambda found: "e" + found[1].strip("+"), power)
+    return short if len(short) < len(words) - 1 else words
 
 
 def height_at(curve: Curve, x: float) -> float:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from fuzzyarm.language.queries.hover import rule_sentence
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import rule_node
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import And, Expression, Is, Output, Rule, RuleBase, RuleBlock
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, number_words, scale_of
@@ -21,18 +22,26 @@ if TYPE_CHECKING:
     from rich.text import Text
 
 
-def rulebase_view(rulebase: RuleBase) -> Group:
-    """Return everything about a rule base, top to bottom."""
+def rulebase_view(rulebase: AnyRuleBase) -> Group:
+    """Return everything about a rule base, top to bottom.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        The value, or one that is being written.
+    """
+    rulebase = rulebase.model
     from rich.console import Group
     from rich.text import Text
 
-    parts: list[RenderableType] = [_heading(rulebase), Text()]
+    parts: list[RenderableType] = [heading_view(rulebase), Text()]
     for variable in (*rulebase.inputs, *rulebase.outputs):
         parts += [TermPlots(variable, rulebase), Text()]
-    return Group(*parts, rules_view(rulebase), _inference(rulebase))
+    return Group(*parts, rules_view(rulebase), inference_view(rulebase))
 
 
-def _heading(rulebase: RuleBase) -> Text:
+def heading_view(rulebase: RuleBase) -> Text:
+    """Return the name, what it is for, and how large it is."""
     from rich.text import Text
 
     text = Text(rulebase.name, "bold")
@@ -45,7 +54,8 @@ def _heading(rulebase: RuleBase) -> Text:
     return text
 
 
-def _inference(rulebase: RuleBase) -> Text:
+def inference_view(rulebase: RuleBase) -> Text:
+    """Return how the rules are evaluated."""
     from rich.text import Text
 
     lines = []
@@ -106,7 +116,13 @@ class RuleGrid:
 
 
 def find_grids(block: RuleBlock) -> tuple[list[RuleGrid], list[Rule]]:
-    """Return the grids of a block in the order of their first rules, and the other rules."""
+    """Return the grids of a block in the order of their first rules, and the other rules.
+
+    Parameters
+    ----------
+    block : RuleBlock
+        Its rules, whatever way they were written.
+    """
     grids: dict[tuple[object, ...], RuleGrid] = {}
     others: list[Rule] = []
     for rule in block.rules:
@@ -189,6 +205,17 @@ def rule_grid(
 
     A dot is a missing rule, ``*0.5`` a weight, ``/`` stands between contradicting rules.
     `strengths` and `chosen` as for :func:`rules_view`.
+
+    Parameters
+    ----------
+    grid : RuleGrid
+        Rules that share row, column and conditions.
+    rulebase : RuleBase
+        Theirs.
+    strengths : mapping of Span to float, optional
+        How strongly the rules fire.
+    chosen : tuple of (str, str), optional
+        Row and column of the cell that is highlighted.
     """
     columns = _terms(rulebase, grid.column, [column for _, column in grid.cells])
     rows = _terms(rulebase, grid.row, [row for row, _ in grid.cells]) if grid.row else [""]

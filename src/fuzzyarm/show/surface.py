@@ -7,14 +7,19 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fuzzyarm.show.drawing import Scale, number_words
+from fuzzyarm.show.drawing import Scale, fitted, number_words, ruler, shade
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions
     from rich.text import Text
 
+FAILS = "✗"
+"""Where a property fails."""
+
 _NOTHING = "#808080"
-_SHADES = "·░▒▓█"
+_LEFT = 8
+"""Letters of the name of what goes down or up."""
+
 _DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 
 
@@ -32,6 +37,8 @@ class SurfaceMap:
         Name and ends of what goes down and of what goes across.
     mark : (int, int) or None
         Row and column of the crisp inputs.
+    fails : frozenset of (int, int)
+        Rows and columns at which a property fails.
     """
 
     values: Sequence[Sequence[float]]
@@ -39,6 +46,7 @@ class SurfaceMap:
     rows: tuple[str, float, float]
     columns: tuple[str, float, float]
     mark: tuple[int, int] | None = None
+    fails: frozenset[tuple[int, int]] = frozenset()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
         from rich.text import Text
@@ -46,7 +54,7 @@ class SurfaceMap:
         name, top, bottom = self.rows
         labels = {0: number_words(top, 3), len(self.values) - 2: number_words(bottom, 3)}
         middle = len(self.values) // 4 * 2
-        labels.setdefault(middle, name)
+        labels.setdefault(middle, fitted(name, _LEFT))
         left = max(map(len, labels.values()))
         plain = console.color_system is None or console.no_color
         cell = self._shade if plain else self._cell
@@ -57,13 +65,19 @@ class SurfaceMap:
             ):
                 line.append(*cell(i, j, upper, lower))
             yield line
-        axis = _named_axis(self.columns, len(self.values[0]))
+        column, low, high = self.columns
+        axis = ruler(low, high, len(self.values[0]), column)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
 
     def _is_marked(self, i: int, j: int) -> bool:
         return self.mark is not None and (self.mark[0] // 2 * 2, self.mark[1]) == (i, j)
 
+    def _fails(self, i: int, j: int) -> bool:
+        return bool(self.fails & {(i, j), (i + 1, j)})
+
     def _cell(self, i: int, j: int, upper: float, lower: float) -> tuple[str, str]:
+        if self._fails(i, j):
+            return FAILS, f"bold red on {self._colour(upper)}"
         if self._is_marked(i, j):
             value = upper if self.mark == (i, j) else lower
             ink = "black" if math.isnan(value) else self.scale.ink(value)
@@ -72,22 +86,18 @@ class SurfaceMap:
 
     def _shade(self, i: int, j: int, upper: float, lower: float) -> tuple[str, str]:
         """Return the darker the higher, for terminals and files without colours."""
+        if self._fails(i, j):
+            return FAILS, ""
         if self._is_marked(i, j):
             return "◆", ""
         known = [value for value in (upper, lower) if not math.isnan(value)]
         if not known:
             return " ", ""
         share = sum(map(self.scale.share, known)) / len(known)
-        return _SHADES[min(len(_SHADES) - 1, int(share * len(_SHADES)))], ""
+        return shade(share), ""
 
     def _colour(self, value: float) -> str:
         return _NOTHING if math.isnan(value) else self.scale.hexadecimal(value)
-
-
-def _named_axis(side: tuple[str, float, float], width: int) -> str:
-    name, low, high = side
-    start, end = number_words(low, 3), number_words(high, 3)
-    return start + name.center(max(0, width - len(start) - len(end))) + end
 
 
 @dataclass(frozen=True)
@@ -104,6 +114,8 @@ class LinePlot:
         Name and ends of the input and of the output.
     mark : int or None
         Which value is that of the crisp input.
+    fails : frozenset of int
+        Values at which a property fails.
     """
 
     values: Sequence[float]
@@ -111,6 +123,7 @@ class LinePlot:
     across: tuple[str, float, float]
     up: tuple[str, float, float]
     mark: int | None = None
+    fails: frozenset[int] = frozenset()
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
         from rich.text import Text
@@ -130,17 +143,29 @@ class LinePlot:
                 cells[y // 4][i // 2] |= _DOTS[i % 2][y % 4]
             before = dot
         labels = {0: number_words(high, 3), self.height - 1: number_words(low, 3)}
-        labels.setdefault(self.height // 2, name)
+        labels.setdefault(self.height // 2, fitted(name, _LEFT))
         left = max(map(len, labels.values()))
         marked = None if self.mark is None else self.mark // 2
+        failing = {i // 2: self._line_of(i, low, high) for i in self.fails if i < len(self.values)}
         for k, row in enumerate(cells):
             line = Text(f"{labels.get(k, ''):>{left}} ", no_wrap=True, end="\n")
             for j, bits in enumerate(row):
-                style = "bold red" if j == marked else "cyan"
+                style = "bold red" if j == marked or failing.get(j) == k else "cyan"
+                if failing.get(j) == k:
+                    line.append(FAILS, style)
+                    continue
                 line.append(chr(0x2800 + bits) if bits or j != marked else "┊", style)
             yield line
-        axis = _named_axis(self.across, width)
+        variable, first, last = self.across
+        axis = ruler(first, last, width, variable)
         yield Text(f"{'':>{left}} {axis}", "dim", no_wrap=True)
+
+    def _line_of(self, index: int, low: float, high: float) -> int:
+        """Return the line of text that a value stands in; the lowest where there is none."""
+        value = self.values[index]
+        return (
+            self.height - 1 if math.isnan(value) else _dot(value, low, high, 4 * self.height) // 4
+        )
 
 
 def _dot(value: float, low: float, high: float, dots: int) -> int:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 _MOST_LEVELS = 25
 """More levels of an input than this are thinned out, unless all are asked for."""
 
+_NEVER = "·"
+"""Stands where a cell was never used."""
+
 Mark = Callable[[tuple[int, ...]], bool]
 
 
@@ -51,7 +54,7 @@ def table_view(
         )
         lines = [Text(f"{inputs} falls into the marked cell [ ].\n")]
         mark = cell.__eq__
-    grids = table_grids(table, mark=mark, all_levels=all_levels)
+    grids = table_grids(table, mark=mark, all_levels=all_levels, more="; --all shows all")
     return Group(_header(table), Text(), *lines, *grids)
 
 
@@ -83,8 +86,10 @@ def table_grids(
     *,
     scale: Scale | None = None,
     mark: Mark | None = None,
+    unused: Mark | None = None,
     all_levels: bool = False,
     text: Callable[[float], str] | None = None,
+    more: str = "",
 ) -> list[RenderableType]:
     """Return one heat grid for each combination of page levels.
 
@@ -99,10 +104,14 @@ def table_grids(
         Colours; by default from the values and the range of the output.
     mark : callable, optional
         Takes the index of a cell; the cells for which it is true stand in brackets.
+    unused : callable, optional
+        Likewise; these cells have no colour, and a dot before their number.
     all_levels : bool
         Draw every level of a large table.
     text : callable, optional
         How a number is written; by default all alike and without loss.
+    more : str, optional
+        Behind the words that say what of a large table is shown: how to see the rest.
     """
     import numpy as np
     from rich.text import Text
@@ -118,14 +127,14 @@ def table_grids(
     texts = [text(x) for x in flat] if text else _readable(flat)
     drawings: list[RenderableType] = []
     if shown.size < array.size:
-        drawings.append(Text(_thinned_words(table, drawn), "dim"))
+        drawings.append(Text(_thinned_words(table, drawn) + more, "dim"))
     size = shown.shape[-1] * (shown.shape[-2] if shown.ndim > 1 else 1)
     pages = list(product(*drawn[:-2]))
     for k, page in enumerate(pages):
         if page:
             drawings.append(Text(_page_words(table, page), "bold"))
         part = slice(k * size, (k + 1) * size)
-        cells = _cells(flat[part], texts[part], drawn, page, scale, mark)
+        cells = _cells(flat[part], texts[part], drawn, page, scale, (mark, unused))
         drawings.append(_grid(table, drawn, cells))
         if k + 1 < len(pages):
             drawings.append(Text())
@@ -169,8 +178,9 @@ def _cells(
     drawn: list[list[int]],
     page: tuple[int, ...],
     scale: Scale,
-    mark: Mark | None,
+    marks: tuple[Mark | None, Mark | None],
 ) -> list[list[Cell]]:
+    mark, unused = marks
     columns = drawn[-1]
     rows = drawn[-2] if len(drawn) > 1 else [None]
     cells: list[list[Cell]] = []
@@ -181,6 +191,8 @@ def _cells(
             index = (*page, *(() if row is None else (row,)), column)
             if mark is not None and mark(index):
                 line.append((f"[{texts[k]}]", f"bold {scale.style(values[k])}"))
+            elif unused is not None and unused(index):
+                line.append((f"{_NEVER}{texts[k]}" if values[k] else _NEVER, "dim"))
             else:
                 line.append((texts[k], scale.style(values[k])))
         cells.append(line)
@@ -208,14 +220,13 @@ def _labels(levels: Sequence[float], drawn: Sequence[int]) -> list[str]:
 
 # --- What self-organizing control has learned: tables, visits and changes as heat grids ---
 
-_NEVER = "·"
-"""Stands in the grid of visits where a cell was never used."""
-
 
 def learned_view(
     start: LookupTable, now: LookupTable, visits: Any, name: str, *, with_visits: bool = True
 ) -> Group:
     """Return one joint's table with the cells that changed in brackets, and its visits.
+
+    Cells that were never visited have no colour, and a dot before their number.
 
     Parameters
     ----------
@@ -237,11 +248,16 @@ def learned_view(
     cells, used = counts.size, int((counts > 0).sum())
     summary = (
         f"{name}: {used} of {cells} cells visited, {int(changed.sum())} changed [ ], "
-        f"{cells - used} never visited"
+        f"{cells - used} never visited {_NEVER}"
     )
     parts: list[RenderableType] = [
         Text(summary, "bold"),
-        *table_grids(now, mark=lambda index: bool(changed[index]), text=number_text),
+        *table_grids(
+            now,
+            mark=lambda index: bool(changed[index]),
+            unused=lambda index: not counts[index],
+            text=number_text,
+        ),
     ]
     if with_visits:
         # Most visits go to a few cells: colours by the logarithm tell the others apart.

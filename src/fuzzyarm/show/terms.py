@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -12,7 +12,7 @@ from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.rulebase import RuleBase, Shape, Variable
 from fuzzyarm.model.shapes import corner_points, membership
-from fuzzyarm.show.drawing import block, marker, number_words, ruler
+from fuzzyarm.show.drawing import block, fitted, marker, number_words, ruler
 from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
@@ -28,34 +28,50 @@ def is_set(shape: Shape) -> bool:
 def shape_words(
     shape: Shape, rulebase: RuleBase | None = None, *, digits: int | None = None
 ) -> str:
-    """Return a shape with its numbers, in full or to a few `digits`."""
+    """Return a shape with its numbers, in full or to a few `digits`.
+
+    Parameters
+    ----------
+    shape : Shape
+        Any.
+    rulebase : RuleBase, optional
+        Which names the inputs of a ``linear``.
+    digits : int, optional
+        Significant ones; by default all.
+    """
     if shape.kind == "formula":
         return f"formula {shape.formula}"
-    if shape.kind == "linear":
-        return _linear_words(shape, rulebase)
     spell = number_text if digits is None else partial(number_words, digits=digits)
+    if shape.kind == "linear":
+        return _linear_words(shape, rulebase, spell)
     numbers = " ".join(spell(x) for x in shape.parameters)
     height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
     return f"{shape.kind} {numbers}{height}"
 
 
-def _linear_words(shape: Shape, rulebase: RuleBase | None) -> str:
+def _linear_words(shape: Shape, rulebase: RuleBase | None, spell: Callable[[float], str]) -> str:
     *factors, constant = shape.parameters
     names = (
         [v.name for v in rulebase.inputs] if rulebase else [f"x{k}" for k in range(len(factors))]
     )
     parts = [
-        f"{number_text(factor)}*{name_text(name)}"
+        f"{spell(factor)}*{name_text(name)}"
         for factor, name in zip(factors, names, strict=False)
         if factor
     ]
     if constant or not parts:
-        parts.append(number_text(constant))
+        parts.append(spell(constant))
     return "linear " + " + ".join(parts)
 
 
 def visible_range(variable: Variable) -> tuple[float, float]:
-    """Return the range to draw: that of the variable, or of its terms where it is unbounded."""
+    """Return the range to draw: that of the variable, or of its terms where it is unbounded.
+
+    Parameters
+    ----------
+    variable : Variable
+        Any.
+    """
     corners = [x for term in variable.terms for x in corner_points(term.shape)]
     low = variable.low if math.isfinite(variable.low) else min(corners, default=-1.0)
     high = variable.high if math.isfinite(variable.high) else max(corners, default=1.0)
@@ -142,7 +158,7 @@ class TermPlots:
         line = partial(Text, no_wrap=True, overflow="ellipsis")
         variable = self.variable
         yield line(f"{name_text(variable.name)}  {variable.description}", "bold")
-        names = [name_text(term.name) for term in variable.terms]
+        names = [fitted(name_text(term.name), width // 3) for term in variable.terms]
         left = max(map(len, names), default=0)
         width = max(11, width - left - 10)
         width -= 1 - width % 2

@@ -63,7 +63,13 @@ def silence_view(silence: Silence) -> Group:
 
 
 def firing_view(trace: Trace) -> Group:
-    """Return the same for narrow columns: only what fires, without lines and columns."""
+    """Return the same for narrow columns: only what fires, without lines and columns.
+
+    Parameters
+    ----------
+    trace : Trace
+        From :func:`fuzzyarm.inference.explain`.
+    """
     from rich.console import Group
     from rich.text import Text
 
@@ -77,11 +83,14 @@ def firing_view(trace: Trace) -> Group:
         parts.append(line)
     parts.append(Text(f"{len(trace.fired)} of {len(trace.rules)} rules fire", "bold"))
     for rule in trace.fired:
-        bar = "█" * max(1, round(rule.strength * 8))
+        bar = "█" * max(1, round(rule.strength * 5))
+        antecedent, _, consequent = rule.text.removeprefix("if ").rpartition(" then ")
+        # What a rule says comes first: a narrow pane cuts off the end of a line.
         line = Text(no_wrap=True, overflow="ellipsis")
         line.append(f" {rule.strength:.3f} ")
-        line.append(f"{bar:<8} ", "cyan")
-        line.append(rule.text.removeprefix("if "))
+        line.append(f"{bar:<5} ", "cyan")
+        line.append(consequent, "bold")
+        line.append(f" if {antecedent}", "not bold")
         parts.append(line)
     for output in trace.outputs:
         parts += [Text(), OutputPlot(output)]

@@ -4,7 +4,10 @@ The scenes named here need rich alone, and ``fuzzyarm watch`` shows them too;
 :mod:`fuzzyarm.studio.app` needs the extra ``fuzzyarm[studio]``.
 """
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.scene import RulebaseScene, Scene, TableScene
 
 __all__ = ["RulebaseScene", "Scene", "StudioDocument", "TableScene"]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.text import Text
 from textual import events
@@ -14,20 +14,21 @@ from textual.timer import Timer
 from textual.widgets import Footer, OptionList, Static, TextArea
 from textual.widgets.option_list import Option
 
-from fuzzyarm.language.queries import apply_edits
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.queries import Candidate, apply_edits
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.panes import Editor, View
+from fuzzyarm.studio.running import run_text
+from fuzzyarm.studio.screens import CompletionScreen, FindScreen, KeysScreen
 from fuzzyarm.text.diagnostic import Diagnostic, Severity, Span
 from fuzzyarm.text.files import stamp_of, write_atomically
 
+if TYPE_CHECKING:
+    from fuzzyarm.loop import Run
+    from fuzzyarm.plant import Plant
+
 _PAUSE = 0.05
 _STYLES = {Severity.ERROR: "bold red", Severity.WARNING: "yellow", Severity.INFO: "cyan"}
-_HELP = """\
-Tab / Shift+Tab  text, drawing, findings     F2 to F5  surface, rules, terms, firing
-in the drawing:  ← → ↑ ↓ move the crisp inputs (Shift: further), c puts them in the middle,
-                 x / y choose another input, o another output, Enter goes to the rule
-in the findings: Enter goes there, f repairs what is certain
-F8 next finding  F9 repair at the cursor  Ctrl+S format and save  Ctrl+Q leave"""
 
 
 class Studio(App[int]):
@@ -49,8 +50,12 @@ class Studio(App[int]):
         Binding("f3", "show_view(1)", "rules"),
         Binding("f4", "show_view(2)", "terms"),
         Binding("f5", "show_view(3)", "firing"),
+        Binding("f6", "run", "run", priority=True),
+        Binding("f7,ctrl+@,ctrl+space", "complete", "complete", show=False, priority=True),
         Binding("f8", "next_finding", "next"),
         Binding("f9", "repair", "fix"),
+        Binding("ctrl+f", "find", "find", show=False, priority=True),
+        Binding("ctrl+g", "find_next", show=False, priority=True),
         Binding("ctrl+s", "save", "save", priority=True),
         Binding("ctrl+q", "leave", "quit", priority=True),
     ]
@@ -63,6 +68,8 @@ class Studio(App[int]):
         self._stamp = stamp_of(document.path)
         self._waiting: Timer | None = None
         self._warned_of = ""
+        self._sought = ""
+        self._run_is_made = False
 
     def compose(self) -> ComposeResult:
         """Return the parts, top to bottom."""
@@ -113,6 +120,7 @@ class Studio(App[int]):
             tabs.append(f" {index + 1} {name} ", style)
         self.query_one("#views", Static).update(tabs)
         view = self.query_one(View)
+        view.findings = self.document.findings
         view.show(scene, names[self.view_index], is_current=self.document.is_current)
         view.set_class(not self.document.is_current, "stale")
         self._show_point()
@@ -157,8 +165,10 @@ class Studio(App[int]):
             self._waiting.stop()
             self._waiting = None
         text = self.query_one(Editor).text
-        if text != self.document.text:
-            self.document.update(text)
+        if text == self.document.text:  # a run that is shown goes on
+            self._show_title()
+            return
+        self.document.update(text)
         self.show_everything()
 
     # ── keys ─────────────────────────────────────────────────────────────────────────
@@ -173,7 +183,103 @@ class Studio(App[int]):
 
     def action_explain_keys(self) -> None:
         """Show what the keys do."""
-        self.notify(_HELP, title="keys", timeout=20)
+        self.push_screen(KeysScreen())
+
+    # ── completion and find ──────────────────────────────────────────────────────────
+
+    def action_complete(self) -> None:
+        """Offer what can stand at the cursor, as the editor's server does."""
+        self.read_text()
+        editor, session = self.query_one(Editor), self.document.session
+        row, column = editor.cursor_location
+        found = session.kind.complete(session.reading, row + 1, column + 1)
+        if not found:
+            self.notify("Nothing is known to stand here.")
+            return
+        if len(found) == 1:
+            self._take(found[0])
+            return
+        x, y = editor.cursor_screen_offset
+        self.push_screen(CompletionScreen(found, (x, y)), self._take)
+
+    def _take(self, chosen: Candidate | None) -> None:
+        """Put a candidate in place of what was typed of it."""
+        if chosen is None:
+            return
+        editor = self.query_one(Editor)
+        row, column = editor.cursor_location
+        start = end = (row, column)
+        if chosen.span is not None:
+            start = (chosen.span.line - 1, chosen.span.column - 1)
+            end = (chosen.span.end_line - 1, chosen.span.end_column - 1)
+        editor.replace(chosen.insert, start, end, maintain_selection_offset=False)
+        editor.focus()
+
+    def action_find(self) -> None:
+        """Ask for what is to be found."""
+        selected = self.query_one(Editor).selected_text
+        words = selected if selected and "\n" not in selected else self._sought
+        self.push_screen(FindScreen(words), self._find)
+
+    def _find(self, words: str | None) -> None:
+        if words:
+            self._sought = words
+            self.action_find_next()
+
+    def action_find_next(self) -> None:
+        """Go to the next place of what was looked for; from the last one to the first."""
+        if not self._sought:
+            self.action_find()
+            return
+        editor = self.query_one(Editor)
+        text, words = editor.text.casefold(), self._sought.casefold()
+        row, column = editor.cursor_location
+        lines = editor.text.split("\n")
+        here = sum(len(line) + 1 for line in lines[:row]) + column
+        found = text.find(words, here + 1)
+        found = text.find(words) if found < 0 else found
+        if found < 0:
+            self.notify(f"'{self._sought}' is not in the text.")
+            return
+        before = editor.text[:found].split("\n")
+        editor.go_to(len(before), len(before[-1]) + 1)
+        editor.focus()
+
+    # ── the run ──────────────────────────────────────────────────────────────────────
+
+    def action_run(self) -> None:
+        """Run the controller, and show the run beside the text."""
+        self.read_text()
+        if self._run_is_made:
+            return
+        self._run_is_made = True
+        self.notify("Running; the first run on a machine compiles for some seconds.", timeout=3)
+        self.run_worker(self._run_text, thread=True, exit_on_error=False)
+
+    def _run_text(self) -> None:
+        try:
+            run, plant = run_text(self.document.text, self.document.path)
+        except (FuzzyarmError, OSError) as error:
+            self.call_from_thread(self._run_failed, str(error))
+            return
+        self.call_from_thread(self._show_run, run, plant)
+
+    def _run_failed(self, why: str) -> None:
+        self._run_is_made = False
+        self.notify(f"Not run: {why}", severity="warning")
+
+    def _show_run(self, run: Run, plant: Plant) -> None:
+        self._run_is_made = False
+        if not run.samples:
+            self.notify("The run diverged before its first sample.", severity="warning")
+            return
+        self.query_one("#views", Static).update(Text(" 6 run ", "reverse"))
+        self.query_one(View).play(run, plant)
+        worst = ", ".join(
+            f"{name} {value:.4g} {unit}"
+            for name, value, unit in zip(run.labels, run.rms, run.units, strict=True)
+        )
+        self.query_one("#point", Static).update(Text(f"RMS error: {worst}"))
 
     def on_view_moved(self, event: View.Moved) -> None:
         """Show the crisp inputs."""

@@ -12,6 +12,7 @@ from fuzzyarm.lsp.session import Session
 from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.studio.scene import RulebaseScene, Scene, TableScene
 from fuzzyarm.text.diagnostic import Diagnostic
+from fuzzyarm.text.names import typed
 
 SUFFIXES = (".frb", ".lut")
 
@@ -27,7 +28,8 @@ class NotShownError(FuzzyarmError, ValueError):
 
     def __init__(self, path: str) -> None:
         foreign = Path(path).suffix.lower() in RULEBASE_SUFFIXES
-        hint = f"fuzzyarm convert {path} {Path(path).stem}.frb brings it in" if foreign else ""
+        own = f"{Path(path).stem}.frb"
+        hint = f"fuzzyarm convert {typed(path)} {typed(own)} brings it in" if foreign else ""
         super().__init__(f"{path} is neither a .frb nor a .lut file", hint=hint)
         self.path = path
 
@@ -106,7 +108,7 @@ class StudioDocument:
         # Contradictions and failed expectations are errors, but the rules can be shown.
         if rulebase is None or not rulebase.inputs:
             return None
-        return RulebaseScene(rulebase, reading, self.scene)
+        return RulebaseScene(rulebase, reading, self.scene, self.session.verdicts)
 
     def formatted(self) -> str:
         """Return the text in canonical form; as it is where that cannot be."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.style import Style
 from rich.text import Text
@@ -12,12 +12,18 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
 from textual.message import Message
+from textual.timer import Timer
 from textual.widgets import Static, TextArea
 from textual.widgets.text_area import TextAreaTheme
 
 from fuzzyarm.language.queries import Coloured
+from fuzzyarm.show.figures.live import RATE, LiveView, frames_of
 from fuzzyarm.studio.scene import RULES, RulebaseScene, Scene
 from fuzzyarm.text.diagnostic import Diagnostic, Span
+
+if TYPE_CHECKING:
+    from fuzzyarm.loop import Run
+    from fuzzyarm.plant import Plant
 
 # --- The text of the studio, coloured by what each word is ---
 
@@ -99,6 +105,8 @@ class Editor(TextArea):
         """Put the cursor at a position that counts from 1, and look at it."""
         row = min(line, self.document.line_count) - 1
         self.move_cursor((row, min(column - 1, len(self.document.get_line(row)))), center=True)
+        if column < self.content_size.width - 1:  # what fits is seen from its beginning
+            self.scroll_to(x=0, animate=False)
 
     def replace_all(self, text: str) -> None:
         """Put another text in place of this one; undo brings it back, the cursor stays about."""
@@ -148,6 +156,8 @@ class View(VerticalScroll, can_focus=True):
         self.scene: Scene | None = None
         self.view = ""
         self.is_current = True
+        self.findings: tuple[Diagnostic, ...] = ()
+        self._film: Timer | None = None
 
     def compose(self) -> ComposeResult:
         """Return the one drawing."""
@@ -155,14 +165,38 @@ class View(VerticalScroll, can_focus=True):
 
     def show(self, scene: Scene | None, view: str, *, is_current: bool) -> None:
         """Draw a view of `scene`; a scene of an earlier text is drawn dimmed."""
+        self._stop()
         self.scene, self.view, self.is_current = scene, view, is_current
         self.draw()
+
+    def play(self, run: Run, plant: Plant) -> None:
+        """Show a run from its beginning; it stays at its end until another view is shown."""
+        self._stop()
+        frames, live = iter(frames_of(run)), LiveView(run, plant)
+
+        def step() -> None:
+            index = next(frames, None)
+            if index is None:
+                self._stop()
+                return
+            region = self.scrollable_content_region
+            drawn = live.at(index, max(20, region.width), max(6, region.height))
+            self.query_one("#drawing", Static).update(drawn)
+
+        self._film = self.set_interval(1.0 / RATE, step)
+
+    def _stop(self) -> None:
+        if self._film is not None:
+            self._film.stop()
+            self._film = None
 
     def draw(self) -> None:
         """Draw again, in the room there is."""
         drawing = self.query_one("#drawing", Static)
         if self.scene is None:
-            drawing.update(Text("There is nothing to show yet: the text has mistakes.", "dim"))
+            broken = any(found.is_error for found in self.findings)
+            words = "the text has mistakes" if broken else "F6 runs the controller"
+            drawing.update(Text(f"There is nothing to show yet: {words}.", "dim"))
             return
         width = max(20, self.scrollable_content_region.width)
         height = max(6, self.scrollable_content_region.height)
@@ -194,7 +228,11 @@ class View(VerticalScroll, can_focus=True):
         if self.scene is not None and not self.scene.down:
             self.scroll_relative(y=steps, animate=False)
             return
-        self._step(self.scene.down if self.scene else "", steps, coarse=coarse)
+        # Rules and tables are listed downward; on a surface the numbers rise upward.
+        upward = isinstance(self.scene, RulebaseScene) and self.view != RULES
+        self._step(
+            self.scene.down if self.scene else "", -steps if upward else steps, coarse=coarse
+        )
 
     def action_centre(self) -> None:
         """Put the inputs in the middle."""

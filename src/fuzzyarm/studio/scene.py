@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import explain, infer
+from fuzzyarm.inference.plan import part_for
 from fuzzyarm.inference.trace import Trace
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.language.statements import GridNode
@@ -18,7 +19,7 @@ from fuzzyarm.language.tokens import name_text
 from fuzzyarm.lsp.tables import TableText
 from fuzzyarm.model.rulebase import Output, RuleBase, Variable
 from fuzzyarm.model.shapes import centre, membership
-from fuzzyarm.show.drawing import Scale, number_words, scale_of
+from fuzzyarm.show.drawing import Scale, ScaleBar, number_words, scale_of
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rules_view
 from fuzzyarm.show.surface import LinePlot, SurfaceMap
 from fuzzyarm.show.terms import TermPlots, is_set, visible_range
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from rich.console import Group, RenderableType
     from rich.text import Text
 
+    from fuzzyarm.proof import Verdict
 
 FINE, COARSE = 60, 12
 """Steps from one end of a range to the other, with an arrow key and with shift."""
@@ -126,15 +128,41 @@ class Scene(ABC):
         from rich.console import Group
 
         across = (self.across, *self.ranges[self.across])
-        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark))
+        low, high = self.ranges[self.across]
+        fails = frozenset(
+            _index(point[self.across], (low, high), len(values)) for point in self._failing()
+        )
+        return Group(title, LinePlot(values, max(3, height - 2), across, up, mark, fails))
 
     def _map(
-        self, title: Text, values: list[list[float]], scale: Scale, mark: tuple[int, int]
+        self,
+        title: Text,
+        values: list[list[float]],
+        scale: Scale,
+        mark: tuple[int, int],
+        *,
+        upward: bool = False,
     ) -> Group:
+        """Return a map with its scale; `upward`: the first row is the upper end."""
         from rich.console import Group
 
         down, across = ((name, *self.ranges[name]) for name in (self.down, self.across))
-        return Group(title, SurfaceMap(values, scale, down, across, mark))
+        if upward:
+            down = (down[0], down[2], down[1])
+        sizes = len(values), len(values[0])
+        fails = frozenset(
+            (
+                _index(point[self.down], down[1:], sizes[0]),
+                _index(point[self.across], across[1:], sizes[1]),
+            )
+            for point in self._failing()
+        )
+        shown = SurfaceMap(values, scale, down, across, mark, fails)
+        return Group(title, shown, ScaleBar(scale, len(values[0]) + 9))
+
+    def _failing(self) -> list[Mapping[str, float]]:
+        """Return points on what is drawn at which a property fails."""
+        return []
 
     def caption(self, *, keys: bool = True) -> Text:
         """Return the crisp inputs, with `keys` those that move them, and what comes out."""
@@ -167,17 +195,24 @@ class RulebaseScene(Scene):
         Its text, to jump into.
     before : Scene or None
         The scene before the last change of the text, whose crisp inputs stay.
+    verdicts : sequence of Verdict
+        On its ``prove`` lines: where one fails is marked on the surface.
     """
 
     VIEWS = (SURFACE, RULES, TERMS, FIRING)
 
     def __init__(
-        self, rulebase: RuleBase, reading: Reading | None = None, before: Scene | None = None
+        self,
+        rulebase: RuleBase,
+        reading: Reading | None = None,
+        before: Scene | None = None,
+        verdicts: Sequence[Verdict] = (),
     ) -> None:
         super().__init__({v.name: visible_range(v) for v in rulebase.inputs})
         self.rulebase = rulebase
         self.reading = reading
         self.output = rulebase.outputs[0].name
+        self.verdicts = verdicts
         if before is None:
             first = next((g for b in rulebase.blocks for g in find_grids(b)[0] if g.row), None)
             across, down = (first.column, first.row) if first else ("", "")
@@ -187,11 +222,37 @@ class RulebaseScene(Scene):
             outputs = {o.name for o in rulebase.outputs}
             if isinstance(before, RulebaseScene) and before.output in outputs:
                 self.output = before.output
+        self._take_needed()
 
     def next_output(self) -> None:
         """Show the surface of the next output."""
         names = [o.name for o in self.rulebase.outputs]
         self.output = names[(names.index(self.output) + 1) % len(names)]
+        self._take_needed()
+
+    def _take_needed(self) -> None:
+        """Give the axes of the surface, and the keys, inputs that the output depends on."""
+        try:
+            part = part_for(self.rulebase, [self.output])
+        except FuzzyarmError:  # drawing it will say why
+            return
+        needed = [each.name for each in part.inputs]
+        if not needed:
+            return
+        if self.across not in needed:
+            self.across = next((name for name in reversed(needed) if name != self.down), needed[0])
+        if self.down not in needed or self.down == self.across:
+            self.down = next((name for name in needed if name != self.across), "")
+
+    def _failing(self) -> list[Mapping[str, float]]:
+        free = {self.across, self.down}
+        return [
+            point
+            for each in self.verdicts
+            if each.output == self.output
+            for point in each.points
+            if all(x == self.point[name] for name, x in point.items() if name not in free)
+        ]
 
     # ── values ───────────────────────────────────────────────────────────────────────
 
@@ -218,9 +279,8 @@ class RulebaseScene(Scene):
             replace(o, no_rule=math.nan) if o.no_rule == "error" else o
             for o in self.rulebase.outputs
         )
-        return infer(replace(self.rulebase, outputs=outputs), inputs, held=self._held())[
-            output.name
-        ]
+        model = replace(self.rulebase, outputs=outputs)
+        return infer(model, inputs, held=self._held(), outputs=[output.name])[output.name]
 
     # ── drawing ──────────────────────────────────────────────────────────────────────
 
@@ -251,17 +311,18 @@ class RulebaseScene(Scene):
             mark = _index(self.point[self.across], across, count)
             return self._line(title, values.tolist(), height, (output.name, low, high), mark)
         down = self.ranges[self.down]
-        columns, rows = max(8, width - 9), 2 * max(3, height - 2)
-        xs, ys = np.linspace(*across, columns), np.linspace(*down, rows)
+        columns, rows = max(8, width - 9), 2 * max(3, height - 3)
+        # As in figures: what goes down here rises upward there.
+        xs, ys = np.linspace(*across, columns), np.linspace(down[1], down[0], rows)
         inputs: dict[str, Any] = dict(self.point)
         inputs |= {self.across: xs[None, :], self.down: ys[:, None]}
         values = np.broadcast_to(self._values(inputs, output), (rows, columns))
         mark_at = (
-            _index(self.point[self.down], down, rows),
+            rows - 1 - _index(self.point[self.down], down, rows),
             _index(self.point[self.across], across, columns),
         )
         scale = scale_of(values.ravel().tolist(), low, high)
-        return self._map(title, values.tolist(), scale, mark_at)
+        return self._map(title, values.tolist(), scale, mark_at, upward=True)
 
     def _rules(self, width: int, height: int) -> RenderableType:
         trace = self.trace()
@@ -454,7 +515,7 @@ class TableScene(Scene):
         rows = len(self.table.axes[j].levels)
         # Whole cells where they fit, so that all have the same size.
         wide = max(1, room // columns) * columns if columns <= room else room
-        high_rows = 2 * max(3, height - 2)
+        high_rows = 2 * max(3, height - 3)
         tall = max(1, high_rows // rows) * rows if rows <= high_rows else high_rows
         tall += tall % 2
         grid = [

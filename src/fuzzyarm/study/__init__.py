@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from fuzzyarm.lazy import lazily
+from fuzzyarm.study.identify import Identified, UnknownProblemError, identify
 from fuzzyarm.study.published import PublishedRow, UnknownRowError, find_rows, published_rows
 from fuzzyarm.study.reproduce import (
     Ensemble,
@@ -14,17 +18,46 @@ from fuzzyarm.study.reproduce import (
     variants,
 )
 
+if TYPE_CHECKING:
+    from fuzzyarm.study.beyond import NAMES, Beyond, run_beyond
+    from fuzzyarm.study.comparison import Compared, compare, compared_names, cost_of
+    from fuzzyarm.study.figures import draw_chapter, draw_overview, draw_profiles, save_figure
+
 __all__ = [
+    "NAMES",
+    "Beyond",
+    "Compared",
     "Ensemble",
+    "Identified",
     "Judgement",
     "PublishedRow",
     "Reproduced",
+    "UnknownProblemError",
     "UnknownRowError",
     "chaotic",
+    "compare",
+    "compared_names",
+    "cost_of",
+    "draw_chapter",
+    "draw_overview",
+    "draw_profiles",
     "find_rows",
+    "identify",
     "judge",
     "published_rows",
     "reproduce",
     "reproduce_row",
+    "run_beyond",
+    "save_figure",
     "variants",
 ]
+
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "beyond": ("NAMES", "Beyond", "run_beyond"),
+        "comparison": ("Compared", "compare", "compared_names", "cost_of"),
+        "figures": ("draw_chapter", "draw_overview", "draw_profiles", "save_figure"),
+    },
+    __all__,
+)

@@ -8,23 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
 
 import numpy as np
 
 from fuzzyarm.controller import find_controller
 from fuzzyarm.controller.catalogue import study_conventions
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import driven_by, site_of
-from fuzzyarm.kernels import call, kernel, routine
 from fuzzyarm.loop.course import Course, Options, arm_motion
-from fuzzyarm.loop.loop import LOOP_ARRAYS, rms, run_loop
-from fuzzyarm.loop.program import Program, Record, error_taps, shown_errors
+from fuzzyarm.loop.loop import MAGNITUDES, rms
+from fuzzyarm.loop.program import Program, Record, error_taps, loop_for, shown_errors
 from fuzzyarm.loop.run import checked_arms
-from fuzzyarm.plant.plant import ACTUATE, CLOCK_SIZE
-from fuzzyarm.plant.setting import Conventions, stored_double, stored_single
+from fuzzyarm.plant.setting import Conventions
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach_return
 from fuzzyarm.study.beyond import NAMES as BEYOND
 from fuzzyarm.study.beyond import SUMMARY_TABLE
@@ -142,39 +137,6 @@ class Watched:
     diverged: float | None
 
 
-LAST, SUMS = CLOCK_SIZE, CLOCK_SIZE + 2
-"""Behind the clock: the torques of the last control period, and the sums of their changes."""
-
-
-@kernel
-def ask_watched(
-    task: int,
-    links: list[int],
-    x: list[float],
-    y: list[float],
-    u: list[float],
-    p: list[float],
-    clock: list[float],
-) -> None:
-    """Do what `ask_plant` does, and add up by how much the torques of the arm change."""
-    # Its first two lines stand here again: bound to that name, this would call itself.
-    clock[4] = task
-    call(links[0], x, y, u, p, clock)
-    if task == ACTUATE:
-        for joint in range(2):
-            clock[SUMS + joint] += abs(u[joint] - clock[LAST + joint])
-            clock[LAST + joint] = u[joint]
-
-
-@cache
-def _watched_loop(compiled: bool, single: bool) -> Callable[..., None]:
-    bindings: dict[str, Callable[..., Any]] = {
-        "stored": stored_single if single else stored_double,
-        "ask_plant": ask_watched,
-    }
-    return routine(run_loop, LOOP_ARRAYS, bindings, compiled=compiled)
-
-
 def watched_run(
     controller: Controller,
     trajectory: Trajectory,
@@ -190,23 +152,15 @@ def watched_run(
     program = Program(controller, arithmetic)
     if not program.compilable:
         raise CostError(controller.name)
-    compiled = arithmetic.compiled
     driven = driven_by(controller, site_of(motion.plants[0]))
-    course = Course(motion, conventions, options, driven=driven, as_array=compiled)
+    course = Course(motion, conventions, options, driven=driven, as_array=arithmetic.compiled)
     record = Record(course, program.memory, error_taps(course))
-    clock = np.zeros(SUMS + 2)
-    clock[:CLOCK_SIZE] = record.clock
-    record.clock = clock if compiled else view(clock)
-    own = program.inputs(as_array=compiled)
+    own = program.inputs(as_array=arithmetic.compiled)
     with np.errstate(all="ignore"):
-        _watched_loop(compiled, conventions.single)(*course.inputs(), *own, *record.outputs)
-    steps = max(int(record.progress[3]), 1)
+        loop_for(program, course, record)(*course.inputs(), *own, *record.outputs)
     errors = rms(shown_errors(course, record.samples))
-    return Watched(
-        (float(errors[0]), float(errors[1])),
-        (float(clock[SUMS]) / steps, float(clock[SUMS + 1]) / steps),
-        record.diverged(),
-    )
+    first, second, *_ = record.changes(MAGNITUDES).tolist()
+    return Watched((float(errors[0]), float(errors[1])), (first, second), record.diverged())
 
 
 # --- Cost ---
@@ -232,7 +186,18 @@ class Cost:
 
 
 def cost_of(name: str) -> Cost:
-    """Count the operations of a controller and measure its time."""
+    """Count the operations of a controller and measure its time.
+
+    Parameters
+    ----------
+    name : str
+        Of the catalogue.
+
+    Returns
+    -------
+    Cost
+        Operations of a control step, and its time in s.
+    """
     made = find_controller(name)
     seconds = measure_time(made, conventions=study_conventions(name))
     return Cost(made.name, count_operations(made), seconds)

@@ -31,7 +31,20 @@ COLOURS = ("#1b6ca8", "#d1495b")
 
 
 def draw_profiles(runs: Sequence[Run], title: str) -> Figure:
-    """Draw the error profiles of some runs side by side, one panel for each."""
+    """Draw the error profiles of some runs side by side, one panel for each.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+        At least one.
+    title : str
+        Above the figure.
+
+    Returns
+    -------
+    Figure
+        Errors in degrees over s.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(5.2 * len(runs), 3.4), layout="constrained")
@@ -81,7 +94,15 @@ def figure_format(path: str | Path) -> str:
 
 
 def save_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure in the format of its suffix, whole or not at all."""
+    """Write a figure in the format of its suffix, whole or not at all.
+
+    Parameters
+    ----------
+    figure : Figure
+        Any of matplotlib.
+    path : path-like
+        Its suffix is the format.
+    """
     buffer = io.BytesIO()
     figure.savefig(buffer, format=figure_format(path), dpi=130)
     write_atomically(path, buffer.getvalue())
@@ -122,7 +143,20 @@ def chapter_of_controller(name: str) -> str:
 
 
 def draw_chapter(results: Sequence[Reproduced], title: str) -> Figure:
-    """Draw small error profiles of rows, first and second trajectory side by side."""
+    """Draw small error profiles of rows, first and second trajectory side by side.
+
+    Parameters
+    ----------
+    results : sequence of Reproduced
+        Rows of one chapter.
+    title : str
+        Above the figure.
+
+    Returns
+    -------
+    Figure
+        A row for each of them.
+    """
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.ticker import MaxNLocator
@@ -175,6 +209,18 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
 
     The rows are on the same pair of trajectories, in the order of the table; controllers that
     were not published stand below them.
+
+    Parameters
+    ----------
+    results : sequence of Reproduced
+        Rows of all chapters.
+    beyond : sequence of Beyond
+        Controllers that were not published.
+
+    Returns
+    -------
+    Figure
+        With RMS errors in degrees.
     """
     from matplotlib.figure import Figure
 

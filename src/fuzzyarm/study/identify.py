@@ -104,6 +104,18 @@ def identify(name: str, *, watch: Callable[[int], None] | None = None) -> Identi
     """Fit the gains of a controller in :data:`PROBLEMS` to its published rows.
 
     `watch` is called with the number of evaluations so far.
+
+    Parameters
+    ----------
+    name : str
+        Of a controller with gains that were not printed.
+    watch : callable, optional
+        Called with the number of evaluations so far.
+
+    Returns
+    -------
+    Identified
+        The best gains, and how well the rows determine them.
     """
     from scipy.optimize import least_squares
 

@@ -134,6 +134,11 @@ def find_rows(names: list[str]) -> list[PublishedRow]:
     A name is a table (``7.1.1``), a controller (``cdid+ie``), a label (``CDID+IE``) or
     both of the first (``7.1.1/cdid+ie``); case does not matter. No names: every row.
 
+    Parameters
+    ----------
+    names : list of str
+        Any of these; may be empty.
+
     Raises
     ------
     UnknownRowError

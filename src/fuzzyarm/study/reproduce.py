@@ -310,12 +310,24 @@ class Reproduced:
 
 
 def chaotic(row: PublishedRow) -> bool:
-    """Tell whether a row switches between the cells of a table."""
+    """Tell whether a row switches between the cells of a table.
+
+    Parameters
+    ----------
+    row : PublishedRow
+        Of the study's tables.
+    """
     return "table" in CATALOGUE[row.controller].takes
 
 
 def variants(row: PublishedRow) -> tuple[Variant, ...]:
-    """Return the variants that differ: both where the study's text and figures do."""
+    """Return the variants that differ: both where the study's text and figures do.
+
+    Parameters
+    ----------
+    row : PublishedRow
+        Of the study's tables.
+    """
     arithmetic = Arithmetic()
     printed, described = (
         [
@@ -404,7 +416,20 @@ def four(run: Run) -> tuple[float, float, float, float]:
 
 
 def reproduce(rows: list[PublishedRow], runs: int = 0) -> Iterator[Reproduced]:
-    """Run rows in every variant, one after the other; chaotic ones `runs` times more."""
+    """Run rows in every variant, one after the other; chaotic ones `runs` times more.
+
+    Parameters
+    ----------
+    rows : list of PublishedRow
+        Of the study's tables.
+    runs : int
+        Of ensembles of chaotic rows.
+
+    Returns
+    -------
+    iterator of Reproduced
+        One for each row and variant.
+    """
     for row in rows:
         for variant in variants(row):
             yield reproduce_row(row, variant, runs=runs)

@@ -6,8 +6,9 @@ What a name needs is loaded when the name is used: reading the text of a table
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
+
+from fuzzyarm.lazy import lazily
 
 if TYPE_CHECKING:
     from fuzzyarm.table.axis import MODES, SUFFIXES, Axis, PlainTable, TableError, TableHeader
@@ -20,32 +21,9 @@ if TYPE_CHECKING:
         measure_fidelity,
     )
     from fuzzyarm.table.files import TableFileError, read_table, write_table
+    from fuzzyarm.table.rules import RulesOfTable, rules_of_table
     from fuzzyarm.table.table import LookupTable
     from fuzzyarm.table.text import ParsedTable, parse_lut, write_lut
-
-
-_HOMES = {
-    "MODES": "axis",
-    "SUFFIXES": "axis",
-    "Axis": "axis",
-    "CompileReport": "fidelity",
-    "Fidelity": "fidelity",
-    "LookupTable": "table",
-    "ParsedTable": "text",
-    "PlainTable": "axis",
-    "TableDiff": "diff",
-    "TableError": "axis",
-    "TableFileError": "files",
-    "TableHeader": "axis",
-    "compare_tables": "diff",
-    "compile_table": "compiler",
-    "compile_with_report": "fidelity",
-    "measure_fidelity": "fidelity",
-    "parse_lut": "text",
-    "read_table": "files",
-    "write_lut": "text",
-    "write_table": "files",
-}
 
 __all__ = [
     "MODES",
@@ -56,6 +34,7 @@ __all__ = [
     "LookupTable",
     "ParsedTable",
     "PlainTable",
+    "RulesOfTable",
     "TableDiff",
     "TableError",
     "TableFileError",
@@ -66,12 +45,47 @@ __all__ = [
     "measure_fidelity",
     "parse_lut",
     "read_table",
+    "rules_of_table",
     "write_lut",
     "write_table",
 ]
 
-
-def __getattr__(name: str) -> object:
-    if name in _HOMES:
-        return getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
-    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+__getattr__, __dir__ = lazily(
+    __name__,
+    {
+        "axis": (
+            "MODES",
+            "SUFFIXES",
+            "Axis",
+            "PlainTable",
+            "TableError",
+            "TableHeader",
+        ),
+        "compiler": ("compile_table",),
+        "diff": (
+            "TableDiff",
+            "compare_tables",
+        ),
+        "fidelity": (
+            "CompileReport",
+            "Fidelity",
+            "compile_with_report",
+            "measure_fidelity",
+        ),
+        "files": (
+            "TableFileError",
+            "read_table",
+            "write_table",
+        ),
+        "rules": (
+            "RulesOfTable",
+            "rules_of_table",
+        ),
+        "table": ("LookupTable",),
+        "text": (
+            "ParsedTable",
+            "parse_lut",
+            "write_lut",
+        ),
+    },
+)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.shown import Drawn, one_line
 
 SUFFIXES = (".lut", ".csv", ".npz", ".json")
 """The formats of files that are read back to an identical table."""
@@ -37,7 +38,7 @@ def mode_named(name: str) -> str:
     return mode
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Axis:
     """How one input of a table is divided.
 
@@ -68,6 +69,11 @@ class Axis:
     low: float = math.nan
     high: float = math.nan
     description: str = ""
+
+    def __repr__(self) -> str:
+        ends = f"{self.levels[0]:g} .. {self.levels[-1]:g}" if self.levels else "no levels"
+        bins = "" if self.bins is None else ", bins"
+        return one_line(self, f"{self.name}: {len(self.levels)} levels {ends}{bins}")
 
     def __post_init__(self) -> None:
         levels = _clean(self.levels)
@@ -133,8 +139,8 @@ def _require_increasing(numbers: tuple[float, ...], what: str) -> None:
 # --- The header ---
 
 
-@dataclass(frozen=True, eq=False)
-class TableHeader:
+@dataclass(frozen=True, eq=False, repr=False)
+class TableHeader(Drawn):
     """The axes of a table, its output, and where it came from.
 
     Attributes
@@ -183,7 +189,7 @@ class TableHeader:
 
     def _check_numbers(self) -> None:
         if (self.low is None) != (self.high is None):
-            raise TableError(f"the range of '{self.output}' has one end only")
+            raise TableError(f"the range of '{self.output}' has only one end")
         if self.low is not None and self.high is not None:
             low, high = float(self.low) + 0.0, float(self.high) + 0.0
             if not low <= high:
@@ -195,6 +201,10 @@ class TableHeader:
             if not 0 < rounding < math.inf:
                 raise TableError(f"values are rounded to a positive step, not to {rounding:g}")
             object.__setattr__(self, "rounding", rounding)
+
+    def __repr__(self) -> str:
+        sizes = " × ".join(f"{axis.name} {len(axis.levels)}" for axis in self.axes)
+        return one_line(self, f"{self.output}: {sizes}, {self.default_mode}")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -225,7 +235,7 @@ class TableHeader:
         return {name: getattr(self, name) for name in TableHeader.__dataclass_fields__}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PlainTable(TableHeader):
     """A table as read from text: its values in one flat tuple, the last axis fastest."""
 

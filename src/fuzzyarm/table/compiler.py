@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Input, Output, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
@@ -41,7 +43,7 @@ Levels = int | Sequence[float]
 
 
 def compile_table(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     output: str | None = None,
     *,
     levels: Levels | Mapping[str, Levels] | None = None,
@@ -74,7 +76,7 @@ def compile_table(
     Returns
     -------
     LookupTable
-        Axes in the order of the rule base's inputs.
+        Its axes are the inputs that the output depends on, in the order of the rule base.
 
     Raises
     ------
@@ -84,8 +86,9 @@ def compile_table(
     FuzzyarmError
         What the inference raises, for instance where no rule fires.
     """
+    rulebase = rulebase.model
     target = choose_output(rulebase, output)
-    axes = choose_axes(rulebase, levels)
+    axes = choose_axes(rulebase, levels, target.name)
     cells = math.prod(len(axis.levels) for axis in axes)
     if cells > MAX_CELLS:
         raise TableError(f"the table would have {cells:,} cells; at most {MAX_CELLS:,} are made")
@@ -124,10 +127,54 @@ def choose_output(rulebase: RuleBase, name: str | None) -> Output:
     raise TableError(f"'{rulebase.name}' has no output '{name}'", hint=hint or f"it has {listed}")
 
 
+def needed_inputs(rulebase: RuleBase, output: str) -> tuple[Input, ...]:
+    """Return the inputs that an output depends on; the first input where it depends on none."""
+    from fuzzyarm.inference.plan import part_for
+
+    names = {each.name for each in part_for(rulebase, [output]).inputs}
+    return tuple(each for each in rulebase.inputs if each.name in names) or rulebase.inputs[:1]
+
+
+def over_inputs(table: LookupTable, inputs: Sequence[Input]) -> LookupTable:
+    """Return a table over further inputs, on which its values do not depend.
+
+    Parameters
+    ----------
+    table : LookupTable
+        Its axes are among `inputs`.
+    inputs : sequence of Input
+        The axes of the result; those that `table` has not get two levels.
+
+    Returns
+    -------
+    LookupTable
+        `table` itself where it has them all.
+    """
+    known = {axis.name: axis for axis in table.axes}
+    if len(known) == len(inputs):
+        return table
+    axes = [
+        known.get(each.name) or Axis(each.name, even_levels(each, 2), low=each.low, high=each.high)
+        for each in inputs
+    ]
+    own = [len(axis.levels) if axis.name in known else 1 for axis in axes]
+    order = [table.names.index(axis.name) for axis in axes if axis.name in known]
+    whole = [len(axis.levels) for axis in axes]
+    spread = np.broadcast_to(table.values.transpose(order).reshape(own), whole)
+    values = np.ascontiguousarray(spread)
+    values.setflags(write=False)
+    return replace(table, axes=tuple(axes), values=values)
+
+
 def choose_axes(
-    rulebase: RuleBase, levels: Levels | Mapping[str, Levels] | None = None
+    rulebase: RuleBase,
+    levels: Levels | Mapping[str, Levels] | None = None,
+    output: str | None = None,
 ) -> tuple[Axis, ...]:
-    """Return one axis for each input: by `levels`, else by the file, else 13 even levels."""
+    """Return one axis for each input: by `levels`, else by the file, else 13 even levels.
+
+    Of the inputs those that `output` depends on, where it is named.
+    """
     if not rulebase.inputs:
         raise TableError(f"'{rulebase.name}' has no inputs")
     asked: Mapping[str, Levels]
@@ -144,9 +191,8 @@ def choose_axes(
                 f"'{rulebase.name}' has no input '{name}'",
                 hint=hint or f"it has {listed}",
             )
-    return tuple(
-        _axis(rulebase, variable, asked.get(variable.name)) for variable in rulebase.inputs
-    )
+    inputs = rulebase.inputs if output is None else needed_inputs(rulebase, output)
+    return tuple(_axis(rulebase, variable, asked.get(variable.name)) for variable in inputs)
 
 
 def _axis(rulebase: RuleBase, variable: Input, levels: Levels | None) -> Axis:
@@ -186,7 +232,7 @@ def sample(
     levels = [np.array(axis.levels) for axis in axes]
     values = np.empty([array.size for array in levels])
     rows = max(1, _SLAB // max(1, values[0].size))
-    engine = _engine(rulebase, values.size)
+    engine = _engine(rulebase, output, values.size)
     for start in range(0, levels[0].size, rows):
         part = [levels[0][start : start + rows], *levels[1:]]
         slab = evaluate(rulebase, output, [a.name for a in axes], np.ix_(*part), engine)
@@ -194,11 +240,16 @@ def sample(
     return values
 
 
-def _engine(rulebase: RuleBase, cells: int) -> Engine:
+def _engine(rulebase: RuleBase, output: str, cells: int) -> Engine:
     """Return the compiled engine for a table so large that its start pays, else the plain one."""
     from fuzzyarm.inference import compiled, infer
+    from fuzzyarm.inference.plan import part_for
 
-    return compiled(rulebase) if cells >= _LARGE else partial(infer, rulebase)
+    if cells < _LARGE:
+        return partial(infer, rulebase, outputs=[output])
+    part = part_for(rulebase, [output])
+    engine, names = compiled(part), {each.name for each in part.inputs}
+    return lambda inputs: engine({name: x for name, x in inputs.items() if name in names})
 
 
 def evaluate(
@@ -213,7 +264,7 @@ def evaluate(
     A TableError says where the output has no value (NaN), as a file may state for points
     where no rule fires.
     """
-    evaluator = engine or _engine(rulebase, 0)
+    evaluator = engine or _engine(rulebase, output, 0)
     inputs: dict[str, NDArray[np.float64]] = dict(zip(names, points, strict=True))
     result = np.asarray(evaluator(inputs)[output], dtype=np.float64)
     values = np.broadcast_to(result, np.broadcast_shapes(*(array.shape for array in points)))

@@ -66,6 +66,11 @@ def compare_tables(before: LookupTable, after: LookupTable) -> TableDiff:
     Cells are matched by the names of the inputs, never by bare position: a table with its
     axes in another order is turned round first, and that is said. A first table that lacks
     an input of the second is taken as the same all along that input.
+
+    Parameters
+    ----------
+    before, after : LookupTable
+        Two versions.
     """
     before = _spread(before, after)
     transposed = before.names != after.names and sorted(before.names) == sorted(after.names)

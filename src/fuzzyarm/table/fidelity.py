@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.layout import has_envelope
-from fuzzyarm.inference.plan import plan
+from fuzzyarm.inference.plan import part_for, plan
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
@@ -22,9 +23,11 @@ from fuzzyarm.table.compiler import (
     compile_table,
     evaluate,
     even_levels,
+    needed_inputs,
 )
 from fuzzyarm.table.table import LookupTable
 from fuzzyarm.text.numbers import outward_text
+from fuzzyarm.text.shown import one_line
 
 # --- How far a table is from the rule base that it stands for ---
 
@@ -83,7 +86,7 @@ Proof = Callable[[LookupTable, str], float | None]
 
 
 def measure_fidelity(
-    table: LookupTable, rulebase: RuleBase, modes: Sequence[str] | None = None
+    table: LookupTable, rulebase: AnyRuleBase, modes: Sequence[str] | None = None
 ) -> tuple[Fidelity, ...]:
     """Compare `table` with the direct inference of `rulebase`.
 
@@ -106,6 +109,7 @@ def measure_fidelity(
     tuple of Fidelity
         One for each mode.
     """
+    rulebase = rulebase.model
     chosen = tuple(dict.fromkeys(modes or (table.default_mode, "linear")))
     tallies = {mode: _Tally() for mode in chosen}
     drawn = _drawn_points(table.axes)
@@ -116,7 +120,7 @@ def measure_fidelity(
             tallies[mode].add_drawn(difference, drawn)
         size = (drawn[0].size,)
         return tuple(tallies[mode].result(mode, table.names, size) for mode in chosen)
-    points, weights = _dense_grid(table.axes, _even_points(rulebase))
+    points, weights = _dense_grid(table.axes, _even_points(part_for(rulebase, [table.output])))
     rows = max(1, _SLAB // math.prod(x.size for x in points[1:]))
     for start in range(0, points[0].size, rows):
         part = [points[0][start : start + rows], *points[1:]]
@@ -278,7 +282,7 @@ def smallest_even_grid(
     if not (tolerance > 0 and math.isfinite(tolerance)):
         raise TableError(f"a tolerance is a positive number, not {tolerance:g}")
     target = choose_output(rulebase, output)
-    limit = LIMITS.get(len(rulebase.inputs), 17)
+    limit = LIMITS.get(len(needed_inputs(rulebase, target.name)), 17)
     probes = _Probes(rulebase, target.name)
     best = math.inf
     for count in range(2, limit + 1):
@@ -310,8 +314,9 @@ class _Probes:
     def __init__(self, rulebase: RuleBase, output: str) -> None:
         self.rulebase = rulebase
         self.output = output
-        self.names = [variable.name for variable in rulebase.inputs]
-        ends = [even_levels(variable, 2) for variable in rulebase.inputs]
+        inputs = needed_inputs(rulebase, output)
+        self.names = [variable.name for variable in inputs]
+        ends = [even_levels(variable, 2) for variable in inputs]
         self.low = np.array([low for low, _ in ends])
         self.high = np.array([high for _, high in ends])
         spread = np.random.default_rng(1).random((_PROBES, len(ends)))
@@ -349,13 +354,15 @@ class _Probes:
         from fuzzyarm.inference import infer
 
         inputs: dict[str, float | NDArray[np.float64]] = dict(zip(self.names, columns, strict=True))
-        return np.asarray(infer(self.rulebase, inputs)[self.output], dtype=np.float64)
+        return np.asarray(
+            infer(self.rulebase, inputs, outputs=[self.output])[self.output], dtype=np.float64
+        )
 
 
 # --- Compile and say how good the table is; or find the smallest table that is good enough ---
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class CompileReport:
     """A compiled table and what is known of its quality.
 
@@ -379,9 +386,13 @@ class CompileReport:
     tolerance: float | None = None
     few_points: bool = False
 
+    def __repr__(self) -> str:
+        known = "; ".join(f"{each.mode}: {each}" for each in self.fidelities)
+        return one_line(self, f"{self.table!r}: {known}")
+
 
 def compile_with_report(
-    rulebase: RuleBase,
+    rulebase: AnyRuleBase,
     output: str | None = None,
     *,
     levels: Levels | Mapping[str, Levels] | None = None,
@@ -420,6 +431,7 @@ def compile_with_report(
     TableError
         As `compile_table`; also if no grid within the limits meets the tolerance.
     """
+    rulebase = rulebase.model
     if tolerance is not None:
         count = smallest_even_grid(rulebase, output, tolerance, progress=progress, proof=proof)
         levels, rounding, mode = count, 0.0, "linear"
@@ -449,7 +461,7 @@ def compile_with_report(
         fidelities,
         default_levels=bool(set(table.names) - asked - given),
         tolerance=tolerance,
-        few_points=_even_points(rulebase) < _DENSE_POINTS,
+        few_points=_even_points(part_for(rulebase, [table.output])) < _DENSE_POINTS,
     )
 
 

@@ -50,6 +50,11 @@ class TableFileError(RuleBaseError):
 def read_table(path: str | Path) -> LookupTable:
     """Return the table in a ``.lut``, ``.csv``, ``.npz`` or ``.json`` file.
 
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
     Raises
     ------
     TableFileError
@@ -90,6 +95,13 @@ def parse_table(data: bytes, path: str) -> ParsedTable:
 
 def write_table(table: LookupTable, path: str | Path) -> None:
     """Write `table` whole or not at all; :func:`read_table` gives back an equal table.
+
+    Parameters
+    ----------
+    table : LookupTable
+        What to write.
+    path : path-like
+        Its suffix is the format.
 
     Raises
     ------
@@ -282,7 +294,7 @@ def _parse_json(text: str, path: str = "<text>") -> ParsedTable:
         span = Span(error.lineno, error.colno, error.lineno, error.colno + 1)
         return _fault("bad-json", f"not JSON: {error.msg}", path, span)
     except (RecursionError, ValueError) as error:
-        return _fault("bad-json", f"this JSON is not read: {error}", path)
+        return _fault("bad-json", f"cannot read this JSON: {error}", path)
     try:
         head = _header_from(data)
         values = _flat(data["values"], head.shape)
@@ -347,7 +359,7 @@ def _number(value: Any) -> float:
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise TableError(f"{value!r:.40} is not a text")
+        raise TableError(f"{value!r:.40} is not text")
     return value
 
 

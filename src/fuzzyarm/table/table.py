@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,7 @@ from fuzzyarm.table.lookup import AT_POINT, Grid, look_up_arrays
 from fuzzyarm.text.names import near_hint
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LookupTable(TableHeader):
     """A grid of values over one or more inputs, with its meaning and its origin.
 
@@ -35,7 +35,7 @@ class LookupTable(TableHeader):
     (3.0, 3.5)
     """
 
-    values: NDArray[np.float64] = field(repr=False)
+    values: NDArray[np.float64]
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -80,7 +80,8 @@ class LookupTable(TableHeader):
         Returns
         -------
         float or ndarray of float64
-            A float if every input is a number, else an array of the broadcast shape.
+            A float if every input is a number, else an array of the broadcast shape; a Series, a
+            DataFrame or a DataArray where inputs are, with their labels.
             Inputs outside the levels take the value at the border.
 
         Raises
@@ -96,6 +97,12 @@ class LookupTable(TableHeader):
                 break
         else:
             return self._at_point(inputs, chosen)  # type: ignore[arg-type]
+        from fuzzyarm.inference.labelled import gathered
+
+        given, labels = gathered(None, dict(zip(self.names, inputs, strict=True)), ())
+        if labels is not None:
+            found = self.lookup(*given.values(), mode=chosen)
+            return labels.on({self.output: found})[self.output]
         arrays = [np.asarray(x, dtype=np.float64) for x in inputs]
         if all(array.ndim == 0 for array in arrays):
             return self._at_point(tuple(array.item() for array in arrays), chosen)

@@ -515,7 +515,13 @@ _WIDTH = 78
 
 
 def write_lut(table: PlainTable) -> str:
-    """Return the text of `table`; :func:`fuzzyarm.table.parse_lut` reads back the same table."""
+    """Return the text of `table`; :func:`fuzzyarm.table.parse_lut` reads back the same table.
+
+    Parameters
+    ----------
+    table : PlainTable
+        What to write.
+    """
     lines = [*header_lines(table), ""]
     columns = len(table.axes[-1].levels)
     texts = column_of_numbers(table.values)

@@ -68,6 +68,10 @@ class Diagnostic:
         The file, as the caller named it.
     related : tuple of Related
         Other positions that belong to the finding.
+    argument : str
+        Of what is made in Python: the call or the argument at fault, in place of a position.
+    lines : tuple of str
+        Lines that a quick fix can put below it.
     """
 
     name: str
@@ -78,6 +82,8 @@ class Diagnostic:
     replacement: str | None = None
     path: str = ""
     related: tuple[Related, ...] = ()
+    argument: str = ""
+    lines: tuple[str, ...] = ()
 
     @property
     def line(self) -> int:
@@ -94,8 +100,13 @@ class Diagnostic:
         """Whether the file cannot be used as it stands."""
         return self.severity is Severity.ERROR
 
+    @property
+    def position(self) -> str:
+        """Where it is, as it is printed: path, line and column, or the argument."""
+        return self.argument or f"{self.path or '<text>'}:{self.line}:{self.column}"
+
     def __str__(self) -> str:
-        position = f"{self.path or '<text>'}:{self.line}:{self.column}"
+        position = self.position
         hint = f" ({self.hint})" if self.hint else ""
         return printable(f"{position}: {self.severity}[{self.name}]: {self.message}{hint}")
 
@@ -119,6 +130,31 @@ class RuleBaseError(FuzzyarmError, ValueError):
         errors = [d for d in self.diagnostics if d.is_error] or list(self.diagnostics)
         more = f" (and {len(errors) - 1} more)" if len(errors) > 1 else ""
         super().__init__(f"{errors[0]}{more}")
+
+    @classmethod
+    def of_argument(
+        cls,
+        name: str,
+        message: str,
+        argument: str,
+        *,
+        hint: str = "",
+        replacement: str | None = None,
+    ) -> RuleBaseError:
+        """Return the error of one argument of what is made in Python.
+
+        Parameters
+        ----------
+        name, message, hint, replacement : str
+            As of a :class:`Diagnostic`.
+        argument : str
+            The argument, as ``Shape(kind)``.
+        """
+        finding = Diagnostic(name, message, hint=hint, replacement=replacement, argument=argument)
+        return cls([finding])
+
+    def __reduce__(self) -> tuple[type[RuleBaseError], tuple[tuple[Diagnostic, ...]]]:
+        return type(self), (self.diagnostics,)
 
 
 # --- What the language refuses as absurd, so that no file can exhaust time or memory ---
@@ -200,8 +236,7 @@ def render_all(diagnostics: Sequence[Diagnostic], text: str, *, colour: bool = F
 
 
 def _parts(diagnostic: Diagnostic, lines: list[str], *, colour: bool) -> list[str]:
-    path = printable(diagnostic.path) or "<text>"
-    position = f"{path}:{diagnostic.line}:{diagnostic.column}"
+    position = printable(diagnostic.position)
     label = f"{diagnostic.severity}[{diagnostic.name}]"
     if colour:
         label = f"\x1b[1;{_COLOURS[diagnostic.severity]}m{label}\x1b[0m"

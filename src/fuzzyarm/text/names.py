@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable
 
@@ -72,9 +73,27 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else " " if category(c) == "Zs" else "\ufffd" for c in text)
 
 
+def shortened(text: str, most: int = 60) -> str:
+    """Return `text` on one line, its middle left out where it is longer than `most` characters."""
+    text = printable(text)
+    if len(text) <= most:
+        return text
+    return f"{text[: most - most // 3 - 3]} … {text[len(text) - most // 3 :]}"
+
+
 _PLAIN_NAME = re.compile(r"[^\W\d]\w*(?:-[^\W\d]\w*)*\Z")
 
 
 def is_plain_name(text: str) -> bool:
     """Whether `text` can stand in a file as a name without quotes."""
     return _PLAIN_NAME.match(text) is not None
+
+
+def typed(path: str | os.PathLike[str]) -> str:
+    """Return a path as it is to be typed on a command line."""
+    text = os.fspath(path)
+    if os.name == "nt":
+        return f'"{text}"' if re.search(r"[ &()^,;=]", text) else text
+    import shlex
+
+    return shlex.quote(text)

@@ -1,5 +1,8 @@
 """Checks that know fuzzy control: what is allowed but probably not meant."""
 
 from fuzzyarm.language.check.registry import CHECKS, Check, check, judged
+from fuzzyarm.lazy import lazily
 
 __all__ = ["CHECKS", "Check", "check", "judged"]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

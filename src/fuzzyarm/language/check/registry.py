@@ -20,7 +20,9 @@ from fuzzyarm.language.check.subject import Subject
 from fuzzyarm.language.check.terms import (
     clamped_values,
     cores_outside,
+    crossed_terms,
     short_reaches,
+    uneven_terms,
     unfit_defuzzifiers,
     unused_names,
 )
@@ -128,6 +130,27 @@ CHECKS: dict[str, Check] = {
             "A term is fullest, or a singleton lies, outside the range of its variable, where no "
             "value can be.",
             cores_outside,
+        ),
+        Check(
+            "crossed-terms",
+            Severity.WARNING,
+            "The terms of a variable are listed in the order of their peaks, but for one that has "
+            "crossed its neighbour.",
+            crossed_terms,
+        ),
+        Check(
+            "broken-partition",
+            Severity.WARNING,
+            "The memberships of a variable add up to 1 but between a few neighbours, or its `tune` "
+            "line says `partition` and they do not.",
+            uneven_terms,
+        ),
+        Check(
+            "uneven-mirror",
+            Severity.WARNING,
+            "The terms of a variable are mirror images about the middle of the range but for one "
+            "pair, or its `tune` line says `mirrored` and they are not.",
+            uneven_terms,
         ),
         Check(
             "shared-conclusion",

@@ -12,6 +12,13 @@ from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.check.subject import Subject, plain_propositions
 from fuzzyarm.language.statements import EvenTermsNode
 from fuzzyarm.language.tokens import name_text
+from fuzzyarm.model.arrangement import (
+    cores,
+    crossing,
+    mirror_faults,
+    mirror_pairs,
+    partition_faults,
+)
 from fuzzyarm.model.rulebase import (
     POSITION,
     TAKAGI_SUGENO,
@@ -22,6 +29,7 @@ from fuzzyarm.model.rulebase import (
     Rule,
     RuleBase,
     Term,
+    Tuning,
     Variable,
     propositions,
 )
@@ -248,6 +256,67 @@ def _supports(rule: Rule, subject: Subject) -> list[tuple[float, float]]:
             low, high = max(low, left), min(high, right)
         found.append((low, high))
     return found
+
+
+# --- Terms that lie unlike all others: crossed, off a partition, not a mirror image ---
+
+
+def crossed_terms(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``crossed-terms`` for a term that lies elsewhere than in its place in the list."""
+    for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
+        found = crossing(variable)
+        if found is None:
+            continue
+        name, *neighbours = found
+        places = cores(variable) or {}
+        beside = " and ".join(f"'{each}' ({places[each].middle:g})" for each in neighbours if each)
+        between = "between" if all(neighbours) else "beside"
+        yield Diagnostic(
+            "crossed-terms",
+            f"'{name}' of '{variable.name}' is listed {between} {beside}, but lies at"
+            f" {places[name].middle:g}",
+            variable.term(name).span,
+            hint="have its numbers lost a sign, or crossed those of a neighbour?",
+        )
+
+
+def uneven_terms(subject: Subject) -> Iterator[Diagnostic]:
+    """Yield ``broken-partition`` and ``uneven-mirror``."""
+    tuning = subject.rulebase.tuning or Tuning()
+    for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
+        asked = [peaks for peaks in tuning.peaks if variable.name in peaks.variables]
+        yield from _broken_partition(variable, asked=any(peaks.partition for peaks in asked))
+        yield from _uneven_mirror(variable, asked=any(peaks.mirrored for peaks in asked))
+
+
+def _broken_partition(variable: Variable, *, asked: bool) -> Iterator[Diagnostic]:
+    faults = partition_faults(variable) or []
+    if not asked and 3 * len(faults) > len(variable.terms) - 1:
+        return
+    for fault in faults:
+        yield Diagnostic(
+            "broken-partition",
+            f"between '{fault.left}' and '{fault.right}' the memberships of '{variable.name}' add"
+            f" up to {fault.total:.4g} (at {fault.position:.4g}), not to 1",
+            variable.term(fault.right).span,
+            hint="each foot stands under the peak of the neighbour",
+        )
+
+
+def _uneven_mirror(variable: Variable, *, asked: bool) -> Iterator[Diagnostic]:
+    pairs = mirror_pairs(variable) or []
+    faults = list(mirror_faults(variable))
+    if not asked and not (len(faults) == 1 and len(pairs) >= 3):
+        return
+    middle = 0.5 * (variable.low + variable.high)
+    for first, second in faults:
+        alone = f"'{first}' is not symmetric" if first == second else ""
+        yield Diagnostic(
+            "uneven-mirror",
+            (alone or f"'{first}' and '{second}' are not mirror images")
+            + f" about {middle:g}, the middle of '{variable.name}'",
+            variable.term(second).span,
+        )
 
 
 # --- Outputs that never come near the ends of their range ---

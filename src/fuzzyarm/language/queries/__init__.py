@@ -24,6 +24,7 @@ from fuzzyarm.language.queries.references import (
     references,
     rename,
 )
+from fuzzyarm.lazy import lazily
 
 __all__ = [
     "COLOURS",
@@ -52,3 +53,5 @@ __all__ = [
     "rename",
     "symbols",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -30,6 +30,7 @@ from fuzzyarm.language.tokens import (
     name_text,
     tokenize_line,
 )
+from fuzzyarm.language.tune import TuneItem
 from fuzzyarm.model.controller import SOURCES, TIMES
 from fuzzyarm.model.rulebase import RuleBase, Variable
 from fuzzyarm.model.rulebase import Shape as Membership
@@ -335,6 +336,10 @@ class _AskingCursor(Cursor):
             found.insert(0, Candidate(rest, "row", rest, "the header row"))
         self._last(found)
 
+    def _suggest_terms(self, variable: Word, named: Sequence[Word]) -> NoReturn:
+        found = self.variable_called(variable.text)
+        self._last(_terms(found, without=[word.text for word in named]))
+
     def _suggest_labels(self, grid: GridNode) -> NoReturn:
         if grid.row is None:
             output = self.variable_called(grid.output.text)
@@ -490,8 +495,9 @@ def _below(
 ) -> list[Candidate]:
     """Return what could stand in a line below a grid or ``lookup``; `above` starts with that."""
     model = reading.model
-    if word == "lookup":
-        return _asked(LookupItem.read, tokens, model, Trivia())
+    items: dict[str, Any] = {"lookup": LookupItem, "tune": TuneItem}
+    if word in items:
+        return _asked(items[word].read, tokens, model, Trivia())
     if len(above) == 1:
         return _asked(GridNode.read_header, tokens, model)
     if len(above[0]) < 2:

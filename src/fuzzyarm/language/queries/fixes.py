@@ -70,6 +70,8 @@ def fixes(diagnostic: Diagnostic, text: str, grids: Sequence[GridNode] = ()) -> 
         found += _remove_line(diagnostic, lines)
     elif diagnostic.name == "useless-allow":
         found += _remove_comment(diagnostic, lines)
+    if diagnostic.lines:
+        found.append(_paste(diagnostic, lines))
     if not diagnostic.is_error and diagnostic.name not in ("useless-allow", "missing-heading"):
         found += _allow(diagnostic, lines)
     return found
@@ -126,6 +128,16 @@ def _missing_rows(diagnostic: Diagnostic, grids: Sequence[GridNode]) -> list[Fix
     rows = "".join(f"  {name_text(n)}{'  .' * len(grid.columns)}\n" for n in names)
     title = f"add the row {names[0]}" if len(names) == 1 else f"add the {len(names)} missing rows"
     return [Fix(title, (Edit(Span(last + 1, 1, last + 1, 1), rows),))]
+
+
+def _paste(diagnostic: Diagnostic, lines: Sequence[str]) -> Fix:
+    """Put the lines of a finding below it, such as the points at which a property fails."""
+    end = diagnostic.span.end_line
+    column = len(lines[end - 1]) + 1
+    text = "".join(f"\n{line}" for line in diagnostic.lines)
+    what = diagnostic.lines[0].split(maxsplit=1)[0]
+    title = f"paste where it fails as `{what}`"
+    return Fix(title, (Edit(Span(end, column, end, column), text),), preferred=False)
 
 
 def _remove_line(diagnostic: Diagnostic, lines: Sequence[str]) -> list[Fix]:

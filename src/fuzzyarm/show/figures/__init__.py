@@ -6,18 +6,32 @@ state, no window); :func:`save_figure` writes it.
 
 from __future__ import annotations
 
+from fuzzyarm.lazy import lazily
+from fuzzyarm.show.figures.analysis import describing_figure, portrait_figure
 from fuzzyarm.show.figures.residuals import validation_figure
-from fuzzyarm.show.figures.rulebase import inference_figure, memberships_figure, rulebase_figure
+from fuzzyarm.show.figures.rulebase import (
+    inference_figure,
+    memberships_figure,
+    rulebase_figure,
+    variable_figure,
+)
+from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.figures.style import FigureFileError, save_figure
 from fuzzyarm.show.figures.surface import surface_figure, table_figure
 
 __all__ = [
     "FigureFileError",
+    "describing_figure",
+    "draw_runs",
     "inference_figure",
     "memberships_figure",
+    "portrait_figure",
     "rulebase_figure",
     "save_figure",
     "surface_figure",
     "table_figure",
     "validation_figure",
+    "variable_figure",
 ]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -8,8 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fuzzyarm.loop.analysis import Portrait, describing_function
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.show.figures.style import COLOURS, label_axes, line_style, new_figure, safe, tidy
+from fuzzyarm.show.figures.style import (
+    COLOURS,
+    head,
+    label_axes,
+    line_style,
+    new_figure,
+    safe,
+    tidy,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def describing_figure(
-    thing: RuleBase | ControllerText,
+    thing: AnyRuleBase | ControllerText,
     amplitudes: Sequence[float] | None = None,
     frequencies: Sequence[float] | None = None,
 ) -> Figure:
@@ -33,6 +42,8 @@ def describing_figure(
     frequencies : sequence of float, optional
         rad/s, a line for each; by default 0 for one input, otherwise four.
     """
+    if isinstance(thing, AnyRuleBase):
+        thing = thing.model
     one = isinstance(thing, RuleBase) and len(thing.inputs) == 1
     if amplitudes is None:
         reach = max(abs(thing.inputs[0].low), abs(thing.inputs[0].high)) if isinstance(
@@ -54,12 +65,18 @@ def describing_figure(
     if len(frequencies) > 1:
         gain.legend(fontsize=8, frameon=False)
     name = thing.name if isinstance(thing, RuleBase) else thing.model.name
-    figure.suptitle(safe(f"Describing function of {name}"), fontsize=10)
+    head(figure, f"Describing function of {name}", size=10, weight="normal")
     return figure
 
 
 def portrait_figure(portrait: Portrait) -> Figure:
-    """Return motions in the plane, each with its start, and the field behind them."""
+    """Return motions in the plane, each with its start, and the field behind them.
+
+    Parameters
+    ----------
+    portrait : Portrait
+        From :func:`fuzzyarm.loop.phase_portrait`.
+    """
     figure = new_figure(6.4, 5.2)
     axes = figure.subplots()
     if portrait.field is not None:
@@ -73,5 +90,5 @@ def portrait_figure(portrait: Portrait) -> Figure:
         axes.plot(*portrait.target, "+", color=COLOURS[3], markersize=11, markeredgewidth=2)
     tidy(axes)
     label_axes(axes, safe(portrait.x), safe(portrait.y))
-    figure.suptitle(safe(f"Phase portrait: {portrait.name}"), fontsize=10)
+    head(figure, f"Phase portrait: {portrait.name}", size=10, weight="normal")
     return figure

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fuzzyarm.show.figures.style import COLOURS, label_axes, new_figure, safe, tidy
+from fuzzyarm.show.figures.style import COLOURS, head, label_axes, new_figure, safe, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +39,7 @@ def validation_figure(validation: Validation, target: str, title: str) -> Figure
         _rules(figure.add_subplot(grid[1, :]), validation)
     else:
         _rules(figure.subplots(), validation)
-    figure.suptitle(safe(title), fontsize=10)
+    head(figure, title, size=10, weight="normal")
     return figure
 
 

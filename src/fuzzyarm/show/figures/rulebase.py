@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import RuleBase, Shape, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import number_words
+from fuzzyarm.show.figures.labels import (
+    GAP,
+    shortened,
+    spread,
+    text_height,
+    text_width,
+    thinned,
+    wrapped,
+)
 from fuzzyarm.show.figures.style import (
     COLOURS,
+    LABEL,
     axis_label,
+    head,
     line_style,
     new_figure,
     safe,
     set_range,
     tidy,
 )
-from fuzzyarm.show.figures.surface import draw_response
+from fuzzyarm.show.figures.surface import Response
 from fuzzyarm.show.terms import is_set, shape_words, visible_range
 
 if TYPE_CHECKING:
@@ -27,56 +40,227 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fuzzyarm.inference.trace import ConsequentTrace, OutputTrace, Trace
+    from fuzzyarm.proof import Verdict
 
 
 # --- The terms of variables as curves ---
 
 _POINTS = 401
+_EDGE = 0.95
+"""Inches of a panel's width that its numbers, labels and the room around it take."""
+
+_OVER = 0.08
+"""Inches by which names may stand out on both sides of the axes."""
+
+_MOST_LINES = 16
+"""Lines of numbers of terms that are not sets."""
 
 
-def memberships_figure(rulebase: RuleBase) -> Figure:
-    """Return one panel for each variable of `rulebase`, inputs first."""
+def memberships_figure(rulebase: AnyRuleBase) -> Figure:
+    """Return one panel for each variable of `rulebase`, inputs first.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        What to draw.
+    """
+    rulebase = rulebase.model
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
-    figure = new_figure(7.0, 0.6 + 1.9 * len(variables))
-    panels = figure.subplots(len(variables), 1, squeeze=False)
-    for axes, variable in zip(panels[:, 0], variables, strict=True):
-        _draw_memberships(axes, variable, rulebase)
-    figure.suptitle(safe(rulebase.name), fontweight="bold")
+    width = 7.0
+    plans = [_Panel.of(variable, rulebase, width - _EDGE) for variable in variables]
+    heights = [1.9 + each.more for each in plans]
+    figure = new_figure(width, 0.6 + sum(heights))
+    panels = figure.subplots(
+        len(variables), 1, squeeze=False, gridspec_kw={"height_ratios": heights}
+    )
+    for axes, plan in zip(panels[:, 0], plans, strict=True):
+        plan.draw(axes)
+    head(figure, rulebase.name)
     return figure
 
 
-def _draw_memberships(axes: Axes, variable: Variable, rulebase: RuleBase | None = None) -> None:
-    """Draw the terms of one variable, each named at its peak."""
-    low, high = visible_range(variable)
-    words: list[str] = []
-    drawn = 0
-    for k, term in enumerate(variable.terms):
-        if not is_set(term.shape):
-            words.append(f"{term.name}: {shape_words(term.shape, rulebase, digits=4)}")
-            continue
-        style = line_style(k)
-        if term.shape.kind == "singleton":
-            x = term.shape.parameters[0]
-            axes.vlines(x, 0, term.shape.height, colors=style["color"], linewidth=2)
-            axes.plot([x], [term.shape.height], "o", color=style["color"], markersize=4)
-        else:
-            xs, ys = _curve(term.shape, low, high)
-            axes.plot(xs, ys, linewidth=1.6, **style)
-            if term.lower is not None:  # between the two lies the footprint of uncertainty
-                _fill_footprint(axes, term, low, high, style)
-        drawn += 1
-    _name_terms(axes, variable, low, high)
-    if words:
-        axes.text(
-            0.02, 0.95, safe("\n".join(words)), transform=axes.transAxes, va="top", fontsize=8,
-            family="monospace",
+def variable_figure(variable: Variable) -> Figure:
+    """Return the terms of one variable.
+
+    Parameters
+    ----------
+    variable : Variable
+        What to draw.
+    """
+    width = 7.0
+    panel = _Panel.of(variable, None, width - _EDGE)
+    figure = new_figure(width, 2.3 + panel.more)
+    panel.draw(figure.subplots())
+    return figure
+
+
+@dataclass(frozen=True, slots=True)
+class _Name:
+    """The name of a term: where it stands, the top of the term, both across in its unit."""
+
+    text: str
+    place: float
+    middle: float
+    top: float
+    colour: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Panel:
+    """What stands in the panel of a variable, and how much room that takes.
+
+    Attributes
+    ----------
+    variable : Variable
+        Whose terms are drawn.
+    width : float
+        Of the axes, inches.
+    names : tuple of _Name
+        From left to right, above the axes.
+    upright : bool
+        Whether they are turned.
+    size : float
+        Of their letters, points.
+    words : tuple of str
+        Lines that tell the terms that are not sets.
+    """
+
+    variable: Variable
+    width: float
+    names: tuple[_Name, ...]
+    upright: bool
+    size: float
+    words: tuple[str, ...]
+
+    @classmethod
+    def of(cls, variable: Variable, rulebase: RuleBase | None, width: float) -> _Panel:
+        """Plan a panel whose axes are `width` inches wide."""
+        names, upright, size = _placed_names(variable, width)
+        words = _value_words(variable, rulebase, width)
+        return cls(variable, width, names, upright, size, words)
+
+    @property
+    def head(self) -> float:
+        """The height of the names, inches."""
+        if not self.names:
+            return 0.0
+        if self.upright:
+            return max(text_width(name.text, self.size) for name in self.names)
+        return text_height("x", self.size)
+
+    @property
+    def more(self) -> float:
+        """By how much the panel is to be higher than one with a line of names, inches."""
+        below = text_height(self.label, LABEL) - text_height("x", LABEL)
+        return max(0.0, self.head - 0.2) + below + max(0.0, 0.155 * len(self.words) - 1.0)
+
+    @property
+    def label(self) -> str:
+        """What stands below the axes; beside it there may be a power of ten."""
+        return axis_label(self.variable.name, self.variable.description, self.width - 0.5)
+
+    def draw(self, axes: Axes, title: str = "") -> None:
+        """Draw the terms, each named above its peak."""
+        low, high = visible_range(self.variable)
+        drawn = 0
+        for k, term in enumerate(self.variable.terms):
+            if is_set(term.shape):
+                _draw_term(axes, term, k, low, high)
+                drawn += 1
+        for name in self.names:
+            self._write(axes, name, high - low)
+        if self.words:
+            axes.text(
+                0.02, 0.95, safe("\n".join(self.words)), transform=axes.transAxes, va="top",
+                fontsize=8, family="monospace",
+            )  # fmt: skip
+        tidy(axes)
+        set_range(axes, low, high)
+        axes.set_ylim(0, 1.05)
+        axes.set_yticks([0, 0.5, 1] if drawn else [])
+        axes.set_xlabel(self.label, fontsize=LABEL)
+        axes.set_ylabel("membership" if drawn else "", fontsize=8)
+        if title:
+            axes.set_title(safe(title), fontsize=LABEL, pad=72.0 * self.head + 7.0)
+
+    def _write(self, axes: Axes, name: _Name, span: float) -> None:
+        moved = abs(name.place - name.middle) > 0.004 * span or name.top < 0.9
+        line = {"arrowstyle": "-", "color": name.colour, "linewidth": 0.5, "shrinkA": 0.0,
+                "shrinkB": 0.0, "relpos": (0.5, 0.0)}  # fmt: skip
+        axes.annotate(
+            safe(name.text), (name.middle, name.top), (name.place, 1.03),
+            textcoords=axes.get_xaxis_transform(), color=name.colour, fontsize=self.size,
+            ha="center", va="bottom", rotation=90 if self.upright else 0,
+            arrowprops=line if moved else None, annotation_clip=False,
         )  # fmt: skip
-    tidy(axes)
-    set_range(axes, low, high)
-    axes.set_ylim(0, 1.22)
-    axes.set_yticks([0, 0.5, 1] if drawn else [])
-    axes.set_xlabel(axis_label(variable.name, variable.description), fontsize=9)
-    axes.set_ylabel("membership" if drawn else "", fontsize=8)
+
+
+def _draw_term(axes: Axes, term: Term, k: int, low: float, high: float) -> None:
+    style = line_style(k)
+    if term.shape.kind == "singleton":
+        x = term.shape.parameters[0]
+        axes.vlines(x, 0, term.shape.height, colors=style["color"], linewidth=2)
+        axes.plot([x], [term.shape.height], "o", color=style["color"], markersize=4)
+    else:
+        xs, ys = _curve(term.shape, low, high)
+        axes.plot(xs, ys, linewidth=1.6, **style)
+        if term.lower is not None:  # between the two lies the footprint of uncertainty
+            _fill_footprint(axes, term, low, high, style)
+
+
+def _placed_names(variable: Variable, width: float) -> tuple[tuple[_Name, ...], bool, float]:
+    """Return names in a row above the axes, turned where they are too wide, thinned at last."""
+    low, high = visible_range(variable)
+    tops = _tops(variable, low, high)
+    margin = 0.02 * (high - low)  # as `set_range` leaves it
+    inch = (high - low + 2.0 * margin) / width
+    for upright, size in ((False, 8.0), (False, 7.0), (True, 8.0), (True, 7.0), (True, 6.0)):
+        longest = 1.5 if upright else width
+        texts = [shortened(top.text, size, longest) for top in tops]
+        row = 1.05 * size / 72.0
+        rooms = [row if upright else text_width(text, size) + 2.0 * GAP for text in texts]
+        if upright and size == 6.0:  # the smallest letters that can be read
+            tops = thinned(tops, int(width / row))
+            texts, rooms = [shortened(top.text, size, longest) for top in tops], [row] * len(tops)
+        wanted = [(top.middle - low + margin) / inch for top in tops]
+        places = spread(wanted, rooms, -_OVER, width + _OVER)
+        if places is not None:
+            break
+    assert places is not None
+    named = [
+        replace(top, text=text, place=low - margin + inch * place)
+        for top, text, place in zip(tops, texts, places, strict=True)
+    ]
+    return tuple(named), upright, size
+
+
+def _tops(variable: Variable, low: float, high: float) -> list[_Name]:
+    """Return the names of the terms that have a peak, each above it, from left to right."""
+    tops = []
+    for k, term in enumerate(variable.terms):
+        middle = centre(term.shape, low, high)
+        if middle is None:
+            continue
+        if term.shape.kind == "trapezoid":  # a shoulder is named above its visible top
+            a, b = max(term.shape.parameters[1], low), min(term.shape.parameters[2], high)
+            middle = 0.5 * (a + b) if a <= b else middle
+        top = min(1.0, membership(term.shape, middle))
+        tops.append(_Name(term.name, middle, middle, top, str(line_style(k)["color"])))
+    return sorted(tops, key=lambda top: top.middle)
+
+
+def _value_words(variable: Variable, rulebase: RuleBase | None, width: float) -> tuple[str, ...]:
+    """Return the terms that are not sets, in lines that fit into `width`."""
+    letters = max(20, int(0.94 * width / 0.0672))  # of DejaVu Sans Mono in 8 points
+    lines: list[str] = []
+    for term in variable.terms:
+        if not is_set(term.shape):
+            words = f"{term.name}: {shape_words(term.shape, rulebase, digits=4)}"
+            lines += textwrap.wrap(words, letters, subsequent_indent="  ", max_lines=3)
+    if len(lines) > _MOST_LINES:
+        left = len(lines) - _MOST_LINES + 1
+        lines[_MOST_LINES - 1 :] = [f"… and {left} more lines"]
+    return tuple(lines)
 
 
 def _fill_footprint(
@@ -109,42 +293,16 @@ def _curve(shape: Shape, low: float, high: float) -> tuple[list[float], list[flo
     return xs, [math.nan if not any(near) else near[1] for near in around]
 
 
-def _name_terms(axes: Axes, variable: Variable, low: float, high: float) -> None:
-    """Write the names above the peaks; names that would run into each other are turned."""
-    tops: list[tuple[float, float, str, str]] = []
-    for k, term in enumerate(variable.terms):
-        middle = centre(term.shape, low, high)
-        if middle is None:
-            continue
-        if term.shape.kind == "trapezoid":  # a shoulder is named above its visible top
-            a, b = max(term.shape.parameters[1], low), min(term.shape.parameters[2], high)
-            middle = 0.5 * (a + b) if a <= b else middle
-        top = min(1.0, membership(term.shape, middle))
-        tops.append((middle, top, term.name, str(line_style(k)["color"])))
-    tops.sort()
-    gaps = [b[0] - a[0] for a, b in pairwise(tops)]
-    room = min(gaps, default=high - low) / (high - low)
-    longest = max((len(name) for _, _, name, _ in tops), default=0)
-    angle = 0 if longest * 0.016 <= room else 30
-    for x, y, name, colour in tops:
-        align = "left" if angle else "center"
-        if not angle and x <= low + 0.01 * (high - low):
-            align = "left"
-        elif not angle and x >= high - 0.01 * (high - low):
-            align = "right"
-        axes.text(
-            x, y + 0.03, safe(name), color=colour, fontsize=8, ha=align, va="bottom",
-            rotation=angle, rotation_mode="anchor",
-        )  # fmt: skip
-
-
 # --- A whole rule base on one page ---
 #
 # Its terms on the left, its control surfaces on the right.
 
 
 def rulebase_figure(
-    rulebase: RuleBase, output: str | None = None, at: Mapping[str, float] | None = None
+    rulebase: AnyRuleBase,
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+    fails: Sequence[Verdict] = (),
 ) -> Figure:
     """Return the memberships of every variable above the surface of every output.
 
@@ -154,24 +312,28 @@ def rulebase_figure(
         What to draw.
     output : str, optional
         The surface of this output only.
-    at : mapping of str to float, optional
+    at, fails
         As for :func:`fuzzyarm.show.figures.surface_figure`.
     """
+    rulebase = rulebase.model
     outputs = [rulebase.output(output)] if output else list(rulebase.outputs)
     variables: list[Variable] = [*rulebase.inputs, *rulebase.outputs]
     columns = 2 if len(variables) in (2, 4) else min(3, len(variables))
     rows = -(-len(variables) // columns)
-    one = len(rulebase.inputs) == 1
-    heights = [2.1 * rows, *([3.2 if one else 4.0] * len(outputs))]
-    figure = new_figure(max(3.5 * columns, 9.0), sum(heights) + 0.4)
+    width = max(3.5 * columns, 9.0)
+    plans = [_Panel.of(variable, rulebase, width / columns - _EDGE) for variable in variables]
+    responses = [Response(rulebase, target, at or {}, fails) for target in outputs]
+    top = rows * (2.1 + max((plan.more for plan in plans), default=0.0))
+    heights = [top, *(each.height for each in responses)]
+    figure = new_figure(width, sum(heights) + 0.4)
     parts = figure.subfigures(1 + len(outputs), 1, height_ratios=heights, squeeze=False)[:, 0]
     panels = _panels(parts[0], rows, columns, len(variables))
-    for axes, variable in zip(panels, variables, strict=True):
-        _draw_memberships(axes, variable, rulebase)
-    for part, target in zip(parts[1:], outputs, strict=True):
-        draw_response(part, rulebase, target, at or {})
+    for axes, plan in zip(panels, plans, strict=True):
+        plan.draw(axes)
+    for part, response in zip(parts[1:], responses, strict=True):
+        response.draw(part)
     title = f"{rulebase.name}: {rulebase.description}" if rulebase.description else rulebase.name
-    figure.suptitle(safe(title), fontweight="bold", fontsize=11)
+    head(figure, title)
     return figure
 
 
@@ -186,7 +348,7 @@ def _panels(part: Any, rows: int, columns: int, count: int) -> list[Axes]:
 # --- One inference as the classic picture: fuzzified inputs, clipped sets, the value ---
 
 
-def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
+def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
     """Return the inputs with their memberships on top, below them the sets of each output.
 
     Parameters
@@ -196,16 +358,24 @@ def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
     trace : Trace
         From :func:`fuzzyarm.inference.explain`.
     """
+    rulebase = rulebase.model
     inputs = [each for each in trace.inputs if rulebase.variable(each.name).terms]
     columns = max(1, min(3, len(inputs)))
     rows = -(-len(inputs) // columns)
-    heights = [2.2 * max(rows, 1), *([2.9] * len(trace.outputs))]
-    figure = new_figure(max(4.2 * columns, 7.0), sum(heights) + 0.4)
+    width = max(4.2 * columns, 7.0)
+    plans = [
+        _Panel.of(rulebase.variable(each.name), rulebase, width / columns - _EDGE)
+        for each in inputs
+    ]
+    top = max(rows, 1) * (2.2 + max((plan.more for plan in plans), default=0.0))
+    heights = [top, *([2.9] * len(trace.outputs))]
+    figure = new_figure(width, sum(heights) + 0.4)
     parts = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     panels = _panels(parts[0], max(rows, 1), columns, len(inputs))
-    for axes, value in zip(panels, inputs, strict=True):
-        variable = rulebase.variable(value.name)
-        _draw_memberships(axes, variable, rulebase)
+    for axes, value, plan in zip(panels, inputs, plans, strict=True):
+        variable = plan.variable
+        given = f"{value.name} = {number_words(value.given, 5)}"
+        plan.draw(axes, shortened(given, LABEL, width / columns - _EDGE))
         axes.vlines(value.value, 0, 1, colors="#111111", linewidth=1.2)
         for k, term in enumerate(variable.terms):
             if is_set(term.shape):
@@ -217,24 +387,28 @@ def inference_figure(rulebase: RuleBase, trace: Trace) -> Figure:
                     below = membership(term.lower, value.value)
                     axes.plot([value.value] * 2, [below, degree], color=colour, linewidth=3)
                     axes.plot(value.value, below, "o", color=colour, markersize=5)
-        axes.set_title(safe(f"{value.name} = {number_words(value.given, 5)}"), fontsize=9)
     for part, output in zip(parts[1:], trace.outputs, strict=True):
         _draw_output(part.subplots(), rulebase, output)
     count = len(trace.fired)
     title = f"{trace.rulebase}: {count} of {len(trace.rules)} rules fire"
-    figure.suptitle(safe(title), fontweight="bold", fontsize=11)
+    head(figure, title)
     return figure
 
 
-def _draw_consequent(axes: Axes, each: ConsequentTrace, colour: Any) -> None:
+_MOST_CONSEQUENTS = 14
+"""Of the key of an output; they are sorted by how strongly they are asserted."""
+
+
+def _draw_consequent(axes: Axes, each: ConsequentTrace, colour: Any, *, named: bool) -> None:
     """Draw one clipped set, or one value; of interval type 2 from lower to upper."""
-    label = f"{each.term}  {number_words(each.strength, 3)}"
+    span = number_words(each.strength, 3)
     if each.lower is not None:
-        label = f"{each.term}  {number_words(each.lower, 3)} .. {number_words(each.strength, 3)}"
+        span = f"{number_words(each.lower, 3)} .. {span}"
+    label = safe(f"{shortened(each.term, 8, 1.6)}  {span}") if named else "_"
     if each.curve:
         xs, ys = zip(*each.curve, strict=True)
         alpha = 0.35 if each.lower is None else 0.2
-        axes.fill_between(xs, ys, color=colour, alpha=alpha, linewidth=0, label=safe(label))
+        axes.fill_between(xs, ys, color=colour, alpha=alpha, linewidth=0, label=label)
         axes.plot(xs, ys, color=colour, linewidth=1)
         if each.lower_curve:  # what is certain is darker: it is filled twice
             xs, ys = zip(*each.lower_curve, strict=True)
@@ -244,19 +418,23 @@ def _draw_consequent(axes: Axes, each: ConsequentTrace, colour: Any) -> None:
         axes.fill_between(ends, [each.strength] * 2, color=colour, alpha=0.2, linewidth=3)
         axes.fill_between(
             ends, [each.lower or 0.0] * 2, color=colour, alpha=0.5, linewidth=3,
-            label=safe(label),
+            label=label,
         )  # fmt: skip
     elif each.value is not None:
-        axes.vlines(each.value, 0, each.strength, colors=colour, linewidth=3, label=safe(label))
+        axes.vlines(each.value, 0, each.strength, colors=colour, linewidth=3, label=label)
 
 
 def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     """Draw the clipped sets of an output, their union and the value."""
     variable = rulebase.output(output.name)
     order = {term.name: k for k, term in enumerate(variable.terms)}
+    strongest = sorted(output.consequents, key=lambda each: -each.strength)[:_MOST_CONSEQUENTS]
     for each in output.consequents:
         colour = line_style(order.get(each.term.split()[-1], 0))["color"]
-        _draw_consequent(axes, each, colour)
+        _draw_consequent(axes, each, colour, named=each in strongest)
+    left = len(output.consequents) - len(strongest)
+    if left:
+        axes.plot([], [], " ", label=f"and {left} weaker")
     if output.aggregate:
         xs, ys = zip(*output.aggregate, strict=True)
         axes.plot(xs, ys, color="#111111", linewidth=1.6)
@@ -270,11 +448,11 @@ def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     tidy(axes)
     set_range(axes, output.low, output.high)
     axes.set_ylim(0, 1.05)
-    axes.set_xlabel(axis_label(output.name, variable.description), fontsize=9)
+    axes.set_xlabel(axis_label(output.name, variable.description), fontsize=LABEL)
     axes.set_ylabel("membership", fontsize=8)
     title = f"{output.name} = {number_words(output.value, 6)}  by {output.method}"
     if output.left is not None and output.right is not None:
         title += f", {number_words(output.left, 5)} .. {number_words(output.right, 5)}"
-    axes.set_title(safe(title), fontsize=10, color=COLOURS[3])
+    axes.set_title(safe(wrapped(title, 10, 4.0)), fontsize=10, color=COLOURS[3])
     if output.consequents:
         axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))

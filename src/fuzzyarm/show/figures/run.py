@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fuzzyarm.show.figures.style import label_axes, line_style, new_figure, safe, tidy
+from fuzzyarm.show.figures.labels import columns_that_fit, shortened, wrapped
+from fuzzyarm.show.figures.style import LABEL, head, label_axes, line_style, new_figure, safe, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +52,7 @@ def draw_runs(runs: Sequence[Run], title: str = "") -> Figure:
         for row in range(2 + len(drives[column]), rows):
             panels[row][column].set_visible(False)
         panels[-1][column].set_xlabel("time, s", fontsize=9)
-    figure.suptitle(safe(title or f"{first.plant}: {first.trajectory}"), fontsize=10)
+    head(figure, title or f"{first.plant}: {first.trajectory}", size=10, weight="normal")
     handles, labels = panels[0][0].get_legend_handles_labels()
     figure.legend(
         handles,
@@ -59,7 +60,7 @@ def draw_runs(runs: Sequence[Run], title: str = "") -> Figure:
         fontsize=8,
         frameon=False,
         loc="outside lower center",
-        ncols=min(5, len(labels)),
+        ncols=columns_that_fit(labels, 8, width - 0.2),
     )
     return figure
 
@@ -71,14 +72,14 @@ def _drives_of(runs: Sequence[Run], axis: str) -> list[str]:
 
 
 def _quantity(label: str, unit: str) -> str:
-    return safe(f"{label}, {unit}" if unit != "1" else label)
+    return safe(wrapped(f"{label}, {unit}" if unit != "1" else label, LABEL, 1.3, 2))
 
 
 def _name(run: Run) -> str:
     stopped = f", diverged at {run.diverged:.3g} s" if run.diverged is not None else ""
     if run.ended is not None:
         stopped = f", ended at {run.ended:.3g} s"
-    return safe(run.controller + stopped)
+    return safe(shortened(run.controller + stopped, 8, 4.0))
 
 
 def _draw_output(axes: Axes, runs: Sequence[Run], column: int) -> None:

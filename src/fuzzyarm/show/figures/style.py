@@ -5,12 +5,16 @@ Colours by Okabe and Ito, safe for colour-blind eyes.
 
 from __future__ import annotations
 
+import contextlib
 import io
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.show.drawing import Scale
+from fuzzyarm.show.figures.labels import wrapped
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.names import printable
 
@@ -29,9 +33,18 @@ def new_figure(width: float, height: float) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
+    # Outside of pyplot a notebook would show the name of the class.
+    figure._repr_png_ = partial(png_of, figure)  # type: ignore[attr-defined]
     FigureCanvasAgg(figure)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.08, wspace=0.04, hspace=0.05)  # type: ignore[union-attr, call-arg]
     return figure
+
+
+def png_of(figure: Figure) -> bytes:
+    """Return a figure as a picture for a page."""
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=90)
+    return out.getvalue()
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -53,6 +66,8 @@ def tidy(axes: Axes) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8)
     axes.grid(visible=True, color="#dddddd", linewidth=0.6)
+    short_numbers(axes.xaxis)
+    short_numbers(axes.yaxis)
     axes.set_axisbelow(True)
 
 
@@ -61,19 +76,29 @@ def safe(text: str) -> str:
     return "\n".join(map(printable, text.split("\n"))).replace("$", r"\$")
 
 
-def axis_label(name: str, description: str) -> str:
-    """Return ``name: description`` for an axis, broken where it is long."""
-    import textwrap
+LABEL, TITLE = 9, 11
+"""Sizes of the words at an axis and above a figure, points."""
 
+
+def axis_label(name: str, description: str, room: float = 2.9) -> str:
+    """Return ``name: description`` for an axis, broken into lines of at most `room` inches."""
     label = f"{name}: {description}" if description else name
-    return safe("\n".join(textwrap.wrap(label, 42)))
+    return safe(wrapped(label, LABEL, room))
+
+
+def head(figure: Figure, title: str, *, size: float = TITLE, weight: str = "bold") -> None:
+    """Write a title over a figure, in as many lines as it needs; the figure grows by the others."""
+    room = figure.get_figwidth() - 0.3
+    lines = wrapped(title, 1.12 * size if weight == "bold" else size, room)
+    figure.set_figheight(figure.get_figheight() + lines.count("\n") * 1.3 * size / 72.0)
+    figure.suptitle(safe(lines), fontsize=size, fontweight=weight)
 
 
 def label_axes(axes: Axes, across: str, up: str, title: str = "") -> None:
     """Write what goes across and what goes up, both as :func:`axis_label` gives them."""
-    axes.set_xlabel(across, fontsize=9)
-    axes.set_ylabel(up, fontsize=9)
-    axes.set_title(safe(title), fontsize=9)
+    axes.set_xlabel(across, fontsize=LABEL)
+    axes.set_ylabel(up, fontsize=LABEL)
+    axes.set_title(safe(title), fontsize=LABEL)
 
 
 def set_range(axes: Axes, low: float, high: float) -> None:
@@ -82,11 +107,20 @@ def set_range(axes: Axes, low: float, high: float) -> None:
     axes.set_xlim(low - margin, high + margin)
 
 
+def short_numbers(axis: Any) -> None:
+    """Write a power of ten at the end of an axis whose numbers would be long."""
+    from matplotlib.ticker import ScalarFormatter
+
+    if isinstance(axis.get_major_formatter(), ScalarFormatter):
+        axis.get_major_formatter().set_powerlimits((-3, 5))
+
+
 def colour_bar(part: Any, image: Any, axes: Axes, label: str, *, shrink: float) -> Any:
     """Return a colour bar beside `axes`."""
     bar = part.colorbar(image, ax=axes, shrink=shrink)
-    bar.set_label(label, fontsize=9)
+    bar.set_label(label, fontsize=LABEL)
     bar.ax.tick_params(labelsize=8)
+    short_numbers(bar.ax.yaxis)
     return bar
 
 
@@ -107,7 +141,8 @@ class FigureFileError(FuzzyarmError, ValueError):
     def __init__(self, path: Path) -> None:
         self.path = path
         super().__init__(
-            f"'{path.name}' does not tell a figure format", hint=f"known: {', '.join(SUFFIXES)}"
+            f"'{path.name}' does not have the suffix of a figure",
+            hint=f"known: {', '.join(SUFFIXES)}",
         )
 
 
@@ -119,6 +154,15 @@ def require_figure_suffix(path: str | Path) -> None:
 
 def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
     """Write `figure` to a ``.png``, ``.svg`` or ``.pdf`` file; the same figure, the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        Any of matplotlib.
+    path : path-like
+        Its suffix is the format.
+    dpi : int
+        Dots per inch of a ``.png``.
 
     Raises
     ------
@@ -132,6 +176,24 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
 
     suffix = Path(path).suffix.lower()
     out = io.BytesIO()
-    with mpl.rc_context({"svg.hashsalt": "fuzzyarm", "svg.fonttype": "none"}):
+    with mpl.rc_context({"svg.hashsalt": "fuzzyarm", "svg.fonttype": "none"}), _settled(figure):
         figure.savefig(out, format=suffix[1:], dpi=dpi, metadata=_METADATA[suffix])
     write_atomically(path, out.getvalue())
+
+
+@contextlib.contextmanager
+def _settled(figure: Figure) -> Iterator[None]:
+    """Lay a figure out once, to a millionth: the last digits of the solver are those of chance."""
+    engine = figure.get_layout_engine()
+    if engine is None:
+        yield
+        return
+    engine.execute(figure)
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position([round(part, 6) for part in axes.get_position(original=True).bounds])  # type: ignore[arg-type]
+        axes.set_in_layout(True)
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(engine)

@@ -9,7 +9,15 @@ import numpy as np
 
 from fuzzyarm.loop.many import Many, Vector
 from fuzzyarm.loop.sweep import Range
-from fuzzyarm.show.figures.style import COLOURS, colour_bar, label_axes, new_figure, safe, tidy
+from fuzzyarm.show.figures.style import (
+    COLOURS,
+    colour_bar,
+    head,
+    label_axes,
+    new_figure,
+    safe,
+    tidy,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +60,7 @@ def sweep_figure(many: Many, over: Sequence[Range], metric: str = "rms") -> Figu
     rest = [name for name in many.changes if name not in [each.name for each in over]]
     if rest:
         title += f"; the worst over {', '.join(rest)}"
-    figure.suptitle(safe(title), fontsize=10)
+    head(figure, title, size=10, weight="normal")
     return figure
 
 

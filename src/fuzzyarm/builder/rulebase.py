@@ -1,0 +1,759 @@
+"""Write a rule base in Python, statement by statement, as short as the file.
+
+A builder *is* the file that it writes: every method adds lines of the language, which the
+language's own reader reads and judges. What is wrong with an argument is therefore what would be
+wrong with the line, and is raised by the call that brings it.
+
+    >>> import fuzzyarm
+    >>> fan = fuzzyarm.RuleBase("fan")
+    >>> temp = fan.input("temp", 0, 40, "°C", terms=["cold", "warm", "hot"])
+    >>> speed = fan.output("speed", 0, 100, "%", terms={"slow": (0, 0, 50), "fast": (50, 100, 100)})
+    >>> fan.rule("if temp is hot then speed is fast")
+    >>> fan.rule("if temp is cold or temp is warm then speed is slow")
+    >>> fan(temp=30)
+    {'speed': 50.0}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.api import Review, check_parsed
+from fuzzyarm.builder.lines import (
+    ArgumentError,
+    Corners,
+    Grid,
+    Levels,
+    Lines,
+    Terms,
+    write_settings,
+    write_shape,
+    write_terms,
+)
+from fuzzyarm.language.document import (
+    Document,
+    ParseMemory,
+    Statement,
+    parse_document,
+    parse_statements,
+    print_document,
+)
+from fuzzyarm.language.meaning import elaborate, judge_statement
+from fuzzyarm.language.reading import Parsed, parse
+from fuzzyarm.language.slips import as_meant
+from fuzzyarm.language.statements import (
+    BlockNode,
+    EvenTermsNode,
+    ExpectNode,
+    GridNode,
+    Heading,
+    InferenceNode,
+    LookupNode,
+    ProveNode,
+    RuleNode,
+    TermNode,
+    VariableNode,
+)
+from fuzzyarm.language.writer import write
+from fuzzyarm.model.any_rulebase import AnyRuleBase
+from fuzzyarm.model.rulebase import Defuzzifier, Input, Output
+from fuzzyarm.model.rulebase import RuleBase as Model
+from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
+from fuzzyarm.text.names import shortened
+from fuzzyarm.text.shown import Shown
+
+if TYPE_CHECKING:
+    from fuzzyarm.language.declarations import Scope
+    from fuzzyarm.language.statements import StatementNode
+
+# --- The builder ---
+
+_OF_THE_WHOLE = ("missing-heading", "no-inputs", "no-outputs", "no-rules")
+"""Findings of what is missing, which no argument has brought."""
+
+
+class RuleBase(AnyRuleBase):
+    """A rule base that is being written; what it means by now is its :attr:`model`.
+
+    Why two classes: a value that many hold (in a cache, a table's origin, another process) must
+    not change under them, and what is written statement by statement must. So a builder
+    adds, and its `model`, what a file of the same lines would give, never changes, compares and
+    hashes. There is no other difference: either can be called, drawn, checked, compiled and
+    written, and every function of fuzzyarm takes both.
+
+    Names are declared before they are used. Everything of the language can be written: what
+    has no method of its own goes through :meth:`add`. Controllers are text only.
+
+    Parameters
+    ----------
+    name : str
+        Of the rule base.
+    description : str, optional
+        What it is for.
+
+    Examples
+    --------
+    >>> fan = RuleBase("fan")
+    >>> temp = fan.input("temp", 0, 40, "°C", terms=["cold", "warm", "hot"])
+    >>> speed = fan.output("speed", 0, 100, "%", terms={"slow": 0, "fast": 100})
+    >>> fan.grid("speed", ["slow", "slow", "fast"])
+    >>> fan
+    <RuleBase fan: temp → speed, 3 rules>
+    >>> fan.rule("if tmp is hot then speed is fast")
+    Traceback (most recent call last):
+    fuzzyarm.text.diagnostic.RuleBaseError: rule('if tmp is hot then speed is fast'): \
+error[unknown-variable]: no variable is called 'tmp' (did you mean 'temp'?)
+    >>> print(fan)
+    rulebase fan
+    <BLANKLINE>
+    input  temp   0 .. 40   "°C"
+    terms temp: triangles cold warm hot
+    output speed  0 .. 100  "%"
+    term speed slow:  singleton 0
+    term speed fast:  singleton 100
+    <BLANKLINE>
+    rules speed
+      temp   cold  warm  hot
+      speed  slow  slow  fast
+    """
+
+    def __init__(self, name: str, description: str = "") -> None:
+        self._start()
+        lines = Lines("RuleBase(")
+        lines.write("rulebase ").name(name, "name")
+        if description:
+            lines.write(" ").string(description, "description")
+        self._add(lines)
+
+    def _start(self) -> None:
+        self._calls: list[tuple[int, Lines]] = []  # each with the number of its first line
+        self._line = 1
+        self._statements: list[Statement] = []
+        self._ending: tuple[str, ...] = ()
+        self._allowed: dict[int, frozenset[str]] = {}
+        self._memory = ParseMemory()
+        self._scope: Scope | None = None
+        self._model: Model | None = None
+
+    @classmethod
+    def from_text(cls, text: str) -> RuleBase:
+        """Return a builder that goes on behind a text.
+
+        Parameters
+        ----------
+        text : str
+            That of a ``.frb`` file; its comments stay.
+
+        Raises
+        ------
+        RuleBaseError
+            If the text has mistakes.
+        """
+        made = cls.__new__(cls)
+        made._start()
+        made.add(text)
+        return made
+
+    @classmethod
+    def of(cls, rulebase: AnyRuleBase) -> RuleBase:
+        """Return a builder that goes on behind a rule base, which itself does not change.
+
+        Parameters
+        ----------
+        rulebase : value or builder
+            For instance what :func:`fuzzyarm.load` returns.
+        """
+        if isinstance(rulebase, RuleBase):
+            return cls.from_text(str(rulebase))
+        return cls.from_text(write(rulebase.model))
+
+    # -- statements --
+
+    def input(
+        self,
+        name: str,
+        low: float,
+        high: float,
+        description: str = "",
+        *,
+        terms: Terms = (),
+        outside: str | None = None,
+    ) -> Variable:
+        """Declare an input.
+
+        Parameters
+        ----------
+        name : str
+            Any text.
+        low, high : float
+            Its range, ``low < high``, in the unit of the description; may be infinite.
+        description : str, optional
+            What it is, or its unit.
+        terms : sequence of str, mapping or str, optional
+            A list of names: triangles, spread evenly over the range. A mapping from a name to
+            corners (1 a singleton, 2 a rectangle, 3 a triangle, 4 a trapezoid; pairs x, y are
+            points), to a :class:`~fuzzyarm.model.rulebase.Shape`, or to text as in a file,
+            ``"gaussian 5 1"``. Text as in a file spreads another family: ``"gaussians S M L"``.
+        outside : str, optional
+            What happens to a value outside the range: ``clamp``, ``extend`` or ``error``.
+
+        Returns
+        -------
+        Variable
+            To add further terms to.
+
+        Raises
+        ------
+        RuleBaseError
+            For everything that would be a mistake in a file; the finding names the argument.
+        ArgumentError
+            For an argument of another type.
+        """
+        settings = {"outside": outside}
+        return self._declare("input", name, low, high, description, terms, settings)
+
+    def output(
+        self,
+        name: str,
+        low: float,
+        high: float,
+        description: str = "",
+        *,
+        terms: Terms = (),
+        aggregation: str | None = None,
+        defuzzifier: str | Defuzzifier | None = None,
+        no_rule: float | str | None = None,
+        outside: str | None = None,
+    ) -> Variable:
+        """Declare an output.
+
+        Parameters
+        ----------
+        name, low, high, description, terms, outside
+            As of :meth:`input`. Terms may be values too: ``"linear 2*e - 1"``.
+        aggregation : str, optional
+            How the cut sets of several rules become one: an S-norm. ``max`` by default.
+        defuzzifier : str or Defuzzifier, optional
+            ``"centroid(101, midpoints)"``, ``"weighted-average"``, …; the exact centroid by
+            default.
+        no_rule : float or str, optional
+            The value where no rule fires, ``"hold"`` or, by default, ``"error"``.
+
+        Returns
+        -------
+        Variable
+            To add further terms to.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`.
+        """
+        settings = {
+            "aggregation": aggregation,
+            "defuzzifier": defuzzifier,
+            "no_rule": no_rule,
+            "outside": outside,
+        }
+        return self._declare("output", name, low, high, description, terms, settings)
+
+    def _declare(
+        self,
+        role: str,
+        name: str,
+        low: float,
+        high: float,
+        description: str,
+        terms: Terms,
+        settings: Mapping[str, object],
+    ) -> Variable:
+        lines = Lines(f"{role}({shortened(repr(name))}")
+        lines.write(f"{role} ").name(name, "name").write(" ")
+        lines.number(low, "low").write(" .. ").number(high, "high")
+        if description:
+            lines.write(" ").string(description, "description")
+        write_terms(lines, name, terms, self._names("input"))
+        if any(value is not None for value in settings.values()):
+            lines.next().write("inference ").name(name, "name")
+            write_settings(lines.write(":"), settings)
+        self._add(lines)
+        return Variable(self, name)
+
+    def term(self, variable: str | Variable, name: str, shape: Corners) -> None:
+        """Add a term to a variable, or replace one that was spread evenly.
+
+        Parameters
+        ----------
+        variable : str or Variable
+            Whose.
+        name : str
+            Of the term.
+        shape : float, sequence, Shape or str
+            As in the mapping of :meth:`input`.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`.
+        """
+        lines = Lines(f"term({shortened(repr(_name_of(variable)))}, {shortened(repr(name))}")
+        lines.write("term ").name(_name_of(variable), "variable").write(" ").name(name, "name")
+        write_shape(lines.write(": "), shape, "shape", self._names("input"))
+        self._add(lines)
+
+    def rule(self, text: str, weight: float | None = None) -> None:
+        """Add a rule.
+
+        Parameters
+        ----------
+        text : str
+            ``if … then …``, as in a file.
+        weight : float, optional
+            Factor on its firing strength, 0 to 1.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`.
+        """
+        lines = Lines(f"rule({shortened(repr(text), 100)}")
+        words = lines.words(text, "text").strip()
+        lines.write("rule ").raw(words.removeprefix("rule "), "")
+        if weight is not None:
+            lines.write(" with ").number(weight, "weight")
+        self._add(lines)
+
+    def grid(
+        self,
+        output: str | Variable,
+        cells: Any,
+        *,
+        rows: str | Variable | None = None,
+        columns: str | Variable | None = None,
+        when: str = "",
+    ) -> None:
+        r"""Add a grid of rules: the term of an output for each pair of terms of two inputs.
+
+        Parameters
+        ----------
+        output : str or Variable
+            Which.
+        cells : list of lists, mapping of lists, or DataFrame
+            Term names. None, NaN, an empty text or a dot is a cell without a rule, a tuple
+            (term, weight) one with a weight. Plain lists have a row for each term of the
+            variable that goes down and a cell for each term of the one that goes across, in the
+            order in which the terms were declared. A mapping or a DataFrame names its rows, a
+            DataFrame its columns too. Over one input it is one list.
+        rows, columns : str or Variable, optional
+            The inputs that go down and across. By default the names of the index and the
+            columns of a DataFrame, else the first and the second input of the rule base.
+        when : str, optional
+            A condition that is added to every rule: ``"load is heavy"``.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`; the finding names the cell.
+        """
+        lines = Lines(f"grid({shortened(repr(_name_of(output)))}")
+        lines.write("rules ").name(_name_of(output), "output")
+        if when:
+            lines.write(" when ").raw(when, "when")
+        grid = Grid(lines, cells)
+        down, across = self._sides(grid, rows, columns)
+        lines.next().write("  ")
+        if down is not None:
+            lines.name(down, "rows").write(" \\ ")
+        lines.name(across, "columns")
+        for i, term in enumerate(grid.columns or self._terms_of(across)):
+            lines.write("  ").name(term, f"cells.columns[{i}]" if grid.columns else "columns")
+        for i, label in enumerate(self._labels(grid, down, _name_of(output))):
+            grid.write_row(i, label, f"rows[{i}]" if grid.rows else "rows")
+        self._add(lines)
+
+    def _sides(
+        self, grid: Grid, rows: str | Variable | None, columns: str | Variable | None
+    ) -> tuple[str | None, str]:
+        """Return the variables that go down and across; none goes down over one input."""
+        down, across = _name_of(rows) or grid.names[0], _name_of(columns) or grid.names[1]
+        inputs = self._names("input")
+        if across is None and down is None and 0 < len(inputs) <= 2:
+            return (None, inputs[0]) if len(inputs) == 1 else (inputs[0], inputs[1])
+        others = [name for name in inputs if name not in (down, across)]
+        if across is None and len(others) == 1:
+            across = others[0]
+        if across is None:
+            given = ", ".join(inputs) or "none"
+            message = f"say which inputs go down and across (there are {given})"
+            raise ArgumentError(grid.lines.named("rows, columns"), message)
+        if down is None and len(grid.cells) > 1 and len(others) == 1:
+            down = others[0]
+        return down, across
+
+    def _labels(self, grid: Grid, down: str | None, output: str) -> list[str]:
+        if down is None:
+            return [output] * len(grid.cells)
+        labels = grid.rows if grid.rows is not None else self._terms_of(down)
+        if len(labels) != len(grid.cells):
+            message = f"{len(grid.cells)} rows, but '{down}' has {len(labels)} terms"
+            raise ArgumentError(grid.lines.named("cells"), message)
+        return labels
+
+    def inference(
+        self,
+        *,
+        conjunction: str | None = None,
+        disjunction: str | None = None,
+        implication: str | None = None,
+        threshold: float | None = None,
+        aggregation: str | None = None,
+        defuzzifier: str | Defuzzifier | None = None,
+        no_rule: float | str | None = None,
+        outside: str | None = None,
+    ) -> None:
+        """Say how rules are evaluated, and what is so of every variable.
+
+        Parameters
+        ----------
+        conjunction, disjunction, implication : str, optional
+            Norms of ``and``, ``or`` and the cut of a consequent: ``min``, ``product``, ….
+        threshold : float, optional
+            A rule fires only where its firing strength is greater; 0 to 1.
+        aggregation, defuzzifier, no_rule, outside
+            As of :meth:`output`, for all outputs (`outside` for inputs too).
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`.
+        """
+        settings = {
+            "conjunction": conjunction,
+            "disjunction": disjunction,
+            "implication": implication,
+            "threshold": threshold,
+            "aggregation": aggregation,
+            "defuzzifier": defuzzifier,
+            "no_rule": no_rule,
+            "outside": outside,
+        }
+        lines = Lines("inference(").write("inference")
+        write_settings(lines, settings)
+        self._add(lines)
+
+    def block(
+        self,
+        name: str,
+        *,
+        conjunction: str | None = None,
+        disjunction: str | None = None,
+        implication: str | None = None,
+        threshold: float | None = None,
+    ) -> None:
+        """Begin a block: the rules that follow may use outputs of the rules so far.
+
+        Parameters
+        ----------
+        name : str
+            Of the block.
+        conjunction, disjunction, implication, threshold
+            As of :meth:`inference`, for this block.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`.
+        """
+        settings = {
+            "conjunction": conjunction,
+            "disjunction": disjunction,
+            "implication": implication,
+            "threshold": threshold,
+        }
+        lines = Lines(f"block({shortened(repr(name))}")
+        lines.write("block ").name(name, "name")
+        if any(value is not None for value in settings.values()):
+            write_settings(lines.write(":"), settings)
+        self._add(lines)
+
+    def lookup(
+        self,
+        levels: Levels | Mapping[str, Levels],
+        *,
+        bins: Levels | Mapping[str, Levels] | None = None,
+        rounding: float | None = None,
+    ) -> None:
+        """Say how the lookup table is sampled.
+
+        Parameters
+        ----------
+        levels : str, sequence of float, or mapping of them
+            For every input, or by input: increasing numbers, or text as in a file,
+            ``"0 .. 40 step 5"``.
+        bins : str, sequence of float, or mapping of them, optional
+            Thresholds between neighbouring levels.
+        rounding : float, optional
+            The step that values are rounded to, above 0.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`.
+        """
+        lines = Lines("lookup(").write("lookup")
+        for key, given in (("levels", levels), ("bins", bins)):
+            for name, values in _by_input(given):
+                argument = key if name is None else f"{key}[{name!r}]"
+                lines.next().write(f"  {key} ")
+                if name is not None:
+                    lines.name(name, argument).write(": ")
+                if isinstance(values, str):
+                    lines.raw(values, argument)
+                    continue
+                for i, value in enumerate(values):
+                    lines.write(" " if i else "").number(value, f"{argument}[{i}]")
+        if rounding is not None:
+            lines.next().write("  round ").number(rounding, "rounding")
+        self._add(lines)
+
+    def expect(self, text: str) -> None:
+        """Say what must come out at a point; :meth:`check` evaluates it.
+
+        Parameters
+        ----------
+        text : str
+            As in a file: ``"temp = 30 -> speed = 50 within 0.1"``.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`.
+        """
+        lines = Lines("expect(").write("expect ")
+        self._add(lines.raw(text, "text"))
+
+    def add(self, text: str) -> None:
+        """Add statements as they stand in a file, with their comments.
+
+        Parameters
+        ----------
+        text : str
+            One or more lines of the language.
+
+        Raises
+        ------
+        RuleBaseError, ArgumentError
+            As :meth:`input`; nothing is added then.
+        """
+        lines = Lines("add(")
+        for i, line in enumerate(split_lines(lines.words(text, "text")), 1):
+            (lines.next() if i > 1 else lines).write(line, f"line {i} of text")
+        self._add(lines)
+
+    # -- how it grows --
+
+    def _add(self, lines: Lines) -> None:
+        """Read the lines of a call; add what they say, or raise what is wrong with them."""
+        document = parse_statements(lines.text, self._line)
+        scope = self._known()
+        known = len(scope.diagnostics)
+        found = list(document.diagnostics)
+        if not found:
+            for statement in document.statements:
+                if not hasattr(statement.node, "mentions") or _is_of_controller(statement.node):
+                    message = "controllers are written as text: fuzzyarm.parse reads them"
+                    found.append(Diagnostic("not-a-rule-base", message, statement.node.span))
+                    break
+                judge_statement(statement.node, scope)
+            found += scope.diagnostics[known:]
+        if any(finding.is_error for finding in found):
+            self._scope = None  # it has parts of what is not added
+            raise RuleBaseError(self._in_call(lines, document, found))
+        self._calls.append((self._line, lines))
+        self._line += lines.count
+        first, *rest = document.statements or (None,)
+        if first is not None:
+            before = (*self._ending, *first.trivia.before)
+            last = self._statements[-1].node if self._statements else first.node
+            if not before and lines.call != "add(" and _section(last) != _section(first.node):
+                before = ("",)
+            around = first.trivia._replace(before=before)
+            self._statements += [first._replace(trivia=around), *rest]
+            self._ending = ()
+        self._ending += document.ending
+        self._allowed |= document.allowed
+        self._model = None
+
+    def _known(self) -> Scope:
+        """Return the names that have been declared."""
+        if self._scope is None:
+            from fuzzyarm.language.declarations import Scope
+
+            self._scope = Scope()
+            for statement in self._statements:
+                judge_statement(statement.node, self._scope)
+        return self._scope
+
+    def _in_call(
+        self, lines: Lines, document: Document, found: Sequence[Diagnostic]
+    ) -> list[Diagnostic]:
+        """Return what is wrong with the lines of a call, by its arguments."""
+        moved = 1 - self._line
+        if document.diagnostics:
+            # Notations of other programs are explained as in a file.
+            meant, _ = as_meant(lines.text, parse_document(lines.text))
+            found, moved = meant.diagnostics or found, 0
+        return [
+            replace(each, argument=lines.argument_of(_moved(each.span, moved))) for each in found
+        ]
+
+    def _names(self, role: str) -> list[str]:
+        return self._known().names(role)
+
+    def _terms_of(self, name: str) -> list[str]:
+        draft = self._known().drafts.get(name)
+        return [] if draft is None else list(draft.terms)
+
+    # -- what it means --
+
+    @property
+    def name(self) -> str:
+        """The name of the rule base."""
+        for statement in self._statements:
+            if isinstance(statement.node, Heading):
+                return statement.node.name.text
+        return "unnamed"
+
+    @property
+    def model(self) -> Model:
+        """The rule base as it is now: the value that a file of the same text gives.
+
+        Raises
+        ------
+        RuleBaseError
+            If it is not complete (it has no rules, or no output).
+        """
+        if self._model is None:
+            # Read from the text, so that a trace names the lines that `print` shows.
+            parsed = parse(str(self), f"<{self.name}>", self._memory)
+            if parsed.rulebase is None:
+                raise RuleBaseError(self._review().diagnostics or parsed.diagnostics)
+            self._model = parsed.rulebase
+        return self._model
+
+    def check(self) -> Review:
+        """Return what `fuzzyarm check` says of the text: mistakes, else doubts.
+
+        Returns
+        -------
+        fuzzyarm.api.Review
+            Each of its `diagnostics` names the call and the argument in question; ``print``
+            shows them. Never raises for what is wrong.
+        """
+        return self._review()
+
+    def _review(self) -> Review:
+        document = Document(tuple(self._statements), self._ending, self._allowed)
+        partial, findings = elaborate(document)
+        text = "\n".join(lines.text for _, lines in self._calls) + "\n"
+        review = check_parsed(Parsed(document, partial, tuple(findings)), text, f"<{self.name}>")
+        return review._replace(diagnostics=tuple(map(self._with_argument, review.diagnostics)))
+
+    def _with_argument(self, finding: Diagnostic) -> Diagnostic:
+        if finding.name in _OF_THE_WHOLE:
+            return replace(finding, argument=f"RuleBase({shortened(repr(self.name))})")
+        for first, lines in self._calls:
+            if first <= finding.line < first + lines.count:
+                return replace(finding, argument=lines.argument_of(_moved(finding.span, 1 - first)))
+        return finding
+
+    def __str__(self) -> str:
+        """Return the text of its file so far."""
+        document = Document(tuple(self._statements), self._ending, self._allowed)
+        return print_document(document)
+
+    def __repr__(self) -> str:
+        rules = sum(lines.text.startswith(("rule ", "rules ")) for _, lines in self._calls)
+        if not rules or self._names("output") == []:
+            count = len(self._statements)
+            return f"<RuleBase {shortened(self.name)}: {count} statements, no rules yet>"
+        return repr(self.model)
+
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        return type(self).from_text, (str(self),)
+
+
+_SECTIONS = (
+    (Heading,),
+    (VariableNode, TermNode, EvenTermsNode),
+    (InferenceNode,),
+    (RuleNode, GridNode, BlockNode),
+    (LookupNode,),
+    (ExpectNode, ProveNode),
+)
+"""Statements between which a file has no blank line."""
+
+
+def _section(node: StatementNode) -> int:
+    if isinstance(node, InferenceNode) and node.target is not None:
+        return 1  # it goes with its variable
+    return next((i for i, kinds in enumerate(_SECTIONS) if isinstance(node, kinds)), -1)
+
+
+def _moved(span: Span, lines: int) -> Span:
+    """Return a span so many lines further down."""
+    return span._replace(line=span.line + lines, end_line=span.end_line + lines)
+
+
+def _is_of_controller(node: StatementNode) -> bool:
+    return type(node).__module__.endswith((".controllers", ".signals"))
+
+
+def _by_input(
+    given: Levels | Mapping[str, Levels] | None,
+) -> list[tuple[str | None, Levels]]:
+    if given is None:
+        return []
+    return list(given.items()) if isinstance(given, Mapping) else [(None, given)]
+
+
+class Variable(Shown):
+    """An input or output of a rule base that is being written.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    """
+
+    def __init__(self, rulebase: RuleBase, name: str) -> None:
+        self._rulebase = rulebase
+        self.name = name
+
+    def term(self, name: str, shape: Corners) -> None:
+        """Add a term; as :meth:`RuleBase.term`.
+
+        Parameters
+        ----------
+        name : str
+            Of the term.
+        shape : float, sequence, Shape or str
+            As in the mapping of :meth:`RuleBase.input`.
+        """
+        self._rulebase.term(self.name, name, shape)
+
+    @property
+    def model(self) -> Input | Output:
+        """The variable as it is now, as a value."""
+        document = Document(tuple(self._rulebase._statements))
+        return elaborate(document)[0].variable(self.name)
+
+    def __repr__(self) -> str:
+        return repr(self.model)
+
+
+def _name_of(variable: str | Variable | None) -> Any:
+    """Return the name of a variable, however it is given."""
+    return variable.name if isinstance(variable, Variable) else variable

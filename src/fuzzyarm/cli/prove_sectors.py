@@ -1,0 +1,307 @@
+"""Sectors of rule bases and the static part of controllers; what ``fuzzyarm prove`` shares."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.cli.command import (
+    WordError,
+    load_controller,
+    load_rulebase,
+    print_json,
+    read_assignments,
+    say,
+)
+
+if TYPE_CHECKING:
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.proof.controllers import DriveProof, DriveSector
+    from fuzzyarm.proof.sector import Sector
+
+EXIT_UNDECIDED = 4
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[str, int, float], None]]:
+    """Show the open pieces and the gap in one line of the terminal; wipe it afterwards."""
+    shown = sys.stderr.isatty()
+    last = 0.0
+
+    def tell(statement: str, count: int, gap: float) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if not shown or (statement and now - last < 0.1):
+            return
+        last = now
+        text = f"{statement}: {count:,} pieces open, gap {gap:.3g}" if statement else ""
+        sys.stderr.write(f"\r\x1b[2K{text[:100]}")
+        sys.stderr.flush()
+
+    try:
+        yield tell
+    finally:
+        tell("", 0, 0.0)
+
+
+def only_output(rulebase: RuleBase, asked: str | None) -> str:
+    """Return the output that is asked for, or the only one."""
+    names = [output.name for output in rulebase.outputs]
+    if asked is None and len(names) != 1:
+        raise WordError("the file has several outputs", hint=f"--output {' or '.join(names)}")
+    if asked is not None and asked not in names:
+        raise WordError(f"no output is called '{asked}'", hint=f"there are {', '.join(names)}")
+    return asked or names[0]
+
+
+def print_sectors(arguments: argparse.Namespace, tolerance: float | None, budget: float) -> int:
+    """Do what ``--sector`` says."""
+    if len(arguments.files) > 1:
+        raise WordError("--sector takes one file")
+    if arguments.plot is not None:
+        from fuzzyarm.show.figures.style import require_figure_suffix
+
+        require_figure_suffix(arguments.plot)
+    path = arguments.files[0]
+    controller = load_controller(path)
+    if controller is None:
+        return _of_rulebase(path, load_rulebase(path, "prove"), arguments, tolerance, budget)
+    if arguments.along is not None or arguments.output is not None:
+        raise WordError("--along and --output are for rule bases, not for controllers")
+    data = drives_of(path, controller, arguments, budget)
+    if arguments.json:
+        print_json(data, 2)
+    return 0
+
+
+# ── rule bases ───────────────────────────────────────────────────────────────────────
+
+
+def _of_rulebase(
+    path: str,
+    rulebase: RuleBase,
+    arguments: argparse.Namespace,
+    tolerance: float | None,
+    budget: float,
+) -> int:
+    from fuzzyarm.errors import FuzzyarmError
+    from fuzzyarm.proof import Prover, sector
+    from fuzzyarm.proof.arithmetic import Stop
+    from fuzzyarm.proof.sector import form_text
+
+    if arguments.plant is not None:
+        raise WordError("--plant is for controllers, not for rule bases")
+    name = only_output(rulebase, arguments.output)
+    found: list[Sector] = []
+    failed: list[str] = []
+    with progress() as tell:
+        stop = Stop(budget, lambda count, gap: tell(path, count, gap))
+        prover = Prover(rulebase, name, tolerance=tolerance, stop=stop)
+        for weights in _forms(prover, arguments.along, failed):
+            try:
+                found.append(sector(prover, weights))
+            except FuzzyarmError as error:
+                failed.append(f"along {form_text(weights)}: {error}")
+    if arguments.plot is not None and found:
+        from fuzzyarm.show.figures.sector import rulebase_sectors, sector_figure
+        from fuzzyarm.show.figures.style import save_figure
+
+        save_figure(sector_figure(rulebase_sectors(rulebase, name, found)), arguments.plot)
+    if arguments.json:
+        print_json({"sectors": [_sector_data(each) for each in found], "open": failed}, 2)
+    else:
+        for each in found:
+            say(*_sector_lines(name, each))
+        for words in failed:
+            say(f"no sector {words}")
+        if arguments.plot is not None and found:
+            say(f"{arguments.plot}: drawn from {path}")
+    return 0 if found and all(each.complete for each in found) else EXIT_UNDECIDED
+
+
+def _forms(prover: Any, along: str | None, failed: list[str]) -> list[dict[str, Any]]:
+    """Return the sums of inputs to be asked: each alone, and what a linear law would give."""
+    from fractions import Fraction
+
+    from fuzzyarm.errors import FuzzyarmError
+    from fuzzyarm.proof import slopes_at
+
+    if along is not None:
+        return [dict(read_assignments([along], prover.names))]
+    forms: list[dict[str, Any]] = [{name: 1} for name in prover.names]
+    if len(prover.names) > 1:
+        try:
+            slopes = slopes_at(prover, {})
+        except FuzzyarmError as error:
+            failed.append(f"along a linear law: {error}")
+            return forms
+        gains = {name: slopes.along({name: Fraction(1)}) for name in prover.names}
+        joint = {name: gain for name, gain in gains.items() if gain}
+        if len(joint) > 1:
+            forms.append(joint)
+    return forms
+
+
+def _sector_data(found: Sector) -> dict[str, Any]:
+    return {
+        "weights": {name: float(weight) for name, weight in found.weights.items()},
+        "low": found.low,
+        "high": found.high,
+        "at_low": found.at_low,
+        "at_high": found.at_high,
+        "slack": found.slack,
+        "pieces": found.pieces,
+    }
+
+
+def _sector_lines(output: str, found: Sector) -> list[str]:
+    from fuzzyarm.proof.prover import written
+    from fuzzyarm.proof.sector import form_text
+
+    slack = f", to {found.slack:g}" if found.slack else ""
+    lines = [
+        f"{output} between {_bounds(found.low, found.high)} times"
+        f" {form_text(found.weights)} (proved{slack})"
+    ]
+    for word, at in (("lowest", found.at_low), ("highest", found.at_high)):
+        if at:
+            lines.append(f"  {word} near {written(at)}")
+    if not found.complete:
+        lines.append("  the time was over before the bounds were tight")
+    return [*lines, f"  {found.pieces:,} pieces, in exact arithmetic"]
+
+
+def _bounds(low: float, high: float) -> str:
+    from fuzzyarm.text.numbers import outward_text
+
+    return f"{outward_text(low, up=False)} and {outward_text(high, up=True)}"
+
+
+# ── controllers ──────────────────────────────────────────────────────────────────────
+
+
+def drives_of(
+    path: str, controller: ControllerText, arguments: argparse.Namespace, budget: float
+) -> list[dict[str, Any]]:
+    """Prove the static part of a controller, print it unless as data, and return the data."""
+    from fuzzyarm.plant import find_plant
+    from fuzzyarm.proof.controllers import prove_drives
+
+    plant = find_plant(arguments.plant) if arguments.plant is not None else None
+    with progress() as tell:
+        found = prove_drives(controller, plant, budget=budget, tell=tell)
+    if arguments.plot is not None:
+        from fuzzyarm.show.figures.sector import controller_sectors, sector_figure
+        from fuzzyarm.show.figures.style import save_figure
+
+        shown = controller_sectors(controller, found, plant)
+        if shown:
+            save_figure(sector_figure(shown), arguments.plot)
+    if not arguments.json:
+        for each, axes in _grouped(found):
+            say(*_drive_lines(path, each, axes, sectors_only=arguments.sector))
+        if arguments.plot is not None:
+            drawn = any(each.sectors for each in found)
+            say(f"{arguments.plot}: drawn from {path}" if drawn else "no sector to draw")
+    return [_drive_data(each) for each in found]
+
+
+def _grouped(found: list[DriveProof]) -> list[tuple[DriveProof, list[str]]]:
+    """Return each proof once, with the drives that it is about."""
+    from dataclasses import replace
+
+    groups: dict[str, tuple[DriveProof, list[str]]] = {}
+    for each in found:
+        key = repr(replace(each, axis=""))
+        groups.setdefault(key, (each, []))[1].append(f"{each.axis}.{each.port}")
+    return list(groups.values())
+
+
+def _drive_lines(
+    path: str, found: DriveProof, names: list[str], *, sectors_only: bool
+) -> list[str]:
+    unit = f" {found.unit}" if found.unit else ""
+    lines = [f"{path}: {', '.join(names)} in {_interval(found.low, found.high)}{unit} (proved)"]
+    if not sectors_only:
+        lines += _limit_lines(found)
+        lines += _gain_lines(found)
+    for each in found.sectors:
+        lines += _drive_sector(each, found)
+    return [*lines, *(f"  not proved: {words}" for words in found.open)]
+
+
+def _limit_lines(found: DriveProof) -> list[str]:
+    if found.limits is None:
+        return []
+    limits = f"limits {_number(found.limits[0])} .. {_number(found.limits[1])}"
+    free = _interval(*found.free)
+    if found.reached == "never":
+        return [f"  its {limits} are never reached: {free}"]
+    if found.reached == "open":
+        return [f"  whether its {limits} are reached is open: within {free} without them"]
+    at = ", ".join(f"{name} = {_number(x)}" for name, x in found.at.items())
+    return [f"  its {limits} are reached, at {at}"]
+
+
+def _gain_lines(found: DriveProof) -> list[str]:
+    lines = []
+    for gain in found.gains:
+        size = _number(gain.low) if gain.low == gain.high else _span(gain.low, gain.high)
+        around = ""
+        if (gain.least, gain.most) != (gain.low, gain.high):
+            around = f" (slopes around it {_span(gain.least, gain.most)})"
+        unit = f" {gain.unit}" if gain.unit else ""
+        lines.append(f"  at the origin {size}{unit} of {gain.source}{around}")
+    return lines
+
+
+def _drive_sector(each: DriveSector, found: DriveProof) -> list[str]:
+    from fuzzyarm.proof.sector import form_text
+
+    slack = f", to {each.slack:g}" if each.slack else ""
+    between = _interval(each.low, each.high)
+    within = [f"{name} in {_span(*ends)}" for name, ends in each.within.items()]
+    if len(each.weights) == 1:
+        (name,) = each.weights
+        unit = next((g.unit for g in found.gains if g.source == name and g.unit), "")
+        return [f"  sector along {within[0]}: {between}{f' {unit}' if unit else ''}{slack}"]
+    head = f"  sector along {form_text(each.weights)}: {between}{slack}"
+    return [head, *(f"    {words}" for words in within)]
+
+
+def _number(x: float) -> str:
+    return f"{x:.7g}"
+
+
+def _span(low: float, high: float) -> str:
+    return f"{_number(low)} .. {_number(high)}"
+
+
+def _interval(low: float, high: float) -> str:
+    from fuzzyarm.proof.verdicts import bound_text
+
+    return bound_text((low, high))
+
+
+def _drive_data(found: DriveProof) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    data = asdict(found)
+    head = {"drive": f"{found.axis}.{found.port}"}
+    data.pop("axis"), data.pop("port")
+    return head | {key: _finite(value) for key, value in data.items()}
+
+
+def _finite(value: Any) -> Any:
+    """Return data with None for what JSON has no number."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: _finite(each) for key, each in value.items()}
+    return [_finite(each) for each in value] if isinstance(value, list | tuple) else value

@@ -1,0 +1,494 @@
+"""Tune the gains of a controller and the terms of its rule bases, or a rule base on samples.
+
+What may move is said in the file: a tune block in a rule base, tune LOW .. HIGH behind a gain,
+or lines of --tune instead. Where nothing is said, all peaks move and what is even stays even.
+expect and prove lines are kept by every candidate.
+
+--cost is a formula of metrics, such as "rms + 0.002*variation" (rms, max, overshoot, settling,
+iae, effort, variation, chatter, …), or FILE.py:FUNCTION. The arm follows the two trajectories
+of the study with load, unless one is named; --scenarios N adds drawn moves, loads and seeds.
+A rule base alone is fitted to samples: --data set.csv.
+
+The table shows the cost on what was tuned on, on unseen scenarios, and on these with noise of
+the sensors, beside a linear controller tuned on the same. -o writes the file with new numbers,
+comments kept; rule bases of their own files go beside it. Ctrl-C keeps the best so far (exit
+status 130); with --journal, --resume goes on.
+
+Examples
+--------
+  fuzzyarm tune rulebases/heater.frb --reference temperature=20 --cost "rms + overshoot" -o h.frb
+  fuzzyarm tune fuzzy-direct --cost "rms + 0.002*chatter" --scenarios 8 --evals 2000 -o mine.frb
+  fuzzyarm tune stfc.frb --method cma-es --time 10min --plot tuned.png -o stfc.frb
+  fuzzyarm tune model.frb --data set.csv --test later.csv -o model.frb
+  fuzzyarm tune servo.frb --plant motor --vary J=0.005..0.03 --scenarios 12 --over worst
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.cli.command import (
+    Argument,
+    WordError,
+    argument,
+    command,
+    counted,
+    flag,
+    group,
+    json_of,
+    print_error,
+    print_json,
+    require_suffix,
+    say,
+)
+from fuzzyarm.cli.experiment import CONVENTIONS, TRAJECTORY, experiment_of
+from fuzzyarm.cli.plants import (
+    MOTORS,
+    PLANT,
+    connections,
+    motion_of,
+    options_of,
+    plant_of,
+    require_plain,
+)
+from fuzzyarm.cli.sweep import cluster, duration_words
+
+if TYPE_CHECKING:
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.learning.data import Samples
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.tuning.scenarios import Stage
+    from fuzzyarm.tuning.search import Found
+    from fuzzyarm.tuning.tune import Tuned
+
+EXIT_INTERRUPTED = 130
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    _require_sensible(arguments)
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.tuning.tune import tune
+
+    path, subject = _subject(arguments.file)
+    given: dict[str, Any] = {
+        "cost": arguments.cost,
+        "tuning": arguments.tune or None,
+        "method": arguments.method,
+        "evals": arguments.evals,
+        "seconds": _seconds(arguments),
+        "seed": arguments.seed,
+        "digits": arguments.digits,
+        "unseen": arguments.unseen,
+        "linear": not arguments.no_linear,
+        "over": arguments.over,
+    }
+    if isinstance(subject, ControllerText):
+        if arguments.data:
+            raise WordError("--data is for a rule base alone; a controller runs in its loop")
+        given |= {"stage": _stage(arguments, subject), "scenarios": arguments.scenarios}
+        given["conventions"] = _conventions(arguments)
+    else:
+        given |= _samples(arguments, subject)
+    given["journal"] = _journal(arguments, path)
+    with (
+        cluster(arguments) as (executor, workers),
+        _shown(arguments.evals, shown=not arguments.json) as watch,
+    ):
+        tuned = tune(path, **given, workers=workers, executor=executor, watch=watch)
+    written = tuned.write(arguments.out) if arguments.out else []
+    if arguments.plot:
+        from fuzzyarm.show.figures import save_figure
+        from fuzzyarm.show.figures.tuning import tuning_figure
+
+        save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), arguments.plot)
+    if arguments.json:
+        print_json(_as_json(tuned, written))
+    else:
+        say(*_lines(tuned, path, written))
+    if tuned.found.interrupted:
+        kept = f"; {arguments.journal} has all, --resume goes on" if arguments.journal else ""
+        print_error(f"interrupted: the best so far is kept{kept}")
+        return EXIT_INTERRUPTED
+    return 0
+
+
+def _require_sensible(arguments: argparse.Namespace) -> None:
+    """Tell mistakes before anything runs."""
+    if arguments.out:
+        require_suffix(arguments.out, (".frb",))
+        if not Path(arguments.out).parent.is_dir():
+            raise WordError(f"there is no folder '{Path(arguments.out).parent}'")
+    if arguments.plot:
+        from fuzzyarm.show.figures.style import require_figure_suffix
+
+        require_figure_suffix(arguments.plot)
+    if arguments.resume and not arguments.journal:
+        raise WordError("--resume goes on with the file of --journal, and none is given")
+    if arguments.workers is not None and not 1 <= arguments.workers <= 10_000:
+        raise WordError(f"--workers {arguments.workers} is out of range: 1 to 10000")
+    if arguments.test and not arguments.data:
+        raise WordError("--test judges what was fitted to --data, and none is given")
+
+
+def _seconds(arguments: argparse.Namespace) -> float:
+    import math
+
+    from fuzzyarm.cli.plants import time_of
+
+    return time_of(arguments.time, "--time") if arguments.time else math.inf
+
+
+def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
+    """Return a file and what it holds; a name of the catalogue is a shipped file."""
+    from fuzzyarm.api import load
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.shipped_files import shipped, shipped_names
+
+    path = word
+    if not Path(word).exists() and f"{word}.frb" in shipped_names():
+        path = str(shipped(f"{word}.frb"))
+    model = load(path)
+    if not isinstance(model, ControllerText | RuleBase):
+        raise WordError(f"{word} is a table; a controller or a rule base is tuned")
+    return path, model
+
+
+# --- What it is tuned on ---
+
+
+def _stage(arguments: argparse.Namespace, text: ControllerText) -> Stage:
+    from fuzzyarm.controller.catalogue import controller_of
+    from fuzzyarm.controller.findings import site_by_axes
+    from fuzzyarm.loop.sweep import read_range
+    from fuzzyarm.plant import Arm
+    from fuzzyarm.tuning.scenarios import Scenario, Stage, arm_scenarios
+
+    if arguments.plant is None:
+        site = site_by_axes(text.model)
+        arguments.plant = site.name if site is not None else Arm.name
+    plant = plant_of(arguments)
+    options, connect = options_of(arguments, plant), connections(arguments)
+    vary = tuple(map(read_range, arguments.vary))
+    if isinstance(plant, Arm):
+        first = arm_scenarios(0.0 if arguments.payload is False else 1.0)
+        if _names_a_move(arguments):
+            arguments.trajectory = arguments.trajectory or "reach-return"
+            way, _, _ = experiment_of(arguments, arguments.file, plant)
+            first = (Scenario(way.name, way, first[0].changes),)
+        return Stage(plant, first, options, vary, connect=connect)
+    require_plain(arguments)
+    motion = motion_of(arguments, controller_of(text), plant, connect)
+    references, duration = _references(arguments, motion.tracked), _duration(arguments)
+    first = (Scenario(motion.name, motion),)
+    return Stage(plant, first, options, vary, references, duration, connect)
+
+
+def _names_a_move(arguments: argparse.Namespace) -> bool:
+    names = ("trajectory", "angles", "segment", "hold", "way_points")
+    return any(getattr(arguments, name) is not None for name in names)
+
+
+def _references(arguments: argparse.Namespace, tracked: Any) -> dict[str, Any] | None:
+    """Return the references that were given, by port, for scenarios to scale."""
+    from fuzzyarm.loop import Signal, read_signal
+
+    if arguments.step is not None:
+        return {tracked[0][1]: Signal("step", (arguments.step,))}
+    found = dict(word.split("=", 1) for word in arguments.reference)
+    return {name.strip(): read_signal(text.strip()) for name, text in found.items()} or None
+
+
+def _duration(arguments: argparse.Namespace) -> float | None:
+    from fuzzyarm.cli.plants import time_of
+
+    return time_of(arguments.duration, "--for") if arguments.duration is not None else None
+
+
+def _conventions(arguments: argparse.Namespace) -> Any:
+    from dataclasses import replace
+
+    from fuzzyarm.controller.catalogue import study_conventions
+    from fuzzyarm.plant import PLAIN
+
+    named = arguments.conventions == "study"
+    conventions = study_conventions(arguments.file) if named else PLAIN
+    if arguments.precision:
+        conventions = replace(conventions, precision=arguments.precision)
+    return conventions
+
+
+def _samples(arguments: argparse.Namespace, rulebase: RuleBase) -> dict[str, Any]:
+    from fuzzyarm.learning.data import Columns, read_samples
+
+    if not arguments.data:
+        if arguments.cost is not None and ".py:" in arguments.cost:
+            return {}
+        message = f"'{rulebase.name}' is a rule base alone: nothing says what is good"
+        hint = "--data set.csv, or tune the controller that uses it"
+        raise WordError(message, hint=hint)
+    inputs = tuple(each.name for each in rulebase.inputs)
+    outputs = [each.name for each in rulebase.outputs]
+    target = arguments.target
+    if target is None and len(outputs) == 1 and outputs[0] in _columns(arguments.data):
+        target = outputs[0]
+    columns = Columns(target, inputs)
+    found: dict[str, Samples] = {"data": read_samples(arguments.data, columns)}
+    if arguments.test:
+        found["test"] = read_samples(arguments.test, columns)
+    return found
+
+
+def _columns(path: str) -> tuple[str, ...]:
+    from fuzzyarm.learning.data import column_names
+
+    return column_names(path)
+
+
+# --- The journal ---
+
+NOT_ASKED = (
+    "out", "resume", "journal", "workers", "dask", "plot", "json", "evals", "time", "digits",
+    "unseen", "no_linear", "test",
+)  # fmt: skip
+"""Arguments on which no trial depends."""
+
+
+def _journal(arguments: argparse.Namespace, path: str) -> Any:
+    if not arguments.journal:
+        return None
+    from fuzzyarm.tuning.search import Journal
+    from fuzzyarm.version import __version__
+
+    words = {
+        name: value
+        for name, value in vars(arguments).items()
+        if name not in NOT_ASKED and not callable(value) and value not in (None, [], False, "")
+    }
+    question = {"fuzzyarm": __version__, "arguments": words, "files": _digests(arguments, path)}
+    return Journal(arguments.journal, question, resume=arguments.resume)
+
+
+def _digests(arguments: argparse.Namespace, path: str) -> dict[str, str]:
+    """Return digests of the files that trials depend on, by name."""
+    from fuzzyarm.controller.text import sheet_path
+    from fuzzyarm.language.reading import parse, read_text
+
+    paths = {Path(path).name: Path(path)}
+    controller = parse(read_text(path), path).controller
+    for use in controller.uses if controller is not None else ():
+        paths |= {file: sheet_path(file, Path(path).parent) for file in use.files}
+    words = [
+        arguments.data,
+        arguments.plant,
+        *(word.partition("=")[2] for word in arguments.reference),
+    ]
+    words += [(arguments.cost or "").rpartition(":")[0], (arguments.plant or "").rpartition(":")[0]]
+    paths |= {word: Path(word) for word in words if word}
+    return {
+        name: sha256(each.read_bytes()).hexdigest()[:16]
+        for name, each in sorted(paths.items())
+        if each.is_file()
+    }
+
+
+# --- While it runs ---
+
+TOLD_EVERY = 10.0
+"""Where stderr is not a terminal, s."""
+
+
+@contextmanager
+def _shown(evals: int, *, shown: bool) -> Iterator[Callable[[Found], None]]:
+    """Show trials, the best cost and its curve on stderr; give what is told of the search."""
+    begin = told = time.monotonic()
+
+    def state(found: Found) -> str:
+        done = len(found.trials)
+        elapsed = max(time.monotonic() - begin, 1e-9)
+        left = duration_words((evals - done) * elapsed / max(done, 1))
+        refused = f", {found.refused} refused" if found.refused else ""
+        best = f"best {found.best.score.cost:.5g}"
+        return f"{done} of {evals} trials{refused}, {best}, {left} left"
+
+    if not shown or not sys.stderr.isatty():
+
+        def tell(found: Found) -> None:
+            nonlocal told
+            if time.monotonic() - told >= TOLD_EVERY and len(found.trials) < evals:
+                told = time.monotonic()
+                print_error(state(found))
+
+        yield tell
+        return
+    from rich.console import Console
+    from rich.live import Live
+
+    from fuzzyarm.show.tuning import search_view
+
+    with Live(console=Console(stderr=True), transient=True, auto_refresh=False) as live:
+
+        def draw(found: Found) -> None:
+            nonlocal told
+            if time.monotonic() - told >= 0.2:
+                told = time.monotonic()
+                live.update(search_view(found, state(found)), refresh=True)
+
+        yield draw
+
+
+# --- What came of it ---
+
+
+def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
+    from fuzzyarm.show import plain_text
+    from fuzzyarm.show.tuning import change_lines, curve_view, front_lines, table_lines
+
+    found = tuned.found
+    on = counted(len(tuned.scenarios), "scenario")
+    yield (
+        f"{Path(path).name}: {tuned.cost}, {tuned.over} of {on};"
+        f" {counted(len(tuned.parameters), 'number')} moved, {counted(len(found.trials), 'trial')}"
+        f" in {duration_words(found.seconds)}"
+    )
+    yield from (f"  {line}" for line in table_lines(tuned))
+    yield tuned.claim()
+    if len(found.trials) > 1:
+        yield from plain_text(curve_view(found.curve)).splitlines()
+    front = list(front_lines(tuned))
+    if front:
+        yield from ("front of error and chatter:", *(f"  {line}" for line in front))
+    if tuned.on_a_bound:
+        yield f"on a bound of its range: {', '.join(tuned.on_a_bound)}"
+    if found.refused:
+        yield f"{counted(found.refused, 'trial')} broke an expect or prove line"
+    if tuned.digits != tuned.plan.digits:
+        yield f"{tuned.digits} digits were needed, not {tuned.plan.digits}"
+    yield from change_lines(tuned)
+    if written:
+        yield f"wrote {', '.join(map(os.fspath, written))}"
+
+
+def _as_json(tuned: Tuned, written: list[Path]) -> dict[str, Any]:
+    found = tuned.found
+    return {
+        "cost": tuned.cost,
+        "over": tuned.over,
+        "method": tuned.plan.method,
+        "seed": tuned.plan.seed,
+        "trials": len(found.trials),
+        "refused": found.refused,
+        "seconds": round(found.seconds, 3),
+        "interrupted": found.interrupted,
+        "digits": tuned.digits,
+        "scenarios": list(tuned.scenarios),
+        "unseen": list(tuned.unseen),
+        "rows": {
+            row.name: {name: _score(score) for name, score in row.scores.items()}
+            for row in tuned.rows
+        },
+        "claim": tuned.claim(),
+        "parameters": [
+            {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
+            for each in tuned.parameters
+        ],
+        "on_a_bound": list(tuned.on_a_bound),
+        "changes": [dict(zip(("what", "old", "new"), each, strict=True)) for each in tuned.changes],
+        "curve": [_finite(value) for value in found.curve],
+        "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
+        "files": [os.fspath(path) for path in written],
+    }
+
+
+def _score(score: Any) -> dict[str, Any]:
+    return {
+        "cost": _finite(score.cost),
+        "rms": _finite(score.error),
+        "chatter": _finite(score.chatter),
+        "diverged": score.diverged,
+        "each": [_finite(part) for part in score.parts],
+    }
+
+
+def _finite(value: float) -> float | None:
+    import math
+
+    return value if math.isfinite(value) else None
+
+
+def _unset(each: Argument) -> Argument:
+    """Return an argument of which is known whether it was given."""
+    if each.names[0] not in ("--trajectory", "--payload", "--plant"):
+        return each
+    options = {**each.options, "default": None}
+    if each.names[0] == "--plant":
+        options["help"] = "where it runs; by default the shipped plant that has its axes"
+    return each._replace(options=options)
+
+
+COMMANDS = (
+    command(
+        "tune",
+        __doc__,
+        _run,
+        argument("file FILE", "a controller, its name in the catalogue, or a rule base"),
+        argument("-o --out FILE.frb", "where to write it; over the file itself, if it is the same"),
+        *group(
+            "what is good",
+            argument("--cost COST", "formula of metrics, or FILE.py:FUNCTION; rms by default"),
+            argument("--data FILE", "samples, .csv or .parquet, for a rule base alone"),
+            argument("--test FILE", "samples to judge by; a fifth of the data by default"),
+            argument("--target NAME", "the column that the output is to give"),
+        ),
+        *group(
+            "scenarios",
+            argument("--scenarios N", "tune on N: the named ones, then drawn ones", type=int),
+            argument(
+                "--vary NAME=A..B",
+                "what differs from drawn scenario to scenario, as with sweep --random",
+                action="append",
+                default=[],
+            ),
+            argument("--over", "mean or worst cost", choices=("mean", "worst"), default="mean"),
+            argument("--unseen N", "judge by N others, 24 by default", type=int, default=24),
+        ),
+        *group(
+            "the search",
+            argument(
+                "--tune LINE",
+                "what may move, as a line of a tune block, in place of the file's",
+                action="append",
+                default=[],
+            ),
+            argument(
+                "--method",
+                choices=("nelder-mead", "cma-es", "evolution"),
+                default="nelder-mead",
+            ),
+            argument("--evals N", "candidates, 500 by default", type=int, default=500),
+            argument("--time TIME", "at most so long, as in 90s or 10min"),
+            argument("--digits N", "of the numbers that are written", type=int, default=3),
+            flag("--no-linear", "tune no linear controller to compare with"),
+            argument("--journal FILE", "write every trial down"),
+            flag("--resume", "go on with the journal"),
+            argument("--workers N", "one for each processor by default", type=int),
+            argument("--dask ADDRESS", "run on a Dask cluster, as in tcp://scheduler:8786"),
+        ),
+        *map(_unset, (*TRAJECTORY, *PLANT)),
+        *group("run", *CONVENTIONS),
+        *MOTORS,
+        *group(
+            "output",
+            argument("--plot FIG", "draw cost, front and table: .png, .svg or .pdf"),
+            json_of("the report"),
+        ),
+    ),
+)

@@ -1,0 +1,200 @@
+"""fuzzylogic: a ``Rule`` over the sets of domains to a rule base.
+
+Its rules are sums of strength × centre over the sum of the strengths, where the centre of a set
+is that of its samples, counted in steps of the target's domain and then scaled by the range over
+the number of samples. The same centres stand here as values. The objects are known by their
+attributes; fuzzylogic itself is not imported.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+from fuzzyarm.formats.findings import Findings, Imported, unique_name
+from fuzzyarm.formats.recovery import TOLERANCE, constant_beyond, even_family, joined, shape_of
+from fuzzyarm.formats.sentences import NOT
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Defuzzifier,
+    Hedge,
+    Input,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+    Shape,
+    Term,
+)
+from fuzzyarm.model.shapes import apply_hedges
+
+__all__ = ["from_fuzzylogic", "fuzzylogic_numbers"]
+
+
+def fuzzylogic_numbers(rule: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks a rule for its own numbers."""
+    domains = _domains(rule)
+    target = str(next(iter(rule.conditions.values())).domain._name)
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        found = rule({domains[name]: value for name, value in values.items()})
+        return {} if found is None else {target: float(found)}
+
+    return numbers
+
+
+def from_fuzzylogic(
+    rule: Any, name: str = "rule", *, lossy: bool = False, strict: bool = False
+) -> Imported:
+    """Return the rule base that a rule of fuzzylogic is.
+
+    Parameters
+    ----------
+    rule : fuzzylogic.classes.Rule
+        One rule, or the sum of several.
+    name : str
+        What the rule base is called.
+    lossy, strict : bool
+        As for :func:`fuzzyarm.formats.read`.
+
+    Returns
+    -------
+    Imported
+        The rule base where there is no error, and every finding, without positions.
+    """
+    findings = Findings(lossy=lossy, strict=strict)
+    rulebase = _rulebase(rule, name, findings)
+    return Imported(None if findings.failed else rulebase, findings.all(), "fuzzylogic")
+
+
+def _domains(rule: Any) -> dict[str, Any]:
+    """Return the domains of the conditions by name, in the order of their names."""
+    found = {id(s.domain): s.domain for sets in rule.conditions for s in sets}
+    return {str(each._name): each for each in sorted(found.values(), key=lambda d: str(d._name))}
+
+
+def _rulebase(rule: Any, name: str, findings: Findings) -> RuleBase | None:
+    if not rule.conditions:
+        findings.error("no-rules", "the rule has no conditions")
+        return None
+    asked = [each for sets in rule.conditions for each in sets]
+    concluded = list(rule.conditions.values())
+    if any(each.domain is None for each in (*asked, *concluded)):
+        findings.error("undefined-variable", "a set of the rule belongs to no domain")
+        return None
+    targets = {id(each.domain): each.domain for each in concluded}
+    labels = sorted(str(each._name) for each in targets.values())
+    if len(targets) > 1:
+        findings.error("rule-too-rich", f"the rule concludes several domains: {', '.join(labels)}")
+        return None
+    domains, (target,) = _domains(rule), targets.values()
+    if len(domains) < len({id(each.domain) for each in asked}) or labels[0] in domains:
+        findings.error("duplicate-variable", "two domains of the rule have one name")
+        return None
+    named = {id(each): _named(each, asked, hedged=True) for each in domains.values()}
+    values = _named(target, concluded)
+    inputs = tuple(
+        _input(label, each, named[id(each)].values(), findings) for label, each in domains.items()
+    )
+    rules = []
+    for sets, set_ in rule.conditions.items():
+        parts = tuple(
+            Is(str(each.domain._name), *named[id(each.domain)][id(each)][:2])
+            for each in sorted(sets, key=lambda each: str(each.domain._name))
+        )
+        conclusion = Consequent(labels[0], values[id(set_)].term)
+        rules.append(Rule(And(parts) if len(parts) > 1 else parts[0], (conclusion,)))
+    output = _output(labels[0], target, values.values())
+    return RuleBase(name, inputs, (output,), (RuleBlock(tuple(rules)),))
+
+
+class _Named(NamedTuple):
+    """A set as the rules call it; of one that is another term under hedges `set` is None."""
+
+    term: str
+    hedges: tuple[Hedge, ...]
+    set: Any
+
+
+def _named(domain: Any, used: Iterable[Any], *, hedged: bool = False) -> dict[int, _Named]:
+    """Return by identity the sets of a domain, and those made of them on the way."""
+    found = {id(each): _Named(str(name), (), each) for name, each in domain._sets.items()}
+    own = list(found.values())
+    taken = {each.term for each in own}
+    for each in used:
+        if each.domain is not domain or id(each) in found:
+            continue
+        same = _under_hedges(each, own, domain) if hedged else None
+        if same is None:
+            same = _Named(unique_name(str(each.name or "derived"), taken), (), each)
+            taken.add(same.term)
+        found[id(each)] = same
+    return found
+
+
+def _under_hedges(each: Any, own: list[_Named], domain: Any) -> _Named | None:
+    """Return the own term and the hedges that make a set, as ``~hot`` and ``very(hot)``."""
+    low, width = float(domain._low), float(domain._high) - float(domain._low)
+    xs = [low + width * (i - 20) / 160 for i in range(201)]
+    degrees = [float(each(x)) for x in xs]
+    for term in own:
+        before = [float(term.set(x)) for x in xs]
+        for hedges in (*_powers(before, degrees), (NOT,)):
+            made = [apply_hedges(hedges, min(1.0, max(0.0, y))) for y in before]
+            if all(abs(a - b) <= TOLERANCE for a, b in zip(made, degrees, strict=True)):
+                return _Named(term.term, hedges, None)
+    return None
+
+
+def _powers(before: list[float], after: list[float]) -> list[tuple[Hedge, ...]]:
+    """Return the power that leads from one degree to the other, told from the middle ones."""
+    pairs = [(a, b) for a, b in zip(before, after, strict=True) if 0.1 < a < 0.9 and 0.0 < b < 1.0]
+    if not pairs:
+        return []
+    exponent = round(math.log(pairs[0][1]) / math.log(pairs[0][0]), 9)
+    return [(_POWERS.get(exponent) or Hedge("power", exponent),)] if exponent > 0.0 else []
+
+
+_POWERS = {2.0: Hedge("very"), 0.5: Hedge("somewhat"), 3.0: Hedge("extremely")}
+
+
+def _input(label: str, domain: Any, sets: Iterable[_Named], findings: Findings) -> Input:
+    low, high = float(domain._low), float(domain._high)
+    shapes = {name: _shape(each, low, high, f"'{name}' of '{label}'", findings)
+              for name, _, each in sets if each is not None}  # fmt: skip
+    outside = "extend"
+    if all(constant_beyond(shape, low, high) for shape in shapes.values()):
+        outside = "clamp"
+        points = [low + (high - low) * i / 96 for i in range(97)]
+        even = even_family(list(shapes.values()), low, high, points)
+        shapes = dict(zip(shapes, even, strict=True)) if even else shapes
+    terms = tuple(Term(name, shape) for name, shape in shapes.items())
+    return Input(label, low, high, terms, outside=outside)
+
+
+def _shape(each: Any, low: float, high: float, what: str, findings: Findings) -> Shape:
+    shape = shape_of(each, low, high)
+    if shape is not None:
+        return shape
+    message = f"{what} is a function of its own, taken at 1001 points"
+    findings.loss("unsupported-shape", message, slight=True)
+    xs = [low + (high - low) * i / 1000 for i in range(1001)]
+    return joined(xs, [min(1.0, max(0.0, float(each(x)))) for x in xs])
+
+
+def _output(label: str, target: Any, sets: Iterable[_Named]) -> Output:
+    low, high = float(target._low), float(target._high)
+    step = (high - low) / len(target.range)
+    values = {name: low + step * float(each.center_of_gravity) for name, _, each in sets}
+    return Output(
+        label,
+        low,
+        high,
+        tuple(Term(name, Shape("singleton", (value,))) for name, value in values.items()),
+        outside="extend",
+        aggregation="sum",
+        defuzzifier=Defuzzifier("weighted-average"),
+    )

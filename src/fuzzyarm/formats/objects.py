@@ -1,0 +1,244 @@
+"""Live objects of other libraries: whose one is, the rule base that it is, its own numbers.
+
+A library is known by the name of its module and of the classes that are systems; nothing of it
+is imported here.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from itertools import islice, product
+from typing import Any
+
+from fuzzyarm.formats.findings import Imported
+from fuzzyarm.formats.fll import parse_fll
+from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
+from fuzzyarm.formats.simpful import from_simpful, simpful_numbers
+from fuzzyarm.formats.skfuzzy import from_skfuzzy, skfuzzy_numbers
+from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
+
+__all__ = [
+    "LIBRARIES",
+    "Library",
+    "comparison_points",
+    "library_of",
+    "measured",
+    "read_object",
+]
+
+
+@dataclass(frozen=True)
+class Library:
+    """A library whose objects are read.
+
+    Attributes
+    ----------
+    name : str
+        As people call it.
+    module : str
+        Its top module.
+    classes : tuple of str
+        Names of the classes that are systems.
+    read : callable
+        ``read(object, name, lossy=…, strict=…)`` gives an :class:`Imported`.
+    numbers : callable
+        ``numbers(object)`` gives a function from the inputs by name to the outputs that have a
+        value, as the library computes them.
+    """
+
+    name: str
+    module: str
+    classes: tuple[str, ...]
+    read: Callable[..., Imported]
+    numbers: Callable[[Any], Callable[[Mapping[str, float]], dict[str, float]]]
+
+
+# --- pyfuzzylite: it writes its engine as FLL, which is read like any file ---
+
+
+def _from_pyfuzzylite(
+    engine: Any, name: str, *, lossy: bool = False, strict: bool = False
+) -> Imported:
+    """Return the rule base of an engine, from the text that its own exporter makes."""
+    module = sys.modules[type(engine).__module__.partition(".")[0]]
+    settings = module.settings
+    before = {key: getattr(settings, key) for key in ("decimals", "atol")}
+    # Three decimals unless told otherwise; heights and weights within `atol` of 1 are left out.
+    settings.decimals, settings.atol = 25, 0.0
+    try:
+        text = module.FllExporter().to_string(engine)
+    finally:
+        for key, value in before.items():
+            setattr(settings, key, value)
+    imported = parse_fll(text, lossy=lossy, strict=strict)
+    # There is no text for the user to find a position in.
+    found = tuple(replace(d, span=NOWHERE, path="") for d in imported.diagnostics)
+    rulebase = imported.rulebase
+    if rulebase is not None and not rulebase.name.strip():
+        rulebase = replace(rulebase, name=name)
+    return Imported(rulebase, found, "pyfuzzylite")
+
+
+def _pyfuzzylite_numbers(engine: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks an engine for its own numbers."""
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        engine.restart()
+        for variable in engine.input_variables:
+            variable.value = values[variable.name]
+        engine.process()
+        found = {each.name: float(each.value) for each in engine.output_variables if each.enabled}
+        return {name: value for name, value in found.items() if not math.isnan(value)}
+
+    return numbers
+
+
+# --- The libraries ---
+
+LIBRARIES = (
+    Library(
+        "scikit-fuzzy",
+        "skfuzzy",
+        ("ControlSystem", "ControlSystemSimulation"),
+        from_skfuzzy,
+        skfuzzy_numbers,
+    ),
+    Library(
+        "pyfuzzylite", "fuzzylite", ("Engine",), _from_pyfuzzylite, _pyfuzzylite_numbers
+    ),
+    Library("simpful", "simpful", ("FuzzySystem",), from_simpful, simpful_numbers),
+    Library("fuzzylogic", "fuzzylogic", ("Rule",), from_fuzzylogic, fuzzylogic_numbers),
+)  # fmt: skip
+"""Libraries whose live objects are read."""
+
+
+def library_of(found: object) -> Library | None:
+    """Return the library that an object is a system of, or None."""
+    for each in type(found).__mro__:
+        module = str(each.__module__).partition(".")[0]
+        for library in LIBRARIES:
+            if library.module == module and each.__name__ in library.classes:
+                return library
+    return None
+
+
+def read_object(
+    found: object,
+    name: str = "system",
+    *,
+    points: bool = False,
+    lossy: bool = False,
+    strict: bool = False,
+) -> Imported:
+    """Return the rule base that a live object of another library is.
+
+    Parameters
+    ----------
+    found : object
+        A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
+        pyfuzzylite, a ``FuzzySystem`` of simpful, or a ``Rule`` of fuzzylogic.
+    name : str
+        What the rule base is called.
+    points : bool
+        Of scikit-fuzzy: whether terms stay straight lines between the points of their universe.
+    lossy, strict : bool
+        As for :func:`fuzzyarm.formats.read`.
+
+    Raises
+    ------
+    TypeError
+        If it is none of these.
+    """
+    library = library_of(found)
+    if library is None:
+        raise TypeError(
+            f"{type(found).__module__}.{type(found).__qualname__} is not a system of "
+            f"{', '.join(each.name for each in LIBRARIES)}"
+        )
+    options = {"points": points} if library.module == "skfuzzy" else {}
+    try:
+        return library.read(found, name, lossy=lossy, strict=strict, **options)
+    except Exception as error:  # whatever the library raises over an object that is half made
+        message = f"the object cannot be read: {type(error).__name__}: {error}"
+        return Imported(None, (Diagnostic("unreadable-object", message[:500]),), library.name)
+
+
+# --- Its numbers at points that stand for all ---
+
+POINTS = 100
+"""Points at which numbers are compared."""
+
+_SECONDS = 15.0
+"""Time for the numbers of one object; fewer points are compared where it is slow."""
+
+_BEYOND = 0.1
+"""How far beyond its range an input is tried, of the width."""
+
+
+def comparison_points(rulebase: RuleBase) -> list[dict[str, float]]:
+    """Return points of the inputs: corners, the centre, then all over the ranges and beside.
+
+    Evenly and in no order, so that the first of them are a fair choice too. They follow the
+    additive recurrence of the generalised golden ratio (M. Roberts, *The Unreasonable
+    Effectiveness of Quasirandom Sequences*, 2018).
+    """
+    inputs = rulebase.inputs
+    count = len(inputs)
+    shares = [tuple(map(float, corner)) for corner in islice(product((0, 1), repeat=count), 16)]
+    shares.append((0.5,) * count)
+    ratio = 2.0
+    for _ in range(50):
+        ratio = (1.0 + ratio) ** (1.0 / (count + 1))
+    while len(shares) < POINTS:
+        number = len(shares)
+        beyond = 2 * _BEYOND * (number % 8 == 0)
+        row = ((0.5 + number * ratio ** -(k + 1)) % 1.0 for k in range(count))
+        shares.append(tuple(share * (1.0 + beyond) - 0.5 * beyond for share in row))
+    return [
+        {v.name: _between(v, share) for v, share in zip(inputs, row, strict=True)}
+        for row in shares
+    ]  # fmt: skip
+
+
+def _between(variable: Input, share: float) -> float:
+    if variable.outside == "error":
+        share = min(1.0, max(0.0, share))
+    if share in (0.0, 1.0):
+        return variable.high if share else variable.low
+    return variable.low + share * (variable.high - variable.low)
+
+
+def measured(
+    found: object, rulebase: RuleBase, deadline: float = math.inf
+) -> list[tuple[dict[str, float], dict[str, float] | None]]:
+    """Return points and what a live object computes there itself, None where it raises.
+
+    Parameters
+    ----------
+    found : object
+        A system of one of the :data:`LIBRARIES`.
+    rulebase : RuleBase
+        What it was read as.
+    deadline : float
+        On the monotonic clock: no further point is taken behind it.
+    """
+    if not all(math.isfinite(v.low) and math.isfinite(v.high) for v in rulebase.inputs):
+        return []
+    library = library_of(found)
+    assert library is not None
+    numbers = library.numbers(found)
+    until = min(deadline, time.monotonic() + _SECONDS)
+    results: list[tuple[dict[str, float], dict[str, float] | None]] = []
+    for point in comparison_points(rulebase):
+        if time.monotonic() > until:
+            break
+        try:
+            results.append((point, numbers(point)))
+        except Exception:  # whatever the library, or a function of the user's in it, raises
+            results.append((point, None))
+    return results

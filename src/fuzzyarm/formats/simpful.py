@@ -1,0 +1,463 @@
+"""simpful: a ``FuzzySystem`` to a rule base.
+
+Mamdani systems are summed over 1000 points with both ends; where nothing fires the result is 0.
+Sugeno systems divide the sum of strength × value × weight by the sum of the strengths, so that a
+weight there is a factor on the value. The objects are known by their attributes; simpful itself
+is not imported.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from itertools import product
+from typing import Any
+
+from fuzzyarm.expression.formulas import FormulaError, read_formula, write_formula
+from fuzzyarm.formats.drafts import blocks_by_norms
+from fuzzyarm.formats.findings import Findings, Imported, Word, unique_name, written
+from fuzzyarm.formats.recovery import constant_beyond, even_family, joined, shape_of
+from fuzzyarm.formats.sentences import NOT, hedged
+from fuzzyarm.formats.shapes import estimated_range
+from fuzzyarm.model.rulebase import (
+    And,
+    Consequent,
+    Defuzzifier,
+    Expression,
+    Hedge,
+    Input,
+    Is,
+    Or,
+    Output,
+    Rule,
+    RuleBase,
+    Shape,
+    Term,
+    propositions,
+)
+
+__all__ = ["from_simpful", "simpful_numbers"]
+
+SUBDIVISIONS = 1000
+"""Points over which ``inference()`` sums, unless it is called with another number."""
+
+_NORMS = {"AND": "min", "AND_p": "product", "OR": "max", "OR_p": "probor"}
+
+
+def simpful_numbers(system: Any) -> Callable[[Mapping[str, float]], dict[str, float]]:
+    """Return what asks a system for its own numbers; it keeps the values that it had."""
+    system = copy(system)
+    system._variables = dict(system._variables)
+
+    def numbers(values: Mapping[str, float]) -> dict[str, float]:
+        for name, value in values.items():
+            system.set_variable(name, value)
+        found = system.inference(ignore_warnings=True)
+        return {name: float(value) for name, value in found.items()}
+
+    return numbers
+
+
+def from_simpful(
+    system: Any, name: str = "system", *, lossy: bool = False, strict: bool = False
+) -> Imported:
+    """Return the rule base that a fuzzy system of simpful is, as ``inference()`` runs it.
+
+    Parameters
+    ----------
+    system : simpful.FuzzySystem
+        Complete: every variable, every rule.
+    name : str
+        What the rule base is called.
+    lossy, strict : bool
+        As for :func:`fuzzyarm.formats.read`.
+
+    Returns
+    -------
+    Imported
+        The rule base where there is no error, and every finding, without positions.
+    """
+    findings = Findings(lossy=lossy, strict=strict)
+    reader = _Reader(system, findings)
+    rulebase = reader.rulebase(name)
+    return Imported(None if findings.failed else rulebase, findings.all(), "simpful")
+
+
+class _Reader:
+    """One system while it is read."""
+
+    def __init__(self, system: Any, findings: Findings) -> None:
+        self.system = system
+        self.findings = findings
+        self.variables: dict[str, Any] = dict(system._lvs)
+        self.sugeno = system._detected_type == "Sugeno"
+
+    def rulebase(self, name: str) -> RuleBase | None:
+        if self.system._detected_type not in (None, "Sugeno"):
+            message = f"simpful finds the type of this system {self.system._detected_type}"
+            self.findings.error("unknown-type", message)
+            return None
+        rules = [self._rule(number, *rule) for number, rule in enumerate(self.system._rules, 1)]
+        read = [each for each in rules if each is not None]
+        if not rules:
+            self.findings.error("no-rules", "the system has no rules")
+        if not read or self.findings.failed:
+            return None
+        used = [part.variable for _, rule in read for part in propositions(rule.antecedent)]
+        inputs = [n for n in self.variables if n in set(used)]
+        concluded = list(dict.fromkeys(rule.consequents[0].variable for _, rule in read))
+        self._note_both(inputs, concluded)
+        made = tuple(self._input(each) for each in inputs)
+        output = self._values if self.sugeno else self._sets
+        outputs = tuple(output(each, made, [rule for _, rule in read]) for each in concluded)
+        return RuleBase(name, made, outputs, blocks_by_norms(read))
+
+    def _note_both(self, inputs: list[str], concluded: list[str]) -> None:
+        for name in concluded:
+            if name in inputs:
+                message = (
+                    f"'{name}' is concluded and asked for: simpful asks for the value that was "
+                    "set, not for the one it computes"
+                )
+                self.findings.error("chained-output", message)
+            if name in self.system._constants:
+                message = f"'{name}' is set constant: simpful returns that whatever the rules say"
+                self.findings.loss("constant-output", message)
+        for name in self.variables:
+            if name not in inputs and name not in concluded:
+                self.findings.info("unused-variable", f"no rule uses '{name}'; it is left out")
+
+    # --- Rules ---
+
+    def _rule(
+        self, number: int, antecedent: Any, consequent: Sequence[str]
+    ) -> tuple[tuple[str, str], Rule] | None:
+        used: set[str] = set()
+        if len(consequent) not in (2, 3):
+            message = f"rule {number} concludes {len(consequent) // 2} outputs; simpful takes one"
+            self.findings.error("rule-too-rich", message)
+            return None
+        variable, term, *weight = consequent
+        expression = self._expression(antecedent, used, number)
+        known = self._known_conclusion(variable, term, number)
+        if expression is None or not known:
+            return None
+        if len(used & {"AND", "AND_p"}) > 1 or len(used & {"OR", "OR_p"}) > 1:
+            message = f"rule {number} mixes norms, which one rule cannot do here"
+            self.findings.error("mixed-norms", message)
+        norms = ("product" if "AND_p" in used else "min", "probor" if "OR_p" in used else "max")
+        factor = float(weight[0]) if weight else 1.0
+        if self.sugeno and factor != 1.0:
+            return norms, Rule(expression, (Consequent(variable, f"{term}*{written(factor)}"),))
+        if self.sugeno:
+            return norms, Rule(expression, (Consequent(variable, term),))
+        conclusion = Consequent(variable, *self._term(variable, term))
+        return norms, Rule(expression, (conclusion,), factor)
+
+    def _term(self, variable: str, term: str) -> tuple[str, tuple[Hedge, ...]]:
+        """Return a term as rules name it: an inverse gaussian is not its complement."""
+        inverse = (each for each in self.variables[variable]._FSlist if each._term == term)
+        return (_complement(term), (NOT,)) if any(map(_is_inverse, inverse)) else (term, ())
+
+    def _known_conclusion(self, variable: str, term: str, number: int) -> bool:
+        if self.sugeno:
+            known = [*self.system._crispvalues, *self.system._outputfunctions]
+            if term not in known:
+                what = f"in rule {number}, the value"
+                self.findings.unknown("undefined-term", what, Word(term), known)
+            return term in known
+        return self._known(variable, term, number)
+
+    def _known(self, variable: str, term: str, number: int) -> bool:
+        if variable not in self.variables:
+            what = f"in rule {number}, the variable"
+            self.findings.unknown("undefined-variable", what, Word(variable), self.variables)
+            return False
+        terms = [each._term for each in self.variables[variable]._FSlist]
+        if term not in terms:
+            what = f"in rule {number}, the term of '{variable}'"
+            self.findings.unknown("undefined-term", what, Word(term), terms)
+        return term in terms
+
+    def _expression(self, part: Any, used: set[str], number: int) -> Expression | None:
+        if hasattr(part, "_term"):
+            if not self._known(part._variable, part._term, number):
+                return None
+            return Is(part._variable, *self._term(part._variable, part._term))
+        function = getattr(part, "_fun", None)
+        if function == "NOT":
+            inner = self._expression(part._B, used, number)
+            return hedged((NOT,), inner) if inner is not None else None
+        if function not in _NORMS:
+            message = f"rule {number} has the operator '{function}'" if function else (
+                f"rule {number} has no condition"
+            )  # fmt: skip
+            self.findings.error("unknown-norm" if function else "empty-rule", message)
+            return None
+        used.add(function)
+        joined_by = And if function.startswith("AND") else Or
+        operands: list[Expression] = []
+        for each in (part._A, part._B):
+            inner = self._expression(each, used, number)
+            if inner is None:
+                return None
+            operands += inner.operands if isinstance(inner, joined_by) else (inner,)
+        return joined_by(tuple(operands))
+
+    # --- Variables ---
+
+    def _input(self, name: str) -> Input:
+        low, high, shapes = self._range_and_shapes(name)
+        ends = [low + (high - low) * i / 96 for i in range(97)]
+        outside = "extend"
+        beyond = all(constant_beyond(shape, low, high) for shape in shapes.values())
+        if beyond and not self.system._outputfunctions:  # functions take an input as it is
+            outside = "clamp"
+            even = even_family(list(shapes.values()), low, high, ends)
+            shapes = dict(zip(shapes, even, strict=True)) if even else shapes
+        return Input(name, low, high, _terms(shapes), self._description(name), outside)
+
+    def _sets(self, name: str, _inputs: tuple[Input, ...], _rules: list[Rule]) -> Output:
+        low, high, shapes = self._range_and_shapes(name)
+        points = [low + (high - low) * i / (SUBDIVISIONS - 1) for i in range(SUBDIVISIONS)]
+        even = even_family(list(shapes.values()), low, high, points)
+        shapes = dict(zip(shapes, even, strict=True)) if even else shapes
+        return Output(
+            name, low, high, _terms(shapes), self._description(name), "extend",
+            defuzzifier=Defuzzifier("centroid", SUBDIVISIONS, "endpoints"), no_rule=0.0,
+        )  # fmt: skip
+
+    def _description(self, name: str) -> str:
+        concept = str(self.variables[name]._concept or "")
+        return "" if concept == name else concept
+
+    def _range_and_shapes(self, name: str) -> tuple[float, float, dict[str, Shape]]:
+        variable = self.variables[name]
+        try:
+            low, high = map(float, variable.get_universe_of_discourse())
+        except Exception:  # simpful raises an exception of its own, or what indexing raises
+            low, high = -math.inf, math.inf
+        finite = -math.inf < low < high < math.inf
+        shapes: dict[str, Shape] = {}
+        for each in variable._FSlist:
+            shape = self._shape(each, name, *((low, high) if finite else (-1e3, 1e3)))
+            if each._term in shapes:
+                message = f"'{name}' has two terms called '{each._term}'"
+                self.findings.error("duplicate-term-name", message)
+            shapes[_complement(each._term) if _is_inverse(each) else each._term] = shape
+        if not finite:
+            low, high = estimated_range(list(shapes.values())) or (0.0, 1.0)
+            message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its terms"
+            self.findings.info("estimated-range", message)
+        return low, high, shapes
+
+    def _shape(self, each: Any, variable: str, low: float, high: float) -> Shape:
+        """Return the shape of a set: by the class of its function, or by asking it."""
+        function = getattr(each, "_funpointer", None)
+        known = _CLASSES.get(type(function).__name__)
+        shape = known(function) if known else shape_of(each.get_value, low, high)
+        if shape is None and not known and function is None:
+            return _polygon(each)
+        if shape is None:
+            message = (
+                f"'{each._term}' of '{variable}' is a function of its own, taken at 1001 points"
+            )
+            self.findings.loss("unsupported-shape", message, slight=True)
+            xs = [low + (high - low) * i / 1000 for i in range(1001)]
+            return joined(xs, [float(each.get_value(x)) for x in xs])
+        return shape
+
+    # --- Values of Sugeno systems ---
+
+    def _values(self, name: str, inputs: tuple[Input, ...], rules: list[Rule]) -> Output:
+        used = [c.term for rule in rules for c in rule.consequents if c.variable == name]
+        shapes = {term: self._value(term, inputs) for term in dict.fromkeys(used)}
+        numbers = [v for shape in shapes.values() for v in _extremes(shape, inputs)]
+        low, high = min(numbers, default=0.0), max(numbers, default=1.0)
+        if not -math.inf < low < high < math.inf:
+            low, high = (low - 0.5, low + 0.5) if math.isfinite(low) else (0.0, 1.0)
+        message = f"'{name}' has no universe of discourse; {low:g} to {high:g} by its values"
+        self.findings.info("estimated-range", message)
+        return Output(
+            name, low, high, _terms(shapes), "", "extend", aggregation="sum",
+            defuzzifier=Defuzzifier("weighted-average"), no_rule=0.0,
+        )  # fmt: skip
+
+    def _value(self, term: str, inputs: tuple[Input, ...]) -> Shape:
+        name, _, weight = term.partition("*")
+        factor = float(weight) if weight else 1.0
+        if name in self.system._crispvalues:
+            return Shape("singleton", (factor * float(self.system._crispvalues[name]),))
+        text = str(self.system._outputfunctions.get(name, "0"))
+        names = [each.name for each in inputs]
+        try:
+            return _formula(text, factor, names)
+        except (SyntaxError, ValueError, FormulaError) as error:
+            message = f"the function '{text[:60]}' of '{name}': {error}"
+            self.findings.error("bad-formula", message)
+            return Shape("singleton", (0.0,))
+
+
+def _terms(shapes: Mapping[str, Shape]) -> tuple[Term, ...]:
+    taken: set[str] = set()
+    made = []
+    for name, shape in shapes.items():
+        made.append(Term(unique_name(name, taken), shape))
+        taken.add(name)
+    return tuple(made)
+
+
+# --- Sets by the class of their function ---
+
+
+def _triangle(f: Any) -> Shape:
+    return _shoulders(f._a, f._b, f._b, f._c)
+
+
+def _shoulders(a: float, b: float, c: float, d: float) -> Shape:
+    """Return a trapezoid; equal numbers are a shoulder without end to simpful."""
+    left, right = (-math.inf if a == b else float(a)), (math.inf if c == d else float(d))
+    if left > -math.inf and right == math.inf:
+        return Shape("ramp", (left, float(b)))
+    if left == -math.inf and right < math.inf:
+        return Shape("ramp", (right, float(c)))
+    if b == c and math.isfinite(right):
+        return Shape("triangle", (left, float(b), right))
+    top = (-math.inf, math.inf) if right == math.inf else (float(b), float(c))
+    return Shape("trapezoid", (left, *top, right))
+
+
+def _two_sided(f: Any) -> Shape | None:
+    numbers = (f._mu1, abs(f._sigma1), f._mu2, abs(f._sigma2))
+    return Shape("two-sided-gaussian", tuple(map(float, numbers))) if f._mu1 <= f._mu2 else None
+
+
+def _singleton(f: Any) -> Shape | None:
+    if len(f._pairs) != 1:
+        return None
+    ((x, degree),) = f._pairs
+    return Shape("singleton", (float(x),), float(degree))
+
+
+def _is_inverse(each: Any) -> bool:
+    return type(getattr(each, "_funpointer", None)).__name__ == "InvGaussian_MF"
+
+
+def _complement(term: str) -> str:
+    return f"complement of {term}"
+
+
+def _gaussian(f: Any) -> Shape:
+    return Shape("gaussian", (float(f._mu), abs(float(f._sigma))))
+
+
+_CLASSES: dict[str, Callable[[Any], Shape | None]] = {
+    "Triangular_MF": _triangle,
+    "Trapezoidal_MF": lambda f: _shoulders(f._a, f._b, f._c, f._d),
+    "Sigmoid_MF": lambda f: Shape("sigmoid", (float(f._c), float(f._a))),
+    "InvSigmoid_MF": lambda f: Shape("sigmoid", (float(f._c), -float(f._a))),
+    "Gaussian_MF": _gaussian,
+    "InvGaussian_MF": _gaussian,
+    "DoubleGaussian_MF": _two_sided,
+    "Crisp_MF": lambda f: Shape("rectangle", (float(f._left), float(f._right))),
+    "Singletons_MF": _singleton,
+}
+
+
+def _polygon(each: Any) -> Shape:
+    """Return straight lines through points, with the values beyond them."""
+    points = [(float(x), float(y)) for x, y in each._points]
+    first, last = map(float, each.boundary_values)
+    if first != points[0][1]:
+        points.insert(0, (math.nextafter(points[0][0], -math.inf), first))
+    if last != points[-1][1]:
+        points.append((math.nextafter(points[-1][0], math.inf), last))
+    return Shape("points", tuple(value for point in points for value in point))
+
+
+# --- Functions of Sugeno systems: Python's arithmetic as a formula ---
+
+_SIGNS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "^"}
+_FUNCTIONS = frozenset({"abs", "min", "max", "log10"})
+
+
+def _formula(text: str, factor: float, names: list[str]) -> Shape:
+    """Return a linear consequent where a function is one, else a formula."""
+    if "{" in text:
+        raise ValueError("templates are not supported")
+    tree = ast.parse(text.strip(), mode="eval").body
+    affine = _affine(tree, names)
+    if affine is not None:
+        return Shape("linear", tuple(factor * number for number in affine))
+    formula = _in_words(tree, names)
+    formula = formula if factor == 1.0 else f"{written(factor)} * ({formula})"
+    return Shape("formula", (), 1.0, write_formula(read_formula(formula).root))
+
+
+def _affine(tree: ast.expr, names: list[str]) -> list[float] | None:
+    """Return a coefficient for each name and the constant, or None."""
+    match tree:
+        case ast.Constant(value=int() | float() as number):
+            return [*[0.0] * len(names), float(number)]
+        case ast.Name(id=name) if name in names:
+            return [float(each == name) for each in names] + [0.0]
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
+            inner = _affine(operand, names)
+            return inner and [-x if isinstance(sign, ast.USub) else x for x in inner]
+        case ast.BinOp(left=left, op=sign, right=right):
+            a, b = _affine(left, names), _affine(right, names)
+            return _affine_of(sign, a, b) if a is not None and b is not None else None
+    return None
+
+
+def _affine_of(sign: ast.operator, a: list[float], b: list[float]) -> list[float] | None:
+    match sign:
+        case ast.Add():
+            return [x + y for x, y in zip(a, b, strict=True)]
+        case ast.Sub():
+            return [x - y for x, y in zip(a, b, strict=True)]
+        case ast.Mult() if not any(a[:-1]):
+            return [a[-1] * y for y in b]
+        case ast.Mult() if not any(b[:-1]):
+            return [x * b[-1] for x in a]
+        case ast.Div() if not any(b[:-1]) and b[-1]:
+            return [x / b[-1] for x in a]
+    return None
+
+
+def _in_words(tree: ast.expr, names: list[str]) -> str:
+    match tree:
+        case ast.Constant(value=int() | float() as number):
+            return written(float(number))
+        case ast.Name(id=name):
+            if name not in names:
+                raise ValueError(f"'{name}' is not an input")
+            return name
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return f"(-({_in_words(operand, names)}))"
+        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+            return _in_words(operand, names)
+        case ast.BinOp(left=left, op=sign, right=right) if type(sign) in _SIGNS:
+            return f"({_in_words(left, names)} {_SIGNS[type(sign)]} {_in_words(right, names)})"
+        case ast.Call(func=ast.Name(id=function), args=args, keywords=[]) if function in _FUNCTIONS:
+            return f"{function}({', '.join(_in_words(each, names) for each in args)})"
+    raise ValueError(f"'{ast.unparse(tree)}' is not supported")
+
+
+def _extremes(shape: Shape, inputs: tuple[Input, ...]) -> list[float]:
+    """Return values of a consequent at the corners and the middle of the inputs' ranges."""
+    if shape.kind == "singleton":
+        return list(shape.parameters)
+    ends = [(each.low, each.high) for each in inputs]
+    corners = [*(product(*ends) if len(ends) <= 10 else []), [0.5 * (a + b) for a, b in ends]]
+    found = []
+    for corner in corners:
+        if shape.kind == "linear":
+            *factors, constant = shape.parameters
+            found.append(constant + sum(f * x for f, x in zip(factors, corner, strict=True)))
+            continue
+        values = dict(zip((each.name for each in inputs), corner, strict=True))
+        found.append(read_formula(shape.formula).evaluate(values))
+    return [x for x in found if math.isfinite(x)]

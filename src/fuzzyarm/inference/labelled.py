@@ -1,0 +1,183 @@
+"""Inputs as callers have them: numbers, arrays, and Series, DataFrames and DataArrays.
+
+What has an index, or dims and coordinates, comes back with them. pandas and xarray are known by
+the names of their types alone: whoever has none of their values does not load them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.model.rulebase import Variable
+
+# --- One mapping of inputs by name ---
+
+
+def gathered(
+    inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
+) -> tuple[dict[str, Any], Labels | None]:
+    """Put inputs from both ways of giving them together.
+
+    Parameters
+    ----------
+    inputs : mapping, DataFrame, Dataset or None
+        Inputs by name. Columns of a frame (and variables of a Dataset) that are not inputs are
+        passed over.
+    named : mapping of str to object
+        Further inputs.
+    variables : sequence of Variable
+        The inputs.
+
+    Returns
+    -------
+    given : dict of str to float or array_like
+        Without labels.
+    labels : Labels or None
+        Which put them on the results; None where there are none.
+
+    Raises
+    ------
+    InferenceError
+        If an input is given twice, or the labels of two inputs differ.
+    """
+    given = dict(named) if inputs is None else _by_name(inputs, named, variables)
+    for value in given.values():
+        if type(value) is not float and _library(value):  # floats are most, and this is quick
+            break
+    else:
+        return given, None
+    labelled = {name: value for name, value in given.items() if _library(value)}
+    libraries = {_library(value) for value in labelled.values()}
+    if len(libraries) > 1:
+        raise InferenceError("inputs are labelled by pandas or by xarray, not by both")
+    make = _of_pandas if libraries == {"pandas"} else _of_xarray
+    plain, wrap = make(labelled, given)
+    return {**given, **plain}, Labels(wrap, type(inputs) if _library(inputs) else None)
+
+
+def _by_name(
+    inputs: Any, named: Mapping[str, Any], variables: Sequence[Variable]
+) -> dict[str, Any]:
+    names = [variable.name for variable in variables]
+    if _library(inputs):
+        given = {name: inputs[name] for name in names if name in inputs}
+    elif isinstance(inputs, Mapping):
+        given = dict(inputs)
+    else:
+        kind = type(inputs).__name__
+        message = f"inputs are given by name, as a mapping, a DataFrame or a Dataset, not a {kind}"
+        raise InferenceError(message, hint=f"for instance {names[0]}=…" if names else "")
+    for name, value in named.items():
+        if name in given:
+            raise InferenceError(f"input '{name}' is given twice")
+        given[name] = value
+    return given
+
+
+def _library(value: Any) -> str:
+    """Return ``pandas`` or ``xarray`` for a value that one of them labels, else nothing."""
+    library = type(value).__module__.partition(".")[0]
+    if library == "pandas" and hasattr(value, "index") and hasattr(value, "to_numpy"):
+        return library
+    return library if library == "xarray" and hasattr(value, "coords") else ""
+
+
+class Labels:
+    """What puts the labels of the inputs on the outputs."""
+
+    def __init__(self, wrap: Callable[[str, Any], Any], container: type | None) -> None:
+        self._wrap = wrap
+        self._container = container
+
+    def on(self, results: Mapping[str, Any]) -> Any:
+        """Return the outputs with the labels, and in the container that the inputs came in."""
+        wrapped = {name: self._wrap(name, values) for name, values in results.items()}
+        return wrapped if self._container is None else self._container(wrapped)
+
+
+# --- pandas ---
+
+
+def _of_pandas(
+    labelled: Mapping[str, Any], given: Mapping[str, Any]
+) -> tuple[dict[str, Any], Callable[[str, Any], Any]]:
+    first, *others = labelled
+    template = labelled[first]
+    for name in others:
+        other = labelled[name]
+        same = other.ndim == template.ndim and all(
+            a.equals(b) for a, b in zip(template.axes, other.axes, strict=True)
+        )
+        if not same:
+            hint = "align them first, or give their values: .to_numpy()"
+            message = f"the inputs '{first}' and '{name}' have different indexes"
+            raise InferenceError(message, hint=hint)
+
+    def wrap(name: str, values: Any) -> Any:
+        if getattr(values, "shape", ()) != template.shape:
+            values = _fitting(first, values, template.shape)
+        if template.ndim == 1:
+            return type(template)(values, index=template.index, name=name)
+        return type(template)(values, index=template.index, columns=template.columns)
+
+    return {name: _numbers(value) for name, value in labelled.items()}, wrap
+
+
+def _numbers(value: Any) -> Any:
+    """Return the values of a Series or a DataFrame; missing ones of nullable types as NaN."""
+    dtypes = [value.dtype] if value.ndim == 1 else list(value.dtypes)
+    if all(getattr(dtype, "kind", "O") in "fiub" for dtype in dtypes):
+        return value.to_numpy(dtype="float64", na_value=float("nan"))
+    return value.to_numpy()
+
+
+def _fitting(first: str, values: Any, shape: tuple[int, ...]) -> Any:
+    import numpy as np
+
+    try:
+        return np.broadcast_to(values, shape)
+    except ValueError:
+        found = np.shape(values)
+        message = f"'{first}' has labels for the shape {shape}, the inputs together have {found}"
+        raise InferenceError(message) from None
+
+
+# --- xarray ---
+
+
+def _of_xarray(
+    labelled: Mapping[str, Any], given: Mapping[str, Any]
+) -> tuple[dict[str, Any], Callable[[str, Any], Any]]:
+    import xarray as xr
+
+    for name, value in given.items():
+        if name not in labelled and getattr(value, "ndim", isinstance(value, list | tuple)):
+            hint = "give it as a DataArray too"
+            raise InferenceError(f"the array of input '{name}' has no dims", hint=hint)
+    try:
+        arrays = xr.align(*labelled.values(), join="exact", copy=False)
+    except ValueError as error:
+        message = "the coordinates of the inputs differ"
+        raise InferenceError(message, hint=str(error).partition("\n")[0]) from None
+    dims = list(dict.fromkeys(dim for array in arrays for dim in array.dims))
+    sizes = {dim: size for array in arrays for dim, size in array.sizes.items()}
+    coords = {name: value for array in arrays for name, value in array.coords.items()}
+    coords = {name: value for name, value in coords.items() if set(value.dims) <= set(dims)}
+    plain = {name: _on_dims(array, dims) for name, array in zip(labelled, arrays, strict=True)}
+
+    def wrap(name: str, values: Any) -> Any:
+        import numpy as np
+
+        whole = np.broadcast_to(values, [sizes[dim] for dim in dims]).copy()
+        return xr.DataArray(whole, dims=dims, coords=coords, name=name)
+
+    return plain, wrap
+
+
+def _on_dims(array: Any, dims: Sequence[Any]) -> Any:
+    """Return the values of a DataArray, with an axis of size 1 for each of `dims` that it lacks."""
+    own = [dim for dim in dims if dim in array.dims]
+    index = tuple(slice(None) if dim in own else None for dim in dims)
+    return array.transpose(*own).to_numpy()[index]

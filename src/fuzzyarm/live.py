@@ -1,0 +1,428 @@
+"""Systems of other fuzzy libraries, live: rule bases of them, and how far their numbers differ.
+
+:func:`from_live` takes an object, :func:`read_script` a script that makes some. Either way the
+library's own object is asked for its numbers at a hundred points and the rule base beside it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import IO, Any
+
+from fuzzyarm.api import FileWarning
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.formats import gather
+from fuzzyarm.formats.findings import Findings
+from fuzzyarm.formats.objects import library_of, measured, read_object
+from fuzzyarm.formats.tables import in_tables
+from fuzzyarm.language import parse
+from fuzzyarm.model.rulebase import Output, RuleBase
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity, Span
+
+__all__ = ["ScriptError", "System", "compare", "from_live", "read_script"]
+
+SAME = 1e-9
+"""Numbers that are nearer than this, of the range of their output, are the same."""
+
+SLIGHT = 1e-2
+"""A difference up to this, of the range, is a warning; beyond it is an error."""
+
+Measured = Sequence[tuple[Mapping[str, float], Mapping[str, float] | None]]
+"""Points, and the numbers of the library there; None where it raised."""
+
+
+# --- One object ---
+
+
+def from_live(
+    found: object, name: str | None = None, *, points: bool = False, lossy: bool = False
+) -> RuleBase:
+    """Return the rule base that a live object of another fuzzy library is.
+
+    Parameters
+    ----------
+    found : object
+        A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
+        pyfuzzylite, a ``FuzzySystem`` of simpful, or a ``Rule`` of fuzzylogic.
+    name : str, optional
+        What the rule base is called; by default that of the library.
+    points : bool
+        Of scikit-fuzzy: whether every term stays the straight lines between the points of its
+        universe, rather than the gaussian, bell and so on that has the same degrees there.
+    lossy : bool
+        Whether to go on where numbers differ by more than 1 % of the range of an output.
+
+    Returns
+    -------
+    RuleBase
+        With what the library takes for granted written out.
+
+    Warns
+    -----
+    FileWarning
+        For what differs, with the greatest difference at 100 points where the library's own
+        object was asked; its `diagnostic` has name and message.
+
+    Raises
+    ------
+    TypeError
+        If the object is none of these.
+    RuleBaseError
+        If it cannot be carried; `diagnostics` says why.
+    """
+    library = library_of(found)
+    name = name or (library.module if library else "")
+    imported = read_object(found, name, points=points, lossy=lossy)
+    diagnostics = list(imported.diagnostics)
+    rulebase = imported.rulebase
+    if rulebase is not None:
+        rulebase = in_tables(rulebase)
+        assert library is not None
+        diagnostics += compare(rulebase, measured(found, rulebase), library.name, lossy=lossy)
+    diagnostics = [replace(each, path=each.path or name) for each in diagnostics]
+    if rulebase is None or any(each.is_error for each in diagnostics):
+        raise RuleBaseError(diagnostics)
+    for each in diagnostics:
+        if each.severity is Severity.WARNING:
+            warnings.warn(FileWarning(each), stacklevel=2)
+    return rulebase
+
+
+# --- Its numbers beside ours ---
+
+
+def compare(
+    rulebase: RuleBase,
+    results: Measured,
+    library: str,
+    *,
+    lossy: bool = False,
+    strict: bool = False,
+) -> tuple[Diagnostic, ...]:
+    """Return a finding for each output: that its numbers are the same, or by how much they differ.
+
+    Parameters
+    ----------
+    rulebase : RuleBase
+        Ours.
+    results : sequence of (mapping, mapping or None)
+        Points, and the outputs of the library's object there; None where it raised.
+    library : str
+        Whose they are.
+    lossy, strict : bool
+        Whether a difference beyond 1 % of the range is allowed, and whether a smaller one is
+        refused.
+    """
+    findings = Findings(lossy=lossy, strict=strict)
+    kept = [(point, numbers) for point, numbers in results if numbers is not None]
+    if len(kept) < len(results):
+        message = (
+            f"{library} raises an error at {len(results) - len(kept)} of {len(results)} points"
+        )
+        findings.info("not-compared", message)
+    if not kept:
+        findings.warn("not-compared", f"the numbers were not compared with those of {library}")
+        return findings.all()
+    try:
+        ours = _our_numbers(rulebase, [point for point, _ in kept])
+    except FuzzyarmError as error:
+        findings.warn("not-compared", f"the numbers were not compared: {error}")
+        return findings.all()
+    for output in rulebase.outputs:
+        theirs = [numbers.get(output.name, math.nan) for _, numbers in kept]
+        _compare_output(output, [p for p, _ in kept], theirs, ours[output.name], library, findings)
+    return findings.all()
+
+
+def _our_numbers(
+    rulebase: RuleBase, points: Sequence[Mapping[str, float]]
+) -> dict[str, list[float]]:
+    """Return our outputs at points; nan where there is no value."""
+    import numpy as np
+
+    from fuzzyarm.inference import infer
+
+    outputs = tuple(
+        replace(each, no_rule=math.nan) if isinstance(each.no_rule, str) else each
+        for each in rulebase.outputs
+    )
+    asked = replace(rulebase, outputs=outputs, expectations=(), properties=())
+    columns = {each.name: np.array([p[each.name] for p in points]) for each in rulebase.inputs}
+    found = infer(asked, columns)
+    return {name: np.broadcast_to(values, len(points)).tolist() for name, values in found.items()}
+
+
+def _compare_output(
+    output: Output,
+    points: Sequence[Mapping[str, float]],
+    theirs: Sequence[float],
+    ours: Sequence[float],
+    library: str,
+    findings: Findings,
+) -> None:
+    gaps = [abs(a - b) for a, b in zip(theirs, ours, strict=True)]
+    alone = [i for i, (a, b) in enumerate(zip(theirs, ours, strict=True))
+             if math.isnan(a) != math.isnan(b)]  # fmt: skip
+    where = max(range(len(gaps)), key=lambda i: -1.0 if math.isnan(gaps[i]) else gaps[i])
+    width = output.high - output.low
+    width = width if math.isfinite(width) else max(1.0, abs(theirs[where]))
+    share = 0.0 if math.isnan(gaps[where]) else gaps[where] / width
+    if alone:
+        at = _at(points[alone[0]])
+        mine = "here" if math.isnan(theirs[alone[0]]) else f"in {library}"
+        message = (
+            f"'{output.name}' has a value only {mine} at {len(alone)} of {len(points)} points, "
+            f"as at {at}"
+        )
+        findings.loss("numbers-differ", message, slight=len(alone) <= SLIGHT * len(points))
+    if share <= SAME:
+        message = f"'{output.name}' is that of {library} at {len(points)} points"
+        findings.info("same-numbers", f"{message}, within {SAME:g} of its range")
+        return
+    message = (
+        f"'{output.name}' differs by up to {share:.2g} of its range at {len(points)} points: "
+        f"{theirs[where]:.6g} in {library}, {ours[where]:.6g} here, at {_at(points[where])}"
+    )
+    findings.loss("numbers-differ", message, slight=share <= SLIGHT)
+
+
+def _at(point: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
+
+
+# --- A script ---
+
+
+class ScriptError(FuzzyarmError, ValueError):
+    """A script that nothing could be gathered from.
+
+    Attributes
+    ----------
+    diagnostics : tuple of Diagnostic
+        Why, with the line of the script where there is one.
+    """
+
+    def __init__(
+        self, message: str, hint: str = "", diagnostics: Sequence[Diagnostic] = ()
+    ) -> None:
+        super().__init__(message, hint=hint)
+        self.diagnostics = tuple(diagnostics)
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A fuzzy system that a script has made.
+
+    Attributes
+    ----------
+    name : str
+        The script's variable, as the name of a file.
+    library : str
+        Whose object it is.
+    rulebase : RuleBase or None
+        None where any diagnostic is an error.
+    text : str
+        The rule base as a ``.frb`` text; empty where there is none.
+    diagnostics : tuple of Diagnostic
+        What was found, the comparison of numbers last.
+    """
+
+    name: str
+    library: str
+    rulebase: RuleBase | None
+    text: str
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def read_script(
+    path: str | os.PathLike[str],
+    *,
+    seconds: float = 60.0,
+    python: str | os.PathLike[str] | None = None,
+    points: bool = False,
+    lossy: bool = False,
+    strict: bool = False,
+) -> tuple[tuple[System, ...], tuple[Diagnostic, ...]]:
+    """Run a script in a process of its own and return the fuzzy systems that it makes.
+
+    The script is run as ``python SCRIPT`` does it, in its own folder, without a terminal,
+    windows or input; what it prints is dropped. It can do whatever its user may do: run only
+    what you trust.
+
+    Parameters
+    ----------
+    path : path-like
+        A Python script.
+    seconds : float
+        Time for the script.
+    python : path-like, optional
+        Another interpreter (3.11 or newer), for libraries that cannot be installed beside
+        fuzzyarm; this one by default.
+    points, lossy, strict : bool
+        As for :func:`from_live`, and for :func:`fuzzyarm.formats.read`. `lossy` also takes what
+        a script has made before it failed.
+
+    Returns
+    -------
+    systems : tuple of System
+        Each with its findings.
+    diagnostics : tuple of Diagnostic
+        Warnings about the script as a whole.
+
+    Raises
+    ------
+    OSError
+        If the script or the interpreter cannot be started.
+    ScriptError
+        If the script fails, does not end, or makes no fuzzy system.
+    """
+    script = Path(path).resolve()
+    with script.open("rb"):  # a clear error before any process
+        pass
+    options = {"seconds": seconds, "points": points, "lossy": lossy, "strict": strict}
+    try:
+        data, last_words = _answer(script, os.fspath(python or sys.executable), options)
+    except ScriptError as error:
+        raise ScriptError(f"{os.fspath(path)}: {error}", error.hint) from None
+    diagnostics = _about_script(data, os.fspath(path), seconds, last_words, lossy=lossy)
+    systems = tuple(_system(found, lossy=lossy, strict=strict) for found in data["found"])
+    if not systems:
+        raise ScriptError(
+            f"{os.fspath(path)}: no fuzzy system found",
+            "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful "
+            "or a Rule of fuzzylogic must be there when the script has run",
+            diagnostics,
+        )
+    return systems, diagnostics
+
+
+_HINTS = {
+    "EOFError": "input() has nobody to ask: write the value down",
+    "ModuleNotFoundError": "--python names an interpreter that has it",
+}
+"""What helps against some exceptions of a script."""
+
+
+def _about_script(
+    data: Mapping[str, Any], path: str, seconds: float, last_words: str, *, lossy: bool
+) -> tuple[Diagnostic, ...]:
+    """Return what is to be said of the script, or raise it."""
+    findings = Findings(path, lossy=lossy)
+    raised = data.get("raised")
+    if data.get("endless"):
+        message = f"the script has not ended within {seconds:g} s"
+        findings.loss("endless-script", message, hint="" if lossy else "--seconds gives it more")
+    elif raised:
+        line, column = max(1, raised["line"]), max(1, raised["column"])
+        at = Span(line, column, line, column + 1) if raised["line"] else NOWHERE
+        detail = f": {raised['message']}" if raised["message"] else ""
+        message = f"the script ends with {raised['kind']}{detail}"
+        findings.loss("failed-script", message, at, _HINTS.get(raised["kind"], ""))
+    elif data.get("refused"):
+        raise ScriptError(f"{path}: {data['refused']}", last_words)
+    found = findings.all()
+    if findings.failed:
+        name = "does not end" if data.get("endless") else "ends with an error"
+        raise ScriptError(f"{path}: the script {name}; nothing is gathered", "", found)
+    return found
+
+
+def _system(found: Mapping[str, Any], *, lossy: bool, strict: bool) -> System:
+    diagnostics = [
+        Diagnostic(name, message, severity=Severity(severity), hint=hint)
+        for name, message, severity, hint in found["diagnostics"]
+    ]
+    text = str(found["text"] or "")
+    rulebase = parse(text).rulebase if text else None
+    if rulebase is not None:
+        library = str(found["library"])
+        diagnostics += compare(rulebase, found["points"], library, lossy=lossy, strict=strict)
+    if any(each.is_error for each in diagnostics):
+        rulebase = None
+    return System(
+        found["name"], found["library"], rulebase, text if rulebase else "", tuple(diagnostics)
+    )
+
+
+# --- The process ---
+
+_MEASURING = gather.MEASURING + 60.0
+"""Seconds for what comes after the script, before the process is ended from outside."""
+
+_LAST_WORDS = 2000
+"""Characters of the errors' end that are kept of a script that dies."""
+
+
+def _answer(script: Path, python: str, options: dict[str, Any]) -> tuple[dict[str, Any], str]:
+    """Run the script and return what the process has gathered, and the end of its errors."""
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
+        target = Path(folder) / "answer.json"
+        words = [python, os.fspath(gather.__file__), str(script), str(target), json.dumps(options)]
+        process = subprocess.Popen(
+            words,
+            cwd=script.parent,
+            env=_environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
+        )
+        assert process.stderr is not None
+        tail = bytearray()
+        reader = threading.Thread(target=_read_tail, args=(process.stderr, tail), daemon=True)
+        reader.start()
+        try:
+            process.wait(options["seconds"] + gather.GRACE + _MEASURING)
+        except subprocess.TimeoutExpired:
+            pass
+        finally:
+            _end(process)
+        reader.join(1.0)
+        last_words = tail.decode(errors="replace").strip().rpartition("\n")[2]
+        try:
+            return json.loads(target.read_text(encoding="utf-8")), last_words
+        except (OSError, ValueError):
+            status = process.returncode
+            how = f"signal {-status}" if status < 0 else f"status {status}"
+            raise ScriptError(f"its process ended with {how}", last_words) from None
+
+
+def _environment() -> dict[str, str]:
+    """Return an environment in which nothing can open a window."""
+    environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    return environment | {
+        "MPLBACKEND": "Agg",
+        "QT_QPA_PLATFORM": "offscreen",
+        "SDL_VIDEODRIVER": "dummy",
+        "BROWSER": "true",
+        "PYTHONIOENCODING": "utf-8",
+    }
+
+
+def _read_tail(stream: IO[bytes], tail: bytearray) -> None:
+    with suppress(OSError, ValueError):
+        while part := stream.read1(65536):  # type: ignore[attr-defined]
+            tail += part
+            del tail[:-_LAST_WORDS]
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End the process and what it has started."""
+    with suppress(OSError):
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+    process.wait()

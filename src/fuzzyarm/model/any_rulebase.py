@@ -1,0 +1,175 @@
+"""What one asks of a rule base in a call, be it a value or still being written.
+
+Each method is a function of the packages above, which are loaded when they are asked. This is
+the one place that names what stands above it: by name, so that a model needs none of it.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import abstractmethod
+from collections.abc import Iterable, Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.text.shown import Shown
+
+if TYPE_CHECKING:
+    from fuzzyarm.model.rulebase import RuleBase
+
+
+def _function(module: str, name: str) -> Any:
+    return getattr(import_module(f"fuzzyarm.{module}"), name)
+
+
+class AnyRuleBase(Shown):
+    """A rule base: the immutable value that a file means, or one that is being written.
+
+    A file that is loaded gives the value (:class:`fuzzyarm.model.rulebase.RuleBase`), Python
+    writes one statement by statement (:class:`fuzzyarm.RuleBase`). Either can be called, drawn,
+    checked, compiled and written, and every function that takes a rule base takes both.
+    """
+
+    __slots__ = ()
+
+    @property
+    @abstractmethod
+    def model(self) -> RuleBase:
+        """The value: immutable, with equality and hash."""
+
+    def __call__(
+        self,
+        inputs: Any = None,
+        /,
+        *,
+        held: Mapping[str, float] | None = None,
+        outputs: Iterable[str] | None = None,
+        **named: Any,
+    ) -> Any:
+        """Return the outputs at the inputs; the same as :func:`fuzzyarm.infer`.
+
+        Parameters
+        ----------
+        inputs : mapping, DataFrame or Dataset, optional
+            Inputs by name.
+        held : mapping of str to float, optional
+            Last values of outputs that hold where no rule fires.
+        outputs : iterable of str, optional
+            Which outputs to evaluate.
+        **named : float, array_like, Series or DataArray
+            Inputs by name, in the units of the file.
+
+        Returns
+        -------
+        dict of str to float, ndarray, Series or DataArray; DataFrame; Dataset
+            Every output by name.
+
+        Raises
+        ------
+        InferenceError, NoRuleFiredError
+            As :func:`fuzzyarm.infer`.
+
+        Examples
+        --------
+        >>> from fuzzyarm import load, shipped
+        >>> pd7 = load(shipped("pd7.frb"))
+        >>> pd7(e=1.3, ce=-2.2)
+        {'u': -1.0677966101694918}
+        """
+        return _function("inference", "infer")(
+            self.model, inputs, held=held, outputs=outputs, **named
+        )
+
+    def explain(
+        self,
+        inputs: Mapping[str, float] | None = None,
+        /,
+        *,
+        held: Mapping[str, float] | None = None,
+        **named: float,
+    ) -> Any:
+        """Return the way to the outputs at one point; the same as :func:`fuzzyarm.explain`.
+
+        Returns
+        -------
+        Trace
+            In a notebook it is drawn; ``print`` writes it.
+        """
+        return _function("inference", "explain")(self.model, inputs, held=held, **named)
+
+    def check(self) -> Any:
+        """Return what `fuzzyarm check` says of the text: mistakes, else doubts.
+
+        Returns
+        -------
+        fuzzyarm.api.Review
+            With its `diagnostics`; ``print`` shows them. Never raises for what is wrong.
+        """
+        return _function("api", "check_text")(str(self), f"<{self.model.name}>")
+
+    def table(self, output: str | None = None, **options: Any) -> Any:
+        """Return the lookup table of an output.
+
+        Parameters
+        ----------
+        output : str, optional
+            Which; only where there are several.
+        **options
+            As of :func:`fuzzyarm.compile_table`: `levels`, `rounding`, `mode`, ….
+
+        Returns
+        -------
+        LookupTable
+            In a notebook its cells are drawn.
+        """
+        return _function("table", "compile_table")(self.model, output, **options)
+
+    def plot(self, output: str | None = None, at: Mapping[str, float] | None = None) -> Any:
+        """Return a figure of all terms and of the surface of each output.
+
+        Parameters
+        ----------
+        output : str, optional
+            The surface of this output only.
+        at : mapping of str to float, optional
+            Values of the inputs that are not drawn, or a point to mark.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Notebooks show it; ``savefig`` writes it.
+        """
+        return _function("show.figures", "rulebase_figure")(self.model, output, at)
+
+    def to_file(self, path: str | os.PathLike[str], *, lossy: bool = False) -> None:
+        """Write it to a file; what was there is replaced whole.
+
+        Parameters
+        ----------
+        path : path-like
+            Its suffix is the format: ``.frb``, ``.fll``, ``.fcl`` or ``.fis``.
+        lossy : bool
+            Whether to write a format of another program even where that would compute other
+            numbers.
+
+        Raises
+        ------
+        RuleBaseError
+            If the rule base is not complete, or the format cannot express it; the findings say
+            what.
+        FormatError
+            For another suffix.
+        OSError
+            If the file cannot be written.
+        """
+        text = str(self.model)
+        if os.path.splitext(path)[1].lower() != ".frb":
+            text = _function("formats", "text_in")(self.model, path, lossy=lossy)
+        elif type(self) is not type(self.model):
+            text = str(self)
+        _function("text.files", "write_atomically")(os.fspath(path), text)
+
+    def __str__(self) -> str:
+        """Return the text of its file, in canonical form."""
+        text: str = _function("language", "write")(self.model)
+        return text

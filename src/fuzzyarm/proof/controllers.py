@@ -1,0 +1,434 @@
+"""What the static part of a controller does: its drives' ranges, limits, gains and sectors.
+
+Between what it measures or remembers and its drives a controller is a map without memory: sums
+and products, rule bases, tables. Its *sources* (errors, rates, integrals …) count as
+independent. The lines are walked in order (:mod:`fuzzyarm.proof.walk`), once for each question;
+what cannot be proved says why.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product as combinations
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.controller.findings import site_by_axes
+from fuzzyarm.controller.on_plant import Site, site_of
+from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.reach import combine, largest, overlap, symmetric
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.expression.operations import EVERYTHING, Interval
+from fuzzyarm.model.controller import Drive
+from fuzzyarm.model.units import Unit, product, read_unit, unit_text
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.bounds import LIKE_EXPECT
+from fuzzyarm.proof.laws import NOTHING, ONE, Gains, Law, clipped, combined, constant, inside, plus
+from fuzzyarm.proof.walk import REMEMBERED, Asked, AxisLines, Walk
+
+__all__ = ["DriveGain", "DriveProof", "DriveSector", "prove_drives", "sampled_drive"]
+
+
+# ── what is found ────────────────────────────────────────────────────────────────────
+
+
+@dataclass(frozen=True)
+class DriveGain:
+    """How a drive grows with one source at the origin.
+
+    Attributes
+    ----------
+    source : str
+        As ``error of position``, ``rate of error of position``, ``integral of …``.
+    low, high : float
+        Slopes to both sides, all other sources at 0: the gain of a linear law.
+    least, most : float
+        Slopes of all pieces that meet at the origin.
+    unit : str
+        Of the drive by that of the source; empty where it is not certain.
+    """
+
+    source: str
+    low: float
+    high: float
+    least: float
+    most: float
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class DriveSector:
+    """Between which multiples of σ a drive lies, the sources that are not in σ at 0.
+
+    Attributes
+    ----------
+    weights : dict of str to float
+        Of the sources in σ: 1 for one source; for several the gains of the linear law, so
+        that σ is what that would drive.
+    low, high : float
+        The gains k₁ and k₂.
+    within : dict of str to (float, float)
+        Where it was asked.
+    slack : float
+        By so much the drive may leave the sector, in its own units.
+    """
+
+    weights: Mapping[str, float]
+    low: float
+    high: float
+    within: Mapping[str, tuple[float, float]]
+    slack: float = 0.0
+
+
+@dataclass(frozen=True)
+class DriveProof:
+    """What is proved of one drive.
+
+    Attributes
+    ----------
+    axis, port, unit : str
+        Which.
+    low, high : float
+        Its range, limits included.
+    free : (float, float)
+        Its range without the limits.
+    limits : (float, float) or None
+        Of the text, or of the plant's actuator.
+    reached : str
+        ``never``, ``yes``, or ``open`` where the range goes beyond the limits and no point was
+        found; empty without limits.
+    at : dict of str to float
+        Sources at which a limit is reached.
+    gains : tuple of DriveGain
+        Of the linear law at the origin, by ports.
+    sectors : tuple of DriveSector
+        Along each source, then along the linear law.
+    open : tuple of str
+        What could not be proved, and why.
+    """
+
+    axis: str
+    port: str
+    unit: str
+    low: float
+    high: float
+    free: tuple[float, float]
+    limits: tuple[float, float] | None
+    reached: str
+    at: Mapping[str, float]
+    gains: tuple[DriveGain, ...]
+    sectors: tuple[DriveSector, ...]
+    open: tuple[str, ...]
+
+
+# ── one axis on trial ─────────────────────────────────────────────────────────────────
+
+
+class _Trial:
+    """One axis on trial."""
+
+    def __init__(self, lines: AxisLines, site: Site | None) -> None:
+        self.lines = lines
+        self.site = site
+        self.name = lines.name
+        self.sources = lines.sources
+
+    def proofs(self) -> Iterator[DriveProof]:
+        whole = {name: reach.at for name, reach in self.sources.items()}
+        first = Walk(self.lines, Asked(whole, {})).run()
+        zones = {
+            name: overlap(at, first.notes.zones.get(name, EVERYTHING)) for name, at in whole.items()
+        }
+        for port, drives in first.drives.items():
+            yield self._proof(port, drives, first, zones)
+
+    def _proof(
+        self,
+        port: str,
+        drives: list[tuple[Drive, Law]],
+        first: Walk,
+        zones: Mapping[str, Interval],
+    ) -> DriveProof:
+        actuator, unit = self._actuator(port)
+        law = self._limited(drives, 1.0)
+        free = drives[0][1].at
+        for _, more in drives[1:]:
+            free = combined("add", free, more.at)
+        limits = drives[0][0].within if len(drives) == 1 else None
+        bound = Interval(*limits) if limits else actuator
+        open_: list[str] = []
+        gains: tuple[DriveGain, ...] = ()
+        if isinstance(law.gains, str) or isinstance(law.around, str):
+            open_.append(f"gains: {law.gains if isinstance(law.gains, str) else law.around}")
+        else:
+            gains = self._by_ports(law, unit)
+        sectors = tuple(self._sectors(port, law, first, zones, open_))
+        at = clipped(law.at, actuator) if actuator is not None else law.at
+        reached, where = self._reached(port, free, bound, first, zones)
+        return DriveProof(
+            self.name, port, unit_text(unit) if unit else "", *at, (free.low, free.high),
+            None if bound is None else (bound.low, bound.high), reached, where,
+            gains, sectors, tuple(dict.fromkeys(open_)),
+        )  # fmt: skip
+
+    def _actuator(self, port: str) -> tuple[Interval | None, Unit | None]:
+        if self.site is None:
+            return None, None
+        try:
+            address = self.site.find(self.lines.text.model, "drive", (self.name, port))
+        except SourceError:
+            return None, None
+        found = self.site.interface.inputs[address]
+        limits = Interval(found.low, found.high)
+        finite = limits.low > -math.inf or limits.high < math.inf
+        return (limits if finite else None), read_unit(found.unit)
+
+    @staticmethod
+    def _limited(drives: Sequence[tuple[Drive, Law]], farthest: float) -> Law:
+        """Return what goes out: limits held, lines of a port added; σ goes to ± `farthest`."""
+        total = constant(0.0)
+        for line, law in drives:
+            limits = None if line.within is None else Interval(*line.within)
+            total = plus(total, law if limits is None else _cut_off(law, limits, farthest))
+        return total
+
+    def _by_ports(self, law: Law, unit: Unit | None) -> tuple[DriveGain, ...]:
+        """Return gains by ports: those of rates and integrals through what they are made of."""
+        found: dict[str, list[Any]] = {}
+        assert isinstance(law.gains, dict)
+        assert isinstance(law.around, dict)
+        for source, gain in _notable(law.gains).items():
+            for name, share, its_unit in self._expanded(source):
+                both = [combine("multiply", each, share) for each in (gain, law.around[source])]
+                known = found.get(name)
+                if known is not None:
+                    both = [combine("add", a, b) for a, b in zip(known[0], both, strict=True)]
+                found[name] = [both, product(unit, its_unit, -1)]
+        kept = _notable({name: gain for name, ((gain, _), _) in found.items()})
+        return tuple(
+            DriveGain(
+                name, gain.low, gain.high, around.low, around.high,
+                unit_text(each) if each is not None else "",
+            )
+            for name, ((gain, around), each) in found.items()
+            if name in kept or largest(around) > 0.0
+        )  # fmt: skip
+
+    def _expanded(self, source: str) -> Iterator[tuple[str, Interval, Unit | None]]:
+        """Yield what a source consists of: name by ports, gain, unit."""
+        of, inner = self.lines.made[source]
+        reach = self.sources.get(source)
+        if of.kind not in REMEMBERED or inner is None or isinstance(inner.gains, str):
+            yield source, ONE, None if reach is None else reach.unit
+            return
+        power = {"rate": -1, "integral": 1}.get(of.kind, 0)
+        for below, gain in inner.gains.items():
+            for name, share, unit in self._expanded(below):
+                both = combine("multiply", gain, share)
+                if of.kind == "integral" and name.startswith("rate of "):
+                    yield name.removeprefix("rate of "), both, product(unit, {"s": 1})
+                else:
+                    yield f"{of.kind} of {name}", both, product(unit, {"s": power})
+
+    # --- sectors ---
+
+    def _sectors(
+        self,
+        port: str,
+        law: Law,
+        first: Walk,
+        zones: Mapping[str, Interval],
+        open_: list[str],
+    ) -> Iterator[DriveSector]:
+        if isinstance(law.gains, str):
+            return
+        if law.rest != NOTHING and not inside(law.rest, symmetric(LIKE_EXPECT * largest(law.at))):
+            open_.append(f"sectors: the drive is {_short(law.rest)} where every source is 0")
+            return
+        gains = _notable(law.gains)
+        level = [name for name, gain in law.gains.items() if gain == NOTHING]  # as at a step
+        for source in (*gains, *level):
+            stretches = dict.fromkeys((zones[source], self.sources[source].at))
+            for stretch in stretches:
+                yield from self._sector(port, {source: 1.0}, {source: stretch}, open_)
+        for group in dict.fromkeys(first.notes.groups):
+            weights = {
+                name: 0.5 * gains[name].low + 0.5 * gains[name].high
+                for name in group
+                if name in gains
+            }
+            if len(weights) > 1 and all(weights.values()):
+                yield from self._sector(port, weights, {s: zones[s] for s in weights}, open_)
+
+    def _sector(
+        self,
+        port: str,
+        weights: Mapping[str, float],
+        where: Mapping[str, Interval],
+        open_: list[str],
+    ) -> Iterator[DriveSector]:
+        farthest = sum(abs(weights[name]) * largest(at) for name, at in where.items())
+        found = self._limited(Walk(self.lines, Asked(where, weights)).run().drives[port], farthest)
+        if isinstance(found.along, str):
+            what = " and ".join(weights)
+            open_.append(f"sector along {what}: {found.along}")
+            return
+        if 0.0 < largest(found.along) < math.inf:
+            within = {name: (at.low, at.high) for name, at in where.items()}
+            yield DriveSector(dict(weights), *found.along, within, found.slack)
+
+    # --- limits ---
+
+    def _reached(
+        self,
+        port: str,
+        free: Interval,
+        limits: Interval | None,
+        first: Walk,
+        zones: Mapping[str, Interval],
+    ) -> tuple[str, dict[str, float]]:
+        """Tell whether a limit can be reached, and where."""
+        if limits is None:
+            return "", {}
+        if limits.low < free.low and free.high < limits.high:
+            return "never", {}
+        ends = {name: [x for x in at if math.isfinite(x)] or [0.0] for name, at in zones.items()}
+        points = [*first.notes.points]
+        if len(ends) <= 6:
+            points += [dict(zip(ends, each, strict=True)) for each in combinations(*ends.values())]
+        near = LIKE_EXPECT * max(abs(limits.low), abs(limits.high))  # touched is reached
+        for point in points:
+            value = self.value_at(port, point)
+            if value >= limits.high - near or value <= limits.low + near:
+                return "yes", point
+        return "open", {}
+
+    def value_at(self, port: str, point: Mapping[str, float], *, limited: bool = False) -> float:
+        """Return what a drive is at a point of its sources, by inference."""
+        self.lines.only_values = True
+        try:
+            at = {name: Interval(x, x) for name, x in point.items()}
+            total = 0.0
+            for line, law in Walk(self.lines, Asked(at, {})).run().drives[port]:
+                found = law.at
+                if limited and line.within is not None:
+                    found = clipped(found, Interval(*line.within))
+                total += 0.5 * found.low + 0.5 * found.high
+            return total
+        finally:
+            self.lines.only_values = False
+
+
+def _cut_off(law: Law, limits: Interval, farthest: float) -> Law:
+    """Return a law after limits; σ goes to ± `farthest`."""
+    gains, around, along = law.gains, law.around, law.along
+    known = isinstance(gains, dict)
+    if known and not (limits.low < law.rest.low and law.rest.high < limits.high):
+        gains = around = "the drive is at a limit at rest"
+    if isinstance(along, Interval) and not inside(law.at, limits):
+        if limits.low < 0.0 < limits.high:
+            # What is cut off is still as large as the nearer limit, at the farthest σ.
+            least = min(-limits.low, limits.high) / farthest if farthest else 0.0
+            along = Interval(
+                min(along.low, least) if along.low > 0.0 else along.low,
+                max(along.high, -least) if along.high < 0.0 else along.high,
+            )
+        else:
+            along = "its limits leave no room on one side of 0"
+    at = clipped(law.at, limits)
+    return replace(law, at=at, gains=gains, around=around, along=along, linear=None)
+
+
+def _notable(gains: Gains) -> Gains:
+    """Return gains without those that cancelled but for their rounding."""
+    most = max((largest(gain) for gain in gains.values()), default=0.0)
+    return {name: gain for name, gain in gains.items() if largest(gain) > 1e-15 * most}
+
+
+def _short(at: Interval) -> str:
+    if at.low == at.high:
+        return f"{at.low:.6g}"
+    return f"{at.low:.6g} .. {at.high:.6g}"
+
+
+def sampled_drive(
+    text: ControllerText, found: DriveProof, along: DriveSector, plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None, points: int = 2000,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return σ and the drive at points of a sector, for a picture of it.
+
+    Parameters
+    ----------
+    text, plant, connect
+        As for :func:`prove_drives`.
+    found, along : DriveProof and DriveSector
+        What was proved.
+    points : int
+        How many in all; along one source a tenth of them.
+
+    Returns
+    -------
+    (ndarray, ndarray)
+        Alike in shape.
+    """
+    site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
+    case = _Trial(AxisLines(text, site, found.axis, Stop(), {}), site)
+    ends = list(along.within.values())
+    each = max(3, round((points / 10 if len(ends) == 1 else points) ** (1.0 / len(ends))) | 1)
+    grid = [np.linspace(low, high, each) for low, high in ends]
+    where = np.stack([axis.ravel() for axis in np.meshgrid(*grid, indexing="ij")], axis=1)
+    values = [
+        case.value_at(found.port, dict(zip(along.within, point, strict=True)), limited=True)
+        for point in where.tolist()
+    ]
+    return where @ np.array([along.weights[name] for name in along.within]), np.array(values)
+
+
+def prove_drives(
+    text: ControllerText,
+    plant: Plant | None = None,
+    connect: Mapping[str, str] | None = None,
+    *,
+    budget: float = math.inf,
+    tell: Callable[[str, int, float], None] | None = None,
+) -> list[DriveProof]:
+    """Prove what the static part of a controller does.
+
+    Parameters
+    ----------
+    text : ControllerText
+        With its rule bases and tables.
+    plant : Plant, optional
+        Whose ports say where errors and measured values are; by default the shipped plant with
+        the controller's axes, if there is one. What nothing bounds is unbounded.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+    budget : float
+        Seconds for each axis; what is not proved by then is left open.
+    tell : callable, optional
+        Called with the axis, the number of open pieces and the gap between the bounds.
+
+    Returns
+    -------
+    list of DriveProof
+        One for each drive of each axis, in the order of the text.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> from fuzzyarm.proof.controllers import prove_drives
+    >>> (drive,) = prove_drives(fuzzyarm.load(fuzzyarm.shipped("servo.frb")))
+    >>> [(gain.source, round(gain.low, 3), gain.unit) for gain in drive.gains]
+    [('error of position', 108.0, 'V/rad'), ('error of velocity', 4.725, 'V s/rad')]
+    """
+    site = site_of(plant, connect) if plant is not None else site_by_axes(text.model)
+    known: dict[Any, Any] = {}
+    found: list[DriveProof] = []
+    for name in text.model.axis_names:
+        watch = None if tell is None else (lambda count, gap, name=name: tell(name, count, gap))
+        found += _Trial(AxisLines(text, site, name, Stop(budget, watch), known), site).proofs()
+    return found

@@ -1,0 +1,479 @@
+"""The memoryless part of one axis of a controller, line by line, with a law for each signal.
+
+The walk of :mod:`fuzzyarm.controller.reach` knows plants and units; this one knows slopes, and
+asks rule bases for what :mod:`fuzzyarm.proof.sector` proves. The ranges of the sources come
+from there.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzyarm.controller.on_plant import Site
+from fuzzyarm.controller.program import AXIS, SourceError, of_axis
+from fuzzyarm.controller.reach import Reach, combine, hull, largest, overlap, reaches_of, symmetric
+from fuzzyarm.controller.text import ControllerText, input_names
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.operations import EVERYTHING, Interval
+from fuzzyarm.inference import infer
+from fuzzyarm.model.controller import Drive, Learn, Product, Signal, Source, Zoom
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.bounds import LIKE_EXPECT
+from fuzzyarm.proof.laws import (
+    NOTHING,
+    ONE,
+    Gains,
+    Law,
+    combined,
+    constant,
+    inside,
+    only_value,
+    over,
+    plus,
+    scaled,
+    snapped,
+    table_law,
+    times,
+    unknown,
+)
+from fuzzyarm.proof.prover import Prover
+from fuzzyarm.proof.sector import Sector, Slopes, sector, slopes_at
+from fuzzyarm.table import LookupTable
+
+__all__ = ["Asked", "AxisLines", "Walk", "source_name"]
+
+REMEMBERED = ("rate", "change", "integral", "lag")
+"""Sources that are made of another signal."""
+
+BOXES_SECONDS = 2.0
+"""How long the range of one rule base may take that goes by boxes: its bounds only get closer."""
+
+
+# ── one axis ──────────────────────────────────────────────────────────────────────────
+
+
+class AxisLines:
+    """One axis of a controller: its lines, its sources, and what has been proved already.
+
+    Attributes
+    ----------
+    made : dict
+        By the name of a source, what it is and the law of the signal that it is taken of.
+    only_values : bool
+        Whether rule bases are only evaluated, at a point.
+    """
+
+    def __init__(
+        self, text: ControllerText, site: Site | None, name: str, stop: Stop, known: dict[Any, Any]
+    ) -> None:
+        self.text, self.site, self.name, self.stop = text, site, name, stop
+        self.index = text.model.axis_names.index(name)
+        self.lines = next(each.lines for each in text.model.axes if name in each.names)
+        self.learned = {line.table: line for line in self.lines if isinstance(line, Learn)}
+        reaches = reaches_of(text, site)
+        self.sources: dict[str, Reach] = {
+            source_name(of): reach for (axis, of), reach in reaches.sources.items() if axis == name
+        }
+        self.made: dict[str, tuple[Source, Law | None]] = {}
+        self.only_values = False
+        self._known = known
+
+    def sheet(self, name: str) -> RuleBase | LookupTable | None:
+        """Return the rule base or table of this axis."""
+        sheets = self.text.sheets.get(name)
+        return sheets[self.index if len(sheets) > 1 else 0] if sheets else None
+
+    def silent(self, sheet: RuleBase) -> RuleBase:
+        """Return a rule base that is NaN where no rule fires and it states no value for that."""
+        key = "silent", id(sheet)
+        if key not in self._known:
+            outputs = tuple(
+                each if isinstance(each.no_rule, int | float) else replace(each, no_rule=math.nan)
+                for each in sheet.outputs
+            )
+            self._known[key] = replace(sheet, outputs=outputs)
+        found: RuleBase = self._known[key]
+        return found
+
+    def gain(self, name: str) -> Law | None:
+        """Return a gain of this axis; None where it is not one."""
+        gain = next((each for each in self.text.model.gains if each.name == name), None)
+        if gain is None:
+            return None
+        value = gain.values[self.index if len(gain.values) > 1 else 0].value(math.pi)
+        return constant(value)
+
+    def remember(self, name: str, of: Source, inner: Law | None) -> None:
+        """Note what a source is made of; the first walk knows."""
+        self.made.setdefault(name, (of, inner))
+
+    # --- what rule bases are asked; axes share the answers ---
+
+    def prover(self, sheet: RuleBase, output: str) -> Prover:
+        """Return the prover of an output."""
+        key = id(sheet), output
+        if key not in self._known:
+            self._known[key] = Prover(sheet, output)
+        found: Prover = self._known[key]
+        found.stop = self.stop
+        return found
+
+    def value(self, prover: Prover, region: Mapping[str, Any]) -> Any:
+        """Return bounds of an output; None where there are none."""
+        key = "value", id(prover), tuple(sorted(region.items()))
+        if key not in self._known:
+            if prover.model is None:
+                prover.stop = Stop(min(BOXES_SECONDS, self.stop.until - time.monotonic()))
+            try:
+                self._known[key] = prover.value(region)
+            except FuzzyarmError:
+                self._known[key] = None
+            prover.stop = self.stop
+        return self._known[key]
+
+    def sector(
+        self,
+        prover: Prover,
+        weights: Mapping[str, Fraction],
+        region: Mapping[str, tuple[float, float]],
+    ) -> Sector:
+        """Return a sector of an output."""
+        key = "sector", id(prover), tuple(weights.items()), tuple(sorted(region.items()))
+        if key not in self._known:
+            self._known[key] = sector(prover, weights, region)
+        found: Sector = self._known[key]
+        return found
+
+
+# ── the walk over one axis ───────────────────────────────────────────────────────────
+
+
+class Asked(NamedTuple):
+    """What a walk is about: where the sources are, and the weights of σ (none: no sector)."""
+
+    at: Mapping[str, Interval]
+    form: Mapping[str, float]
+
+
+@dataclass
+class _Notes:
+    """What a walk has seen on its way.
+
+    `zones`: where each source keeps its inputs within their universes; `points`: sources at
+    which rule bases have their extremes; `groups`: the sources that meet in a rule base.
+    """
+
+    zones: dict[str, Interval] = field(default_factory=dict)
+    points: list[dict[str, float]] = field(default_factory=list)
+    groups: list[tuple[str, ...]] = field(default_factory=list)
+
+
+class Walk:
+    """Goes over the lines of one axis, with the sources where they are asked for."""
+
+    def __init__(self, case: AxisLines, asked: Asked) -> None:
+        self.case = case
+        self.asked = asked
+        self.notes = _Notes()
+        self.laws: dict[str, Law] = {}
+        self.drives: dict[str, list[tuple[Drive, Law]]] = {}
+
+    def run(self) -> Walk:
+        """Go over all lines."""
+        for line in self.case.lines:
+            if isinstance(line, Signal):
+                self._signal(line)
+            elif isinstance(line, Zoom):
+                self._zoom(line)
+            elif isinstance(line, Drive):
+                law = self._products(line.products)
+                self.drives.setdefault(line.port, []).append((line, law))
+        return self
+
+    def _signal(self, line: Signal) -> None:
+        if line.source is None:
+            made = [self._products(line.products)]
+        else:
+            made = self._source(line.source, len(line.names))
+            factors = line.products[0].factors if line.products else ()
+            for factor in factors:
+                by = self._named(factor.value)
+                made = [(over if factor.divides else times)(each, by) for each in made]
+        self.laws.update(zip(line.names, made, strict=False))
+
+    def _named(self, value: str | float) -> Law:
+        if not isinstance(value, str):
+            return constant(value)
+        if value in self.laws:
+            return self.laws[value]
+        gain = self.case.gain(value)
+        return unknown(EVERYTHING, f"'{value}' is a law of its own") if gain is None else gain
+
+    def _products(self, products: Sequence[Product]) -> Law:
+        total = constant(0.0)
+        for each in products:
+            first, *others = each.factors
+            law = self._named(first.value)
+            for factor in others:
+                law = (over if factor.divides else times)(law, self._named(factor.value))
+            total = plus(total, scaled(law, -1.0) if each.negative else law)
+        return total
+
+    # --- sources ---
+
+    def _source(self, of: Source, count: int) -> list[Law]:
+        if of.kind == "rules":
+            return self._rules(of, count)
+        if of.kind == "table":
+            return [self._table(of)]
+        name = source_name(of)
+        self.case.remember(name, of, self.laws.get(of.name))
+        at = self.asked.at.get(name, NOTHING)
+        along: Interval | str
+        if not self.asked.form or at == NOTHING:
+            along = NOTHING
+        elif set(self.asked.form) == {name}:
+            along = Interval(1.0 / self.asked.form[name], 1.0 / self.asked.form[name])
+        else:
+            along = f"'{name}' is one part of the sum only"
+        return [Law(at, NOTHING, {name: ONE}, {name: ONE}, {name: 1.0}, along)]
+
+    def _zoom(self, line: Zoom) -> None:
+        by, inside = self._named(line.by).constant, self._named(line.inside).constant
+        for name in line.signals:
+            law = self.laws[name]
+            if by is None or inside is None or law.rest != NOTHING:
+                why = "signals are magnified where they are not 0 at rest"
+                self.laws[name] = unknown(EVERYTHING, why)
+                continue
+            inner = overlap(law.at, symmetric(inside))
+            large = scaled(law, by)
+            along = law.along
+            if isinstance(along, Interval) and isinstance(large.along, Interval):
+                along = hull(along, large.along)
+            at = hull(law.at, combine("multiply", inner, Interval(by, by)))
+            self.laws[name] = replace(large, at=at, linear=None, along=along)
+
+    # --- rule bases ---
+
+    def _rules(self, of: Source, count: int) -> list[Law]:
+        sheet = self.case.sheet(of.name)
+        if not isinstance(sheet, RuleBase):
+            return [unknown(EVERYTHING, f"'{of.name}' could not be read")] * count
+        names = input_names(sheet)
+        given = self._inputs(names, of.inputs)
+        self._note_group(given)
+        return [self._conclusion(sheet, output.name, given) for output in sheet.outputs]
+
+    def _inputs(self, names: Sequence[str], asked: Sequence[str]) -> dict[str, Law]:
+        """Return the inputs of a rule base or a table by its own names."""
+        own = [name for name in names if name != AXIS or AXIS in asked]
+        given = {name: self._named(each) for name, each in zip(own, asked, strict=False)}
+        return {name: given.get(name) or constant(float(self.case.index + 1)) for name in names}
+
+    def _note_group(self, given: Mapping[str, Law]) -> None:
+        sources: dict[str, None] = {}
+        for law in given.values():
+            sources.update(dict.fromkeys(law.linear or {}))
+        if len(sources) > 1:
+            self.notes.groups.append(tuple(sources))
+
+    def _conclusion(self, sheet: RuleBase, output: str, given: Mapping[str, Law]) -> Law:
+        prover = self.case.prover(sheet, output)
+        if self.case.only_values:
+            inputs = {name: 0.5 * law.at.low + 0.5 * law.at.high for name, law in given.items()}
+            value = float(infer(self.case.silent(sheet), inputs)[output])
+            return unknown(Interval(value, value), "")
+        region = {}
+        for variable in prover.inputs:
+            at = given[variable.name].at
+            universe = Interval(variable.low, variable.high)
+            self._note_zone(given[variable.name], universe)
+            if variable.outside != "extend":
+                at = snapped(at, universe)
+            region[variable.name] = (at.low, at.high)
+        at = self._range(prover, region, given)
+        try:
+            slopes = slopes_at(prover, {name: only_value(law.rest) for name, law in given.items()})
+        except FuzzyarmError as error:
+            rest = {name: tuple(law.rest) for name, law in given.items()}
+            law = Law(at, self._range(prover, rest, {}), str(error), str(error), None, "")
+        else:
+            value = float(slopes.value)
+            gains, around = _chained(slopes, given)
+            law = Law(at, Interval(value, value), gains, around, None, "")
+        along, slack = self._along_rules(prover, region, given, law.rest)
+        return replace(law, along=along, slack=slack)
+
+    def _note_zone(self, law: Law, universe: Interval) -> None:
+        """Remember where a source takes its input to the ends of the universe."""
+        if law.linear is None or len(law.linear) != 1 or not math.isfinite(largest(universe)):
+            return
+        ((name, weight),) = law.linear.items()
+        if weight:
+            zone = combine("divide", universe, Interval(weight, weight))
+            known = self.notes.zones.get(name)
+            self.notes.zones[name] = zone if known is None else overlap(known, zone)
+
+    def _range(
+        self, prover: Prover, region: Mapping[str, Any], given: Mapping[str, Law]
+    ) -> Interval:
+        """Return where a conclusion can be; that of the whole output where no bound is closer."""
+        output = prover.output
+        whole = Interval(output.low, output.high)
+        if isinstance(output.no_rule, int | float):
+            whole = hull(whole, Interval(float(output.no_rule), float(output.no_rule)))
+        bounds = self.case.value(prover, region)
+        if bounds is None:
+            return whole
+        if output.outside != "extend":
+            bounds = bounds._replace(
+                low=max(bounds.low, whole.low), high=min(bounds.high, whole.high)
+            )
+        for extreme in (bounds.at_low, bounds.at_high):
+            self._note_point(extreme, given)
+        return Interval(bounds.low, bounds.high)
+
+    def _note_point(self, point: Mapping[str, float], given: Mapping[str, Law]) -> None:
+        """Remember the sources at which a rule base has an extreme."""
+        found: dict[str, float] = {}
+        for name, law in given.items():
+            if law.linear is None or len(law.linear) != 1 or name not in point:
+                return
+            ((source, weight),) = law.linear.items()
+            if not weight:
+                return
+            found.setdefault(source, point[name] / weight)
+        self.notes.points.append(found)
+
+    def _along_rules(
+        self,
+        prover: Prover,
+        region: Mapping[str, tuple[float, float]],
+        given: Mapping[str, Law],
+        rest: Interval,
+    ) -> tuple[Interval | str, float]:
+        if not self.asked.form:
+            return "", 0.0
+        moving = [name for name, law in given.items() if law.at.low < law.at.high]
+        if not moving:
+            size = largest(rest)
+            small = size <= LIKE_EXPECT * prover.range
+            return (NOTHING, size) if small else ("it is not 0 at rest", 0.0)
+        found = self._weights(moving, given)
+        if isinstance(found, str):
+            return found, 0.0
+        weights, by = found
+        try:
+            known = self.case.sector(prover, weights, region)
+        except FuzzyarmError as error:
+            return str(error), 0.0
+        gains = Interval(known.low, known.high)
+        universe = {each.name: Interval(each.low, each.high) for each in prover.inputs}
+        if not all(inside(given[name].at, universe[name]) for name in moving):
+            if len(moving) > 1:
+                return "an input leaves its universe", 0.0
+            gains = hull(gains, NOTHING)  # the value stays where the input is cut off
+        return combined("multiply", gains, by), known.slack
+
+    def _weights(
+        self, moving: Sequence[str], given: Mapping[str, Law]
+    ) -> tuple[dict[str, Fraction], Interval] | str:
+        """Return a sum of the inputs of a rule base, and between which multiples of σ it lies.
+
+        One input is what its own law says; of several each is a multiple of one source of σ.
+        """
+        if len(moving) == 1:
+            along = given[moving[0]].along
+            return along if isinstance(along, str) else ({moving[0]: Fraction(1)}, along)
+        weights: dict[str, Fraction] = {}
+        left = dict(self.asked.form)
+        for name in moving:
+            linear = {s: w for s, w in (given[name].linear or {}).items() if s in self.asked.form}
+            if len(linear) != 1 or next(iter(linear)) not in left:
+                return f"'{name}' is not a multiple of one source"
+            ((source, weight),) = linear.items()
+            weights[name] = Fraction(left.pop(source)) / Fraction(weight)
+        if left:
+            return "it depends on a part of the sum only"
+        # In small numbers: the weight of the first input is 1, and its own goes into the gain.
+        base = weights[moving[0]]
+        by = combined("divide", ONE, Interval(float(base), float(base)))
+        return {name: _simple(weight / base) for name, weight in weights.items()}, by
+
+    # --- tables ---
+
+    def _table(self, of: Source) -> Law:
+        sheet = self.case.sheet(of.name)
+        if not isinstance(sheet, LookupTable):
+            return unknown(EVERYTHING, f"'{of.name}' could not be read")
+        learned = self.case.learned.get(of.name)
+        try:
+            axes, values = of_axis(sheet, self.case.index)
+        except SourceError as error:
+            return unknown(EVERYTHING, str(error))
+        at = Interval(float(values.min()), float(values.max()))
+        if learned is not None:
+            bound = largest(self._named(learned.bound).at)
+            return unknown(hull(at, symmetric(bound)), f"'{of.name}' learns")
+        own = replace(sheet, axes=tuple(axes), values=np.asarray(values))
+        given = self._inputs(own.names, of.inputs)
+        self._note_group(given)
+        for axis in axes:
+            self._note_zone(given[axis.name], Interval(axis.low, axis.high))
+        if all(law.at.low == law.at.high for law in given.values()):
+            value = float(own.lookup(*(law.at.low for law in given.values())))
+            at = Interval(value, value)
+        return table_law(own, given, at, asked=bool(self.asked.form))
+
+
+def _chained(slopes: Slopes, given: Mapping[str, Law]) -> tuple[Gains | str, Gains | str]:
+    """Return slopes by sources from slopes by inputs."""
+    sources: dict[str, None] = {}
+    for law in given.values():
+        for part in (law.gains, law.around):
+            if isinstance(part, str):
+                return part, part
+            sources.update(dict.fromkeys(part))
+    gains: Gains = {}
+    around: Gains = {}
+    for source in sources:
+        total = NOTHING
+        for name, law in given.items():
+            assert isinstance(law.around, dict)
+            each = Interval(*map(float, slopes.around(name)))
+            slope = combine("multiply", each, law.around.get(source, NOTHING))
+            total = combine("add", total, slope)
+        around[source] = gains[source] = total
+        inner = {name: dict(law.gains).get(source, NOTHING) for name, law in given.items()}  # type: ignore[arg-type]
+        if all(each.low == each.high for each in inner.values()):
+            ways = {name: Fraction(each.low) for name, each in inner.items()}
+            ahead = slopes.along(ways)
+            back = slopes.along({name: -each for name, each in ways.items()})
+            found = [float(x) for x in (ahead, None if back is None else -back) if x is not None]
+            if found:
+                gains[source] = Interval(min(found), max(found))
+    return gains, around
+
+
+def _simple(ratio: Fraction) -> Fraction:
+    """Return a ratio of floats as the small fraction that it stands for, where there is one."""
+    near = ratio.limit_denominator(10**6)
+    return near if abs(near - ratio) <= abs(ratio) / 10**12 else ratio
+
+
+def source_name(of: Source) -> str:
+    """Return a source as it is called in what is said of it."""
+    weight = of.option("weight")
+    words = {"error": "error of ", "sum": "sum of error of "}.get(
+        of.kind, f"{of.kind} of " if of.kind in REMEMBERED else f"{of.kind} "
+    )
+    return f"{words}{of.name}" + (f", weight {weight}" if weight is not None else "")

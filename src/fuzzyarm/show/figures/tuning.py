@@ -1,0 +1,124 @@
+"""Figures of tuning: how the cost fell, error against chatter, and who costs what on what."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fuzzyarm.show.figures.style import COLOURS, label_axes, new_figure, safe, tidy
+from fuzzyarm.tuning.tune import front_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from fuzzyarm.tuning.search import Found
+    from fuzzyarm.tuning.tune import Tuned
+
+
+def tuning_figure(tuned: Tuned, title: str = "") -> Figure:
+    """Return the curve of the cost, the front of error and chatter, and the table as bars.
+
+    Parameters
+    ----------
+    tuned : Tuned
+        What is drawn.
+    title : str, optional
+        Of the figure.
+    """
+    with_front = len(tuned.front) > 1
+    panels = 3 if with_front else 2
+    figure = new_figure(4.2 * panels, 3.6)
+    axes = list(np.atleast_1d(figure.subplots(1, panels)))
+    _draw_curve(axes[0], tuned)
+    if with_front:
+        _draw_front(axes[1], tuned)
+    _draw_rows(axes[-1], tuned)
+    if title:
+        figure.suptitle(safe(title), fontsize=10)
+    return figure
+
+
+def _draw_curve(axes: Axes, tuned: Tuned) -> None:
+    for name, found, colour in _searches(tuned):
+        trials = np.arange(1, len(found.trials) + 1)
+        costs = np.array([trial.score.cost for trial in found.trials])
+        curve = np.array(found.curve)
+        ceiling = 20.0 * np.nanmin(curve[np.isfinite(curve)]) if np.isfinite(curve).any() else 1.0
+        shown = costs <= ceiling
+        axes.plot(trials[shown], costs[shown], ".", color=colour, markersize=1.5, alpha=0.25)
+        axes.step(trials, np.where(curve <= ceiling, curve, np.nan), color=colour, label=name)
+    best = [value for _, found, _ in _searches(tuned) for value in found.curve]
+    _spread(axes, "y", [value for value in best if math.isfinite(value)])
+    axes.legend(fontsize=7, frameon=False)
+    label_axes(axes, "trials", safe(tuned.cost), "cost of trials, and the best so far")
+    tidy(axes)
+
+
+def _searches(tuned: Tuned) -> list[tuple[str, Found, str]]:
+    found = [("tuned", tuned.found, COLOURS[0])]
+    if tuned.linear is not None:
+        found.append(("linear PD", tuned.linear, COLOURS[1]))
+    return found
+
+
+def _draw_front(axes: Axes, tuned: Tuned) -> None:
+    for name, found, colour in _searches(tuned):
+        front = front_of(found)
+        error, chatter = np.array(front).T if front else np.zeros((2, 0))
+        axes.plot(error, chatter, "o-", color=colour, markersize=2.5, linewidth=0.8, label=name)
+    markers = {"as in the file": "s", "tuned": "*", "linear PD": "D"}
+    for row in tuned.rows:
+        score = row.scores["train"]
+        colour = COLOURS[1] if row.name == "linear PD" else COLOURS[0]
+        if row.name in markers and math.isfinite(score.error) and not score.diverged:
+            style = {"color": colour, "markeredgecolor": "#333333", "markersize": 8}
+            axes.plot(score.error, score.chatter, markers[row.name], **style)  # type: ignore[arg-type]
+            axes.annotate(
+                row.name, (score.error, score.chatter), xytext=(5, 4),
+                textcoords="offset points", fontsize=7,
+            )  # fmt: skip
+    pairs = [pair for _, found, _ in _searches(tuned) for pair in front_of(found)]
+    _spread(axes, "x", [error for error, _ in pairs])
+    _spread(axes, "y", [chatter for _, chatter in pairs])
+    label_axes(axes, "RMS error", "chatter", "front of error and chatter")
+    tidy(axes)
+
+
+def _spread(axes: Axes, which: str, values: list[float]) -> None:
+    """Give an axis steps of the logarithm where values spread widely, with plain numbers."""
+    from matplotlib.ticker import FuncFormatter
+
+    if not values or min(values) <= 0.0 or max(values) < 5.0 * min(values):
+        return
+    axes.set(**{f"{which}scale": "log"})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    formatter = FuncFormatter(lambda value, _position: f"{value:.4g}")
+    axis.set_major_formatter(formatter)
+    if max(values) < 100.0 * min(values):
+        axis.set_minor_formatter(formatter)
+    axes.tick_params(axis=which, which="minor", labelsize=6)  # type: ignore[arg-type]
+
+
+def _draw_rows(axes: Axes, tuned: Tuned) -> None:
+    columns = [name for name in ("train", "unseen", "noisy") if name in tuned.rows[1].scores]
+    width = 0.8 / len(tuned.rows)
+    for at, row in enumerate(tuned.rows):
+        costs = [row.scores[name].cost if name in row.scores else math.nan for name in columns]
+        lost = [
+            bool(row.scores[name].diverged) if name in row.scores else False for name in columns
+        ]
+        places = np.arange(len(columns)) + (at - 0.5 * (len(tuned.rows) - 1)) * width
+        heights = [0.0 if gone else cost for cost, gone in zip(costs, lost, strict=True)]
+        colour = {"tuned": COLOURS[0], "as in the file": "#bbbbbb"}.get(row.name, COLOURS[1])
+        axes.bar(places, heights, 0.92 * width, color=colour, label=row.name)
+        for place, gone in zip(places, lost, strict=True):
+            if gone:
+                axes.annotate("diverges", (place, 0.0), rotation=90, ha="center", fontsize=7)
+    axes.set_xticks(np.arange(len(columns)), columns)
+    axes.set_ylim(0.0, 1.2 * axes.get_ylim()[1])
+    axes.legend(fontsize=7, frameon=False, ncols=len(tuned.rows), loc="upper center")
+    label_axes(axes, "", safe(tuned.cost), "cost on what was tuned on, and beyond")
+    tidy(axes)

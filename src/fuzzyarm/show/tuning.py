@@ -1,0 +1,100 @@
+"""Tuning in the terminal: how the best cost falls, the table beside the opponent, what changed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from fuzzyarm.show.drawing import number_words
+from fuzzyarm.show.surface import LinePlot
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+    from fuzzyarm.tuning.search import Found
+    from fuzzyarm.tuning.tune import Row, Tuned
+
+WIDTH, HEIGHT = 60, 8
+"""Of the curve, characters."""
+
+
+def curve_view(curve: Sequence[float], width: int = WIDTH, height: int = HEIGHT) -> LinePlot:
+    """Return the best cost over the trials, its height in steps of the logarithm if it can."""
+    finite = [value for value in curve if math.isfinite(value)]
+    low, high = min(finite, default=0.0), max(finite, default=1.0)
+    logarithmic = low > 0.0 and high / low > 10.0
+    step = math.log10 if logarithmic else float
+    count = 2 * width
+    picked = [curve[min(len(curve) - 1, at * len(curve) // count)] for at in range(count)]
+    values = [step(value) if math.isfinite(value) else math.nan for value in picked]
+    label = "log10 cost" if logarithmic else "cost"
+    ends = (step(low), step(high)) if finite else (0.0, 1.0)
+    return LinePlot(values, height, ("trials", 1.0, float(len(curve))), (label, *ends))
+
+
+def search_view(found: Found, state: str) -> Group:
+    """Return a search as it goes on: a line that says how far it is, and the curve."""
+    from rich.console import Group
+    from rich.text import Text
+
+    return Group(Text(state), curve_view(found.curve))
+
+
+def table_lines(tuned: Tuned) -> Iterator[str]:
+    """Yield the table: costs on what was tuned on, on unseen scenarios, and on those with noise.
+
+    Behind the costs of a controller stand RMS error and chatter on the unseen scenarios.
+    """
+    columns = [name for name in ("train", "unseen", "noisy") if name in tuned.rows[1].scores]
+    loop = any(not math.isnan(row.scores["train"].chatter) for row in tuned.rows)
+    last = columns[min(1, len(columns) - 1)]
+    heads = ["", *columns, *([f"rms ({last})", f"chatter ({last})"] if loop else [])]
+    lines = [heads]
+    for row in tuned.rows:
+        cells = [_cost(row, name) for name in columns]
+        if loop:
+            score = row.scores.get(last, row.scores["train"])
+            cells += [_number(score.error), _number(score.chatter)]
+        lines.append([row.name, *cells])
+    widths = [max(len(line[at]) for line in lines) for at in range(len(heads))]
+    for line in lines:
+        first, *others = (
+            f"{text:<{widths[at]}}" if at == 0 else f"{text:>{widths[at]}}"
+            for at, text in enumerate(line)
+        )
+        yield "  ".join([first, *others]).rstrip()
+
+
+def _cost(row: Row, name: str) -> str:
+    score = row.scores.get(name)
+    if score is None:
+        return "-"
+    return f"{score.diverged} diverge" if score.diverged else _number(score.cost)
+
+
+def _number(value: float) -> str:
+    return "-" if math.isnan(value) else number_words(value, 4)
+
+
+def change_lines(tuned: Tuned) -> Iterator[str]:
+    """Yield what differs, old → new, aligned."""
+    rows = [tuple(change) for change in tuned.changes]
+    left = max((len(what) for what, _, _ in rows), default=0)
+    middle = max((len(old) for _, old, _ in rows), default=0)
+    for what, old, new in rows:
+        yield f"{what:<{left}}  {old:>{middle}} → {new}"
+
+
+MOST_FRONT = 8
+
+
+def front_lines(tuned: Tuned) -> Iterator[str]:
+    """Yield some points of the front of error and chatter, among them both ends."""
+    front = tuned.front
+    if len(front) < 2:
+        return
+    count = min(MOST_FRONT, len(front))
+    picked = [front[at * (len(front) - 1) // (count - 1)] for at in range(count)]
+    yield "rms    " + "  ".join(f"{number_words(error, 3):>8}" for error, _ in picked)
+    yield "chatter" + "  ".join(f"{number_words(chatter, 3):>8}" for _, chatter in picked)

@@ -1,0 +1,40 @@
+"""What a notebook shows of a value, as a drawing in place of its name."""
+
+from __future__ import annotations
+
+from fuzzyarm.text.names import shortened
+
+
+def one_line(value: object, words: str) -> str:
+    """Return how a value is shown among others: its kind and some words, on one line."""
+    return f"<{type(value).__name__} {shortened(words, 160)}>"
+
+
+class Shown:
+    """A value that notebooks draw.
+
+    The drawings are written in :mod:`fuzzyarm.notebook`, above everything that is drawn;
+    a value asks for it by name, and only when it is shown.
+    """
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        """Return what IPython shows: HTML without scripts, the names in it escaped."""
+        from importlib import import_module
+
+        drawing: str = import_module("fuzzyarm.notebook").html_of(self)
+        return drawing
+
+
+class Drawn(Shown):
+    """A value that ``print`` draws too, as it is drawn in the terminal."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        """Return the drawing as text, without colours."""
+        from importlib import import_module
+
+        drawing: str = import_module("fuzzyarm.notebook").text_of(self)
+        return drawing

@@ -1,0 +1,10 @@
+"""Tuning: numbers that move until a cost is small, and a text that says what became of it."""
+
+from __future__ import annotations
+
+from fuzzyarm.tuning.movement import TuneError
+from fuzzyarm.tuning.scenarios import Scenario, Stage
+from fuzzyarm.tuning.search import Journal
+from fuzzyarm.tuning.tune import Tuned, tune
+
+__all__ = ["Journal", "Scenario", "Stage", "TuneError", "Tuned", "tune"]

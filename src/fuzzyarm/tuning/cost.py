@@ -1,0 +1,190 @@
+"""What is to become small: a formula of metrics, a function of the user's, an error on samples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.expression.formulas import CONSTANTS, Formula, FormulaError, read_formula
+from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.inference.errors import InferenceError
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.loop.many import METRICS
+from fuzzyarm.loop.run import Run
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.plant.own import executed, failure
+from fuzzyarm.text.names import near_hint
+from fuzzyarm.tuning.movement import TuneError
+
+Vector = NDArray[np.float64]
+
+LOST = 1e6
+"""Of a run that diverges at its end; twice as much of one that does so at once."""
+
+ERRORS = {
+    "rmse": "root mean square error",
+    "mae": "mean magnitude of the error",
+    "worst": "largest magnitude of the error",
+}
+"""What a cost on samples may consist of."""
+
+
+class CostFormulaError(TuneError):
+    """A cost that cannot be read, or that has no value."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """A formula of metrics of a run, or of errors on samples.
+
+    Parameters
+    ----------
+    text : str
+        As in ``rms + 0.002*variation``. A metric is the mean over what is tracked; of one axis it
+        is written ``'joint1.rms'``.
+    known : tuple of str
+        The names that it may have.
+
+    Raises
+    ------
+    CostFormulaError
+        If it cannot be read, or has another name.
+    """
+
+    text: str
+    known: tuple[str, ...] = METRICS
+
+    def __post_init__(self) -> None:
+        for name in self.formula.names:
+            bare = name.rpartition(".")[2]
+            if bare not in self.known and name not in CONSTANTS:
+                hint = near_hint(bare, self.known)[0] or f"one of {', '.join(self.known)}"
+                raise CostFormulaError(f"no metric '{name}'", name=name, hint=hint)
+
+    @cached_property
+    def formula(self) -> Formula:
+        """The formula as it was read."""
+        try:
+            return read_formula(self.text)
+        except FormulaError as error:
+            message = f"the cost '{self.text}' cannot be read: {error.message}"
+            raise CostFormulaError(message, name=self.text) from None
+
+    def of(self, values: Mapping[str, float]) -> float:
+        """Return the cost of some values by name.
+
+        Raises
+        ------
+        CostFormulaError
+            If one of its names has no value.
+        """
+        for name in self.formula.names:
+            if name not in values and name not in CONSTANTS:
+                axes = sorted({each.rpartition(".")[0] for each in values} - {""})
+                hint = f"axes are {', '.join(axes)}" if axes else ""
+                raise CostFormulaError(f"nothing has the metric '{name}'", name=name, hint=hint)
+        value = self.formula.evaluate(values)
+        return value if not math.isnan(value) else math.inf
+
+
+# --- Of runs ---
+
+
+def values_of(run: Run) -> dict[str, float]:
+    """Return the metrics of a run by name: means over what is tracked, and those of each axis.
+
+    A step that is not reached or has not settled counts with the whole time of the run; what only
+    a step has is left out where the reference is none.
+    """
+    found: dict[str, list[float]] = {}
+    named: dict[str, float] = {}
+    span = float(run.time[-1] - run.time[0]) + run.period if run.samples else math.nan
+    for label, metrics in run.metrics.items():
+        for name, value in vars(metrics).items():
+            if value is None and metrics.overshoot is None:
+                continue
+            number = span if value is None else float(value)
+            # A largest or a last error counts by its magnitude, whatever its sign.
+            number = abs(number) if name in ("max", "final") else number
+            found.setdefault(name, []).append(number)
+            named[f"{label}.{name}"] = number
+    return {name: float(np.mean(numbers)) for name, numbers in found.items()} | named
+
+
+def lost(run: Run, duration: float) -> float:
+    """Return the cost of a run that has diverged: more, the earlier it did."""
+    share = (run.diverged or 0.0) / duration if duration > 0.0 else 0.0
+    return LOST * (2.0 - min(share, 1.0))
+
+
+# --- Of samples ---
+
+
+def errors_of(rulebase: RuleBase, samples: Samples) -> dict[str, float]:
+    """Return the errors of a rule base on samples, by name; infinite where no rule fires."""
+    given = dict(zip(samples.names, samples.inputs.T, strict=True))
+    try:
+        found = infer_arrays(rulebase, given)[samples.target]
+    except InferenceError:
+        return dict.fromkeys(ERRORS, math.inf)
+    return errors_between(np.broadcast_to(found, samples.values.shape), samples.values)
+
+
+def errors_between(predicted: Vector, observed: Vector) -> dict[str, float]:
+    """Return root mean square, mean and largest magnitude of the difference."""
+    magnitudes = np.abs(predicted - observed)
+    if np.isnan(magnitudes).any():
+        return dict.fromkeys(ERRORS, math.inf)
+    rmse = math.sqrt(float(np.mean(magnitudes**2)))
+    return {"rmse": rmse, "mae": float(magnitudes.mean()), "worst": float(magnitudes.max())}
+
+
+# --- A function of the user's ---
+
+OwnCost = Callable[[Any], float]
+"""Takes the runs, a list of :class:`fuzzyarm.loop.Run`; of a rule base alone the rule base."""
+
+
+def read_cost(text: str, known: tuple[str, ...] = METRICS) -> Cost | OwnCost:
+    """Return the cost that a user names: a formula, or ``FILE.py:FUNCTION``, which is executed.
+
+    Raises
+    ------
+    CostFormulaError
+        If the formula cannot be read, or the file has no such function.
+    """
+    path, _, name = text.rpartition(":")
+    if not path.endswith(".py"):
+        if text.endswith(".py"):
+            hint = f"{text}:FUNCTION"
+            raise CostFormulaError(f"'{text}' does not name a function", name=text, hint=hint)
+        return Cost(text, known)
+    module = executed(path, CostFormulaError)
+    function = getattr(module, name, None)
+    if not callable(function):
+        functions = list(_functions(module))
+        hint = near_hint(name, functions)[0] or f"it has {', '.join(functions) or 'none'}"
+        raise CostFormulaError(f"{path} has no function '{name}'", name=name, hint=hint)
+    return function  # type: ignore[no-any-return]
+
+
+def _functions(module: Any) -> Iterator[str]:
+    for name, value in vars(module).items():
+        if callable(value) and getattr(value, "__module__", "") == module.__name__:
+            yield name
+
+
+def asked(function: OwnCost, what: Any) -> float:
+    """Return what a function of the user's says; what it raises becomes one sentence."""
+    try:
+        value = float(function(what))
+    except Exception as error:
+        path = getattr(getattr(function, "__code__", None), "co_filename", "")
+        raise CostFormulaError(f"the cost failed: {failure(path, error)}") from error
+    return value if not math.isnan(value) else math.inf

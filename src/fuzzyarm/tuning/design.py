@@ -1,0 +1,353 @@
+"""What may move in a file: numbers between 0 and 1, and the controller or rule base at them.
+
+What may move is said by the ``tune`` blocks of rule bases and by ``tune`` behind the gains of a
+controller. Where nothing is said, everything moves that can, and what is even now stays even.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.model.arrangement import mirror_faults, partition_faults
+from fuzzyarm.model.controller import Amount, ControllerModel, GainModel
+from fuzzyarm.model.rulebase import (
+    GainTuning,
+    Input,
+    Output,
+    PeakTuning,
+    RuleBase,
+    Term,
+    Tuning,
+    Variable,
+)
+from fuzzyarm.text.names import near_hint
+from fuzzyarm.tuning.movement import NARROWEST, Movement, TuneError, is_movable, significant
+
+Vector = NDArray[np.float64]
+
+Scale = Literal["linear", "log", "logit"]
+"""In which steps a number moves: even, of its logarithm, or of that of share / (1 - share)."""
+
+MOST_PARAMETERS = 500
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that moves.
+
+    Attributes
+    ----------
+    name : str
+        ``G_e``, ``G_e[2]`` of the second axis, ``pd7.e PS`` of a peak.
+    low, high, start : float
+        Of the number itself; of a peak they are shares of its way.
+    scale : str
+        In which steps it moves.
+    """
+
+    name: str
+    low: float
+    high: float
+    start: float
+    scale: Scale
+
+    def value(self, share: float) -> float:
+        """Return the number at a share of its range; exact at both ends and at the start."""
+        known = {0.0: self.low, 1.0: self.high, self.share: self.start}
+        if share in known:
+            return known[share]
+        first, last = self._steps(self.low), self._steps(self.high)
+        return self._number(first + (last - first) * share)
+
+    @property
+    def share(self) -> float:
+        """Where the file has it, 0 to 1; at an end where it lies outside its range."""
+        first, last = self._steps(self.low), self._steps(self.high)
+        within = min(max(self.start, self.low), self.high)
+        return (self._steps(within) - first) / (last - first)
+
+    def _steps(self, value: float) -> float:
+        if self.scale == "log":
+            return math.log(value)
+        return math.log(value / (1.0 - value)) if self.scale == "logit" else value
+
+    def _number(self, steps: float) -> float:
+        if self.scale == "log":
+            return math.exp(steps)
+        return 1.0 / (1.0 + math.exp(-steps)) if self.scale == "logit" else steps
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What comes of a point: gains by name, and the rule bases that differ from the file's.
+
+    Attributes
+    ----------
+    gains : mapping of str to tuple of float
+        One value, or one for each axis.
+    rulebases : mapping of str to RuleBase
+        By the name in the controller; of a rule base alone by its own name.
+    """
+
+    gains: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    rulebases: Mapping[str, RuleBase] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Numbers of one gain, or of one variable of a rule base."""
+
+    sheet: str
+    movement: Movement | None
+    gain: str
+    parameters: tuple[Parameter, ...]
+
+
+class Design:
+    """What may move in a controller, or in a rule base alone.
+
+    Parameters
+    ----------
+    subject : ControllerText or RuleBase
+        As the file has it.
+    tuning : Tuning, optional
+        What may move, in place of what the file says.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        The numbers that move.
+    start : ndarray
+        Their shares in the file.
+
+    Raises
+    ------
+    TuneError
+        If nothing may move, or not so.
+    """
+
+    def __init__(self, subject: ControllerText | RuleBase, tuning: Tuning | None = None) -> None:
+        self.subject = subject
+        self.sheets = rulebases_of(subject)
+        model = subject.model if isinstance(subject, ControllerText) else None
+        blocks = self._blocks(model, tuning)
+        own = tuning is None  # ranges behind gains are part of what the file says
+        parts = [*_gains(model, blocks, own=own)] if model is not None else []
+        for sheet, block in blocks.items():
+            parts += _peaks(sheet, self.sheets[sheet], block) if block.peaks else []
+        self._parts = tuple(parts)
+        self.parameters = tuple(each for part in parts for each in part.parameters)
+        if not self.parameters:
+            hint = "a tune block in a rule base, or tune LOW .. HIGH behind a gain"
+            raise TuneError("nothing may move", hint=hint)
+        if len(self.parameters) > MOST_PARAMETERS:
+            message = f"{len(self.parameters)} numbers may move, more than {MOST_PARAMETERS}"
+            raise TuneError(message)
+        self.start = np.array([each.share for each in self.parameters])
+
+    def _blocks(self, model: ControllerModel | None, given: Tuning | None) -> dict[str, Tuning]:
+        """Return what is said of each rule base."""
+        if given is not None:
+            return dict(_divided(given, self.sheets))
+        said = {name: each.tuning for name, each in self.sheets.items() if each.tuning is not None}
+        tuned = model is not None and any(each.tune is not None for each in model.gains)
+        if said or tuned:
+            return said
+        return {name: everything(each) for name, each in self.sheets.items()}
+
+    def at(self, point: Sequence[float] | Vector, digits: int | None = None) -> Candidate:
+        """Return what the file is at a point, its numbers rounded to so many digits."""
+        waiting = [float(share) for share in point]
+        gains: dict[str, tuple[float, ...]] = {}
+        changed: dict[str, dict[str, Variable]] = {}
+        for part in self._parts:
+            own, waiting = waiting[: len(part.parameters)], waiting[len(part.parameters) :]
+            values = [each.value(share) for each, share in zip(part.parameters, own, strict=True)]
+            if part.movement is not None:
+                variable = part.movement.at(values, digits)
+                changed.setdefault(part.sheet, {})[variable.name] = variable
+            else:
+                rounded = values if digits is None else [significant(v, digits) for v in values]
+                gains[part.gain] = tuple(rounded)
+        sheets = {name: with_variables(self.sheets[name], own) for name, own in changed.items()}
+        return Candidate(gains, sheets)
+
+    def rulebase_at(self, candidate: Candidate) -> RuleBase:
+        """Return the rule base of a candidate, where the subject is one alone."""
+        if isinstance(self.subject, ControllerText):
+            raise TuneError("a controller is not a rule base alone")
+        return candidate.rulebases.get(self.subject.name, self.subject)
+
+    def as_it_is(self) -> Candidate:
+        """Return what the file itself says, in the same words."""
+        gains = {part.gain: tuple(p.start for p in part.parameters) for part in self._parts}
+        gains.pop("", None)
+        touched = {part.sheet for part in self._parts if part.movement is not None}
+        return Candidate(gains, {name: self.sheets[name] for name in touched})
+
+    def on_a_bound(self, point: Vector) -> list[str]:
+        """Return which numbers ended on a bound of their range."""
+        return [
+            each.name
+            for each, share in zip(self.parameters, point, strict=True)
+            if min(share, 1.0 - share) < 1e-3
+        ]
+
+
+def rulebases_of(subject: ControllerText | RuleBase) -> dict[str, RuleBase]:
+    """Return the rule bases of a file by their names, one for all axes each."""
+    if isinstance(subject, RuleBase):
+        return {subject.name: subject}
+    return {
+        name: sheets[0]
+        for name, sheets in subject.sheets.items()
+        if len(sheets) == 1 and isinstance(sheets[0], RuleBase)
+    }
+
+
+def with_variables(rulebase: RuleBase, variables: Mapping[str, Variable]) -> RuleBase:
+    """Return a rule base with the terms of other variables."""
+
+    def of(each: Variable) -> tuple[Term, ...]:
+        return variables[each.name].terms if each.name in variables else each.terms
+
+    inputs: Iterable[Input] = (replace(each, terms=of(each)) for each in rulebase.inputs)
+    outputs: Iterable[Output] = (replace(each, terms=of(each)) for each in rulebase.outputs)
+    return replace(rulebase, inputs=tuple(inputs), outputs=tuple(outputs))
+
+
+def everything(rulebase: RuleBase) -> Tuning:
+    """Return what lets all peaks move, and keeps what is even now: order, images, partitions."""
+    peaks = []
+    for variable in (*rulebase.inputs, *rulebase.outputs):
+        finite = math.isfinite(variable.low) and math.isfinite(variable.high)
+        kinds = {term.shape.kind for term in variable.terms}
+        if not finite or not kinds or not all(map(is_movable, kinds)):
+            continue
+        even = not any(mirror_faults(variable))
+        whole = PeakTuning((variable.name,), even, True, partition_faults(variable) == [])
+        # Of N Z P nothing could move that stays mirrored: the middle one may then.
+        stuck = even and not Movement(variable, whole, ()).names
+        peaks.append(replace(whole, mirrored=False) if stuck else whole)
+    return Tuning(tuple(peaks))
+
+
+def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[str, Tuning]]:
+    """Yield what lines that are given beside a file say of each rule base that they fit."""
+    names = {each: {v.name for v in (*r.inputs, *r.outputs)} for each, r in sheets.items()}
+    for name in (*(v for peaks in tuning.peaks for v in peaks.variables), *dict(tuning.kept)):
+        if not any(name in own for own in names.values()):
+            known = sorted(set().union(*names.values()))
+            hint = near_hint(name, known)[0] or f"there are {', '.join(known) or 'none'}"
+            raise TuneError(f"no rule base has a variable '{name}'", name=name, hint=hint)
+    # Gains belong to the controller: they are said once.
+    yield "", Tuning((), tuning.gains)
+    for sheet, own in names.items():
+        peaks = tuple(
+            replace(each, variables=tuple(v for v in each.variables if v in own))
+            for each in tuning.peaks
+        )
+        kept = tuple((v, term) for v, term in tuning.kept if v in own)
+        yield sheet, Tuning(peaks, (), kept)
+
+
+# --- Gains ---
+
+
+def _gains(model: ControllerModel, blocks: Mapping[str, Tuning], *, own: bool) -> Iterator[_Part]:
+    """Yield the gains that may move; what a rule base says goes before the gain's own range."""
+    said: dict[str, GainTuning] = {}
+    for block in blocks.values():
+        for each in block.gains:
+            for name in each.names:
+                if name in said and said[name] != each:
+                    message = f"two rule bases say how the gain '{name}' moves"
+                    raise TuneError(message, name=name)
+                said[name] = each
+    known = {each.name: each for each in model.gains}
+    for name in said:
+        if name not in known:
+            hint = near_hint(name, known)[0] or f"there are {', '.join(known) or 'none'}"
+            raise TuneError(f"{model.name} has no gain '{name}'", name=name, hint=hint)
+    for gain in model.gains:
+        if gain.name in said:
+            yield _Part("", None, gain.name, tuple(_said(gain, said[gain.name], model)))
+        elif own and gain.tune is not None:
+            values = [each.value(math.pi) for each in gain.values]
+            scale: Scale = "log" if gain.tune.log else "linear"
+            yield _Part(
+                "",
+                None,
+                gain.name,
+                tuple(
+                    Parameter(name, gain.tune.low, gain.tune.high, value, scale)
+                    for name, value in _named(gain.name, values)
+                ),
+            )
+
+
+def _said(gain: GainModel, tuning: GainTuning, model: ControllerModel) -> Iterator[Parameter]:
+    values = [each.value(math.pi) for each in gain.values]
+    if tuning.per_axis and len(values) == 1:
+        values *= len(model.axis_names)
+    for name, value in _named(gain.name, values):
+        if not tuning.times:
+            scale: Scale = "log" if tuning.log else "linear"
+            yield Parameter(name, tuning.low, tuning.high, value, scale)
+            continue
+        if value == 0.0:
+            raise TuneError(f"multiples of {gain.name} = 0 are 0", name=gain.name)
+        low, high = sorted((tuning.low * value, tuning.high * value))
+        if value < 0.0:  # a logarithm has no sign
+            yield Parameter(name, low, high, value, "linear")
+        else:
+            yield Parameter(name, low, high, value, "log")
+
+
+def _named(name: str, values: Sequence[float]) -> Iterator[tuple[str, float]]:
+    for at, value in enumerate(values):
+        yield name if len(values) == 1 else f"{name}[{at + 1}]", value
+
+
+# --- Peaks ---
+
+
+def _peaks(sheet: str, rulebase: RuleBase, tuning: Tuning) -> Iterator[_Part]:
+    for peaks in tuning.peaks:
+        for name in peaks.variables:
+            kept = [term for variable, term in tuning.kept if variable == name]
+            movement = Movement(rulebase.variable(name), peaks, kept)
+            ends = (NARROWEST, 1.0 - NARROWEST) if movement.sliding else (0.0, 1.0)
+            scale: Scale = "logit" if movement.sliding else "linear"
+            counts: dict[str, int] = {}
+            parameters = []
+            for term, share in zip(movement.names, movement.start, strict=True):
+                counts[term] = counts.get(term, 0) + 1
+                again = f" ({counts[term]})" if counts[term] > 1 else ""
+                label = f"{sheet}.{name} {term}{again}"
+                parameters.append(Parameter(label, *ends, share, scale))
+            yield _Part(sheet, movement, "", tuple(parameters))
+
+
+# --- A controller at a candidate ---
+
+
+def controller_at(text: ControllerText, candidate: Candidate) -> ControllerText:
+    """Return a controller with the gains and rule bases of a candidate."""
+    gains = tuple(
+        replace(each, values=tuple(Amount(((v, False),)) for v in candidate.gains[each.name]))
+        if each.name in candidate.gains
+        else each
+        for each in text.model.gains
+    )
+    inside = tuple(candidate.rulebases.get(each.name, each) for each in text.model.rulebases)
+    model = replace(text.model, gains=gains, rulebases=inside)
+    sheets = {**text.sheets, **{name: (each,) for name, each in candidate.rulebases.items()}}
+    return replace(text, model=model, sheets=sheets)

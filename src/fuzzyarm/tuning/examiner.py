@@ -1,0 +1,374 @@
+"""Candidates examined: what each costs, on all scenarios or samples, here or on other machines.
+
+Every examination depends on the point and on the problem, and on nothing else: neither on how
+many workers there are nor on what was examined before.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.catalogue import controller_of
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.loop.blocks import default_processes, end_processes, packed, unpacked
+from fuzzyarm.loop.course import Course, Options
+from fuzzyarm.loop.many import Bench, Experiment
+from fuzzyarm.loop.program import Program
+from fuzzyarm.loop.run import Run
+from fuzzyarm.model.rulebase import RuleBase, Tuning
+from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.tuning.cost import Cost, OwnCost, asked, errors_of, lost, values_of
+from fuzzyarm.tuning.design import Candidate, Design, controller_at
+from fuzzyarm.tuning.scenarios import Scenario
+
+Vector = NDArray[np.float64]
+
+Over = Literal["mean", "worst"]
+"""How the costs of several scenarios become one."""
+
+REFUSED = 1e9
+"""The cost of a candidate that breaks a promise of its file."""
+
+
+class Score(NamedTuple):
+    """What a candidate costs.
+
+    Attributes
+    ----------
+    cost : float
+        Over all scenarios.
+    parts : tuple of float
+        Of each scenario; empty for a function of the user's and for samples.
+    error, chatter : float
+        Means of RMS error and chatter, for the front of both; not a number for samples.
+    diverged : int
+        Runs that did.
+    """
+
+    cost: float
+    parts: tuple[float, ...] = ()
+    error: float = math.nan
+    chatter: float = math.nan
+    diverged: int = 0
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is tuned on what; it travels as it is.
+
+    Attributes
+    ----------
+    subject : ControllerText or RuleBase
+        As in the file.
+    tuning : Tuning or None
+        What may move, where the file is not to say it.
+    cost : Cost or callable
+        What is to become small.
+    scenarios : tuple of Scenario
+        Of a controller.
+    samples : Samples or None
+        Of a rule base alone.
+    over : str
+        How the costs of scenarios become one.
+    conventions, options, connect
+        See :func:`fuzzyarm.loop.simulate`.
+    """
+
+    subject: ControllerText | RuleBase
+    tuning: Tuning | None
+    cost: Cost | OwnCost
+    scenarios: tuple[Scenario, ...] = ()
+    samples: Samples | None = None
+    over: Over = "mean"
+    conventions: Conventions = PLAIN
+    options: Options = field(default_factory=Options)
+    connect: Mapping[str, str] | None = None
+
+
+class Examiner:
+    """A problem made ready, in the process that examines.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is to be examined.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.design = Design(problem.subject, problem.tuning)
+        self.own = None if isinstance(problem.cost, Cost) else problem.cost
+        self.lock = threading.Lock()
+        self.stands: list[_Stand] = []
+        if isinstance(problem.subject, ControllerText):
+            # With as many values for each gain as are tuned, so that new ones fit in.
+            gains = Candidate(self.design.as_it_is().gains)
+            base = controller_of(controller_at(problem.subject, gains))
+            self.stands = [_Stand(each, base, problem) for each in problem.scenarios]
+
+    @property
+    def compiled(self) -> bool:
+        """Whether all runs are machine code, which threads share."""
+        return all(stand.bench.loop.compiled for stand in self.stands)
+
+    # --- One candidate ---
+
+    def score(self, point: Vector, digits: int | None = None) -> Score:
+        """Examine the candidate at a point."""
+        return self.score_of(self.design.at(point, digits))
+
+    def score_of(self, candidate: Candidate) -> Score:
+        """Examine a candidate."""
+        ready = self.ready(candidate)
+        return self.folded([self.run(ready, at) for at in range(len(self.stands))], candidate)
+
+    def ready(self, candidate: Candidate) -> Ready:
+        """Make what all scenarios of a candidate share."""
+        subject = self.problem.subject
+        if not isinstance(subject, ControllerText) or not self.stands:
+            return Ready(None, None)
+        loop = self.stands[0].bench.loop
+        try:
+            if not candidate.rulebases:
+                gains = {name: list(values) for name, values in candidate.gains.items()}
+                return Ready(loop.program_with(gains), None)
+            made = controller_of(controller_at(subject, candidate))
+            from fuzzyarm.controller.on_plant import controller_on
+
+            return Ready(Program(controller_on(made, loop.site), loop.arithmetic), None)
+        except SourceError:
+            raise
+        except FuzzyarmError as error:  # a gain that its law refuses
+            return Ready(None, error)
+
+    def run(self, ready: Ready, at: int) -> Outcome:
+        """Run one scenario of a candidate."""
+        if ready.program is None:
+            return Outcome(REFUSED)
+        stand = self.stands[at]
+        try:
+            if stand.bench.loop.compiled:
+                run = stand.run(ready.program)
+            else:
+                with self.lock:  # what a user wrote may remember things
+                    run = stand.run(ready.program)
+        except FuzzyarmError as error:
+            error.args = (f"scenario {stand.scenario.name}: {error.args[0]}", *error.args[1:])
+            raise
+        return self._judged(run, stand)
+
+    def _judged(self, run: Run, stand: _Stand) -> Outcome:
+        values = values_of(run)
+        error, chatter = values.get("rms", math.nan), values.get("chatter", math.nan)
+        if run.diverged is not None:
+            kept = run if self.own is not None else None
+            return Outcome(lost(run, stand.duration), error, chatter, diverged=True, run=kept)
+        if isinstance(self.problem.cost, Cost):
+            return Outcome(self.problem.cost.of(values), error, chatter)
+        return Outcome(0.0, error, chatter, run=run)
+
+    def folded(self, outcomes: Sequence[Outcome], candidate: Candidate) -> Score:
+        """Make one score of the runs of a candidate, or of its errors on samples."""
+        if not self.stands:
+            return self._of_samples(candidate)
+        parts = tuple(each.cost for each in outcomes)
+        diverged = sum(each.diverged for each in outcomes)
+        error = float(np.mean([each.error for each in outcomes]))
+        chatter = float(np.mean([each.chatter for each in outcomes]))
+        if self.own is not None and not any(part >= REFUSED for part in parts):
+            runs = [each.run for each in outcomes]
+            with self.lock:
+                own = asked(self.own, runs)
+            return Score(own + sum(parts), (), error, chatter, diverged)
+        cost = max(parts) if self.problem.over == "worst" else float(np.mean(parts))
+        return Score(cost, parts, error, chatter, diverged)
+
+    def _of_samples(self, candidate: Candidate) -> Score:
+        rulebase = self.design.rulebase_at(candidate)
+        if self.own is not None:
+            with self.lock:
+                return Score(asked(self.own, rulebase))
+        assert isinstance(self.problem.cost, Cost)
+        assert self.problem.samples is not None
+        errors = errors_of(rulebase, self.problem.samples)
+        return Score(self.problem.cost.of(errors), (), errors["rmse"])
+
+    # --- Runs as they are ---
+
+    def runs_of(self, candidate: Candidate) -> Iterator[Run]:
+        """Yield the runs of a candidate, for reports."""
+        ready = self.ready(candidate)
+        if ready.program is None:
+            return
+        for stand in self.stands:
+            yield stand.run(ready.program)
+
+
+class Ready(NamedTuple):
+    """What all scenarios of a candidate share; a program, or why there is none."""
+
+    program: Program | None
+    error: FuzzyarmError | None
+
+
+class Outcome(NamedTuple):
+    """What a scenario came to."""
+
+    cost: float
+    error: float = math.nan
+    chatter: float = math.nan
+    diverged: bool = False
+    run: Run | None = None
+
+
+class _Stand:
+    """A scenario made ready: set points, plant, sensors."""
+
+    def __init__(self, scenario: Scenario, controller: Controller, problem: Problem) -> None:
+        self.scenario = scenario
+        changes = dict(scenario.changes)
+        seed = changes.pop("seed", None)
+        self.seed = None if seed is None else int(seed)
+        experiment = Experiment(
+            controller,
+            scenario.on,
+            None,
+            changes,
+            problem.conventions,
+            problem.options,
+            connect=problem.connect,
+        )
+        self.bench = Bench(experiment, [])
+        self.course: Course = self.bench.course(changes)
+        motion = self.bench.motion
+        self.duration = float(motion.iterations.sum()) * motion.period
+
+    def run(self, program: Program) -> Run:
+        return self.bench.loop.run(program, self.course, self.seed)
+
+
+# --- Many candidates ---
+
+
+class Panel:
+    """Examines points, as many at a time as there are workers.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is to be examined.
+    workers : int, optional
+        How many examine at a time; one for each processor by default.
+    executor : Executor, optional
+        Any of :mod:`concurrent.futures`, where not this process is to work.
+
+    Notes
+    -----
+    Machine code runs in threads of this process. What is plain Python runs in processes, if there
+    are to be several workers.
+    """
+
+    def __init__(
+        self, problem: Problem, workers: int | None = None, executor: Executor | None = None
+    ) -> None:
+        self.problem = problem
+        self.examiner = Examiner(problem)
+        self.design = self.examiner.design
+        known = getattr(executor, "_max_workers", None)
+        self.workers = workers or known or os.cpu_count() or 1
+        self.executor = executor
+        self._own_pool: Executor | None = None
+        self._question = b""
+
+    def scores(self, points: Sequence[Vector], digits: int | None = None) -> list[Score]:
+        """Examine points; in their order."""
+        if self.workers == 1 and self.executor is None:
+            return [self.examiner.score(point, digits) for point in points]
+        if self.executor is None and (self.examiner.compiled or not self.examiner.stands):
+            return self._in_threads(points, digits)
+        return self._elsewhere(points, digits)
+
+    def _in_threads(self, points: Sequence[Vector], digits: int | None) -> list[Score]:
+        """Run all scenarios of all points as they come: a point alone has work for several."""
+        return self.scores_of([self.design.at(point, digits) for point in points])
+
+    def scores_of(self, candidates: Sequence[Candidate]) -> list[Score]:
+        """Examine candidates, in threads of this process."""
+        examiner = self.examiner
+        if not examiner.compiled:
+            return [examiner.score_of(candidate) for candidate in candidates]
+        pool = self._pool(lambda: ThreadPoolExecutor(self.workers, "fuzzyarm-tune"))
+        ready = list(pool.map(examiner.ready, candidates))
+        stands = range(len(examiner.stands))
+        tasks = [(at, stand) for at in range(len(candidates)) for stand in stands]
+        # The longest first, so that all workers finish together.
+        tasks.sort(key=lambda task: -examiner.stands[task[1]].duration)
+        found = pool.map(lambda task: examiner.run(ready[task[0]], task[1]), tasks)
+        outcomes = dict(zip(tasks, found, strict=True))
+        return [
+            examiner.folded([outcomes[at, stand] for stand in stands], candidate)
+            for at, candidate in enumerate(candidates)
+        ]
+
+    def _elsewhere(self, points: Sequence[Vector], digits: int | None) -> list[Score]:
+        if not self._question:
+            self._question = packed(self.problem)
+        pool = self.executor or self._pool(lambda: default_processes(self.workers))
+        futures = [
+            pool.submit(examine, self._question, np.array(point), digits) for point in points
+        ]
+        try:
+            return [future.result() for future in futures]
+        finally:
+            for future in futures:
+                future.cancel()
+
+    def _pool(self, make: Callable[[], Executor]) -> Executor:
+        if self._own_pool is None:
+            self._own_pool = make()
+        return self._own_pool
+
+    def close(self) -> None:
+        """End threads or processes of its own."""
+        pool, self._own_pool = self._own_pool, None
+        if isinstance(pool, ThreadPoolExecutor):
+            pool.shutdown(cancel_futures=True)
+        elif pool is not None:
+            end_processes(pool)
+
+
+@contextmanager
+def panel(
+    problem: Problem, workers: int | None = None, executor: Executor | None = None
+) -> Iterator[Panel]:
+    """Give a :class:`Panel`, and close it."""
+    made = Panel(problem, workers, executor)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def examine(question: bytes, point: Any, digits: int | None) -> Score:
+    """Examine a point in any process; `question` is a problem as bytes."""
+    return _examiner_of(question).score(point, digits)
+
+
+@lru_cache(maxsize=4)
+def _examiner_of(question: bytes) -> Examiner:
+    return Examiner(unpacked(question))

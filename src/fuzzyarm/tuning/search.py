@@ -1,0 +1,296 @@
+"""A search: what was asked, what is best so far, budgets, promises, and the journal of it all."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.text.files import write_atomically
+from fuzzyarm.tuning.examiner import REFUSED, Panel, Score
+from fuzzyarm.tuning.movement import TuneError
+from fuzzyarm.tuning.optimisers import OPTIMISERS
+from fuzzyarm.tuning.promises import Promises
+
+Vector = NDArray[np.float64]
+
+
+class Trial(NamedTuple):
+    """A point that was examined, and what it came to."""
+
+    point: Vector
+    score: Score
+
+
+@dataclass(frozen=True)
+class Budget:
+    """When a search ends.
+
+    Attributes
+    ----------
+    evals : int
+        Candidates that are examined, the file's values among them.
+    seconds : float
+        Wall time.
+    """
+
+    evals: int = 500
+    seconds: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.evals <= 10_000_000:
+            raise TuneError(f"{self.evals} evaluations are out of range", hint="1 to 10000000")
+        if not self.seconds > 0.0:
+            raise TuneError(f"a time of {self.seconds:g} s is out of range")
+
+
+class Over(Exception):  # noqa: N818 - it ends a search, and never leaves it
+    """The budget is spent."""
+
+
+@dataclass
+class Found:
+    """What a search has found so far.
+
+    Attributes
+    ----------
+    trials : list of Trial
+        In the order in which they were asked; the first is the file as it is.
+    best : Trial
+        The cheapest that keeps all promises.
+    refused : int
+        Trials that broke one.
+    interrupted : bool
+        Whether Ctrl-C ended it.
+    seconds : float
+        Wall time, of all parts where it was resumed.
+    """
+
+    trials: list[Trial]
+    best: Trial
+    refused: int = 0
+    interrupted: bool = False
+    seconds: float = 0.0
+
+    @property
+    def curve(self) -> list[float]:
+        """The best cost after each trial."""
+        costs = [trial.score.cost for trial in self.trials]
+        return np.minimum.accumulate(costs).tolist() if costs else []
+
+
+Watch = Callable[[Found], None]
+"""Told after each examination; what it raises ends the search."""
+
+
+class Search:
+    """One search on a panel.
+
+    Parameters
+    ----------
+    panel : Panel
+        Examines.
+    promises : Promises or None
+        What every candidate has to keep.
+    budget : Budget
+        When to end.
+    journal : Journal, optional
+        Where everything is written down, and what is known from before.
+    watch : callable, optional
+        See :data:`Watch`.
+    """
+
+    def __init__(
+        self,
+        panel: Panel,
+        promises: Promises | None,
+        budget: Budget,
+        journal: Journal | None = None,
+        watch: Watch = lambda _found: None,
+    ) -> None:
+        self.panel = panel
+        self.promises = promises
+        self.budget = budget
+        self.journal = journal
+        self.watch = watch
+        self.known = list(journal.known) if journal is not None else []
+        self.before = journal.seconds if journal is not None else 0.0
+        self.found = Found([], Trial(panel.design.start, Score(math.inf)))
+        self.begin = time.monotonic()
+
+    def run(self, method: str, seed: int) -> Found:
+        """Search until the budget is spent or Ctrl-C comes; never raises for either."""
+        start = self.panel.design.start
+        begun = self.panel.examiner.ready(self.panel.design.at(start))
+        if begun.error is not None:
+            raise begun.error
+        try:
+            self.ask([start])
+            OPTIMISERS[method].run(self.ask, start, seed)
+        except Over:
+            pass
+        except KeyboardInterrupt:
+            self.found.interrupted = True
+        self.found.seconds = self.seconds
+        return self.found
+
+    @property
+    def seconds(self) -> float:
+        """Wall time so far."""
+        return self.before + time.monotonic() - self.begin
+
+    def ask(self, points: Sequence[Vector]) -> list[float]:
+        """Return the costs of points; of a batch as many as the budget allows are examined."""
+        left = self.budget.evals - len(self.found.trials)
+        if left <= 0 or self._late():
+            raise Over
+        costs: list[float] = []
+        while len(costs) < min(len(points), left):
+            # A few at a time, so that Ctrl-C and the clock are heard and little is lost.
+            block = points[len(costs) : min(len(costs) + 4 * self.panel.workers, left)]
+            costs += self._block(block)
+            if self._late() and len(costs) < len(points):
+                raise Over
+        if len(costs) < len(points):
+            raise Over
+        return costs
+
+    def _late(self) -> bool:
+        return self.seconds > self.budget.seconds and len(self.known) <= len(self.found.trials)
+
+    def _block(self, points: Sequence[Vector]) -> list[float]:
+        done = len(self.found.trials)
+        known = self.known[done : done + len(points)]
+        for trial, point in zip(known, points, strict=False):
+            if not np.array_equal(trial.point, point):
+                raise TuneError("the journal is of another search", hint="remove it")
+        fresh = list(points[len(known) :])
+        found = [trial.score for trial in known] + self._examined(fresh)
+        trials = [Trial(point, score) for point, score in zip(points, found, strict=True)]
+        for trial in trials:
+            self._take(trial)
+        if self.journal is not None and fresh:
+            self.journal.append(self.found.trials[done + len(known) :], done + len(known))
+        self.watch(self.found)
+        return [trial.score.cost for trial in self.found.trials[done:]]
+
+    def _examined(self, points: Sequence[Vector]) -> list[Score]:
+        """Examine what keeps its expectations; the rest costs more than anything."""
+        design, promises = self.panel.design, self.promises
+        broken = [bool(promises and promises.expected(design.at(point))) for point in points]
+        sound = [point for point, fails in zip(points, broken, strict=True) if not fails]
+        scores = iter(self.panel.scores(sound))
+        return [Score(REFUSED) if fails else next(scores) for fails in broken]
+
+    def _take(self, trial: Trial) -> None:
+        """Count a trial; one that would be the best has its properties proved first."""
+        found = self.found
+        if trial.score.cost >= REFUSED:
+            found.refused += 1
+        elif trial.score.cost < found.best.score.cost:
+            unproved = (
+                self.promises.proof(self.panel.design.at(trial.point)) if self.promises else ""
+            )
+            if unproved:
+                found.refused += 1
+                trial = trial._replace(score=Score(REFUSED))
+            else:
+                found.best = trial
+        found.trials.append(trial)
+
+
+# --- The journal ---
+
+HEAD = "# fuzzyarm tune 1\n"
+
+
+class Journal:
+    """A file with a line for each trial, from which a search goes on.
+
+    Parameters
+    ----------
+    path : path-like
+        Of a text file.
+    question : mapping
+        All that the search depends on, as JSON takes it.
+    resume : bool
+        Whether to go on with what the file has.
+
+    Attributes
+    ----------
+    known : list of Trial
+        From before.
+    seconds : float
+        That they took.
+
+    Raises
+    ------
+    TuneError
+        If the file is of another search, or has trials that would be lost.
+    OSError
+        If it cannot be read or written.
+    """
+
+    def __init__(self, path: str | Path, question: Mapping[str, Any], *, resume: bool) -> None:
+        self.path = Path(path)
+        self.head = f"{HEAD}# {json.dumps(question, sort_keys=True, ensure_ascii=False)}\n"
+        self.known: list[Trial] = []
+        self.seconds = 0.0
+        self.begin = time.monotonic()
+        if resume and self.path.exists():
+            self._read()
+            return
+        if self.path.is_file() and self.path.read_text("utf-8", "replace").startswith(self.head):
+            hint = "--resume goes on, or remove the file"
+            raise TuneError(f"{self.path} has trials of this search", hint=hint)
+        write_atomically(self.path, self.head)
+
+    def _read(self) -> None:
+        text = self.path.read_text("utf-8", "replace")
+        if not text.startswith(self.head):
+            message = f"{self.path} is not the journal of this search"
+            raise TuneError(message, hint="what is asked must not change; give another --journal")
+        whole = text[len(self.head) : text.rfind("\n") + 1]
+        try:
+            for line in whole.splitlines():
+                self.known.append(self._trial(json.loads(line)))
+        except (ValueError, KeyError, TypeError):
+            number = len(self.known) + 3
+            message = f"{self.path}: line {number} is damaged"
+            raise TuneError(message, hint="remove what follows it") from None
+        # A line that is torn is cut off.
+        write_atomically(self.path, self.head + whole)
+
+    def _trial(self, data: Mapping[str, Any]) -> Trial:
+        self.seconds = float(data["seconds"])
+        error, chatter = (
+            math.nan if data[key] is None else float(data[key]) for key in ("rms", "chatter")
+        )
+        parts = tuple(map(float, data["parts"]))
+        score = Score(float(data["cost"]), parts, error, chatter, int(data["diverged"]))
+        return Trial(np.array(data["point"], dtype=float), score)
+
+    def append(self, trials: Sequence[Trial], first: int) -> None:
+        """Write trials down."""
+        seconds = round(self.seconds + time.monotonic() - self.begin, 3)
+        with self.path.open("a", encoding="utf-8", newline="\n") as file:
+            for at, trial in enumerate(trials, first):
+                score = trial.score
+                data = {
+                    "trial": at,
+                    "seconds": seconds,
+                    "cost": score.cost,
+                    "rms": None if math.isnan(score.error) else score.error,
+                    "chatter": None if math.isnan(score.chatter) else score.chatter,
+                    "diverged": score.diverged,
+                    "parts": score.parts,
+                    "point": trial.point.tolist(),
+                }
+                file.write(json.dumps(data) + "\n")

@@ -1,0 +1,305 @@
+"""The user's own files, changed: numbers put in their places, everything else left as it was."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fuzzyarm.controller.text import ControllerText, sheet_path
+from fuzzyarm.language.controllers import ControllerHeading, GainNode, UseNode
+from fuzzyarm.language.document import Document
+from fuzzyarm.language.phrases import ShapeNode, aligned
+from fuzzyarm.language.queries.fixes import Edit, apply_edits
+from fuzzyarm.language.reading import format_text, parse, read_text
+from fuzzyarm.language.statements import EvenTermsNode, Heading, TermNode
+from fuzzyarm.language.tokens import Figure, Word
+from fuzzyarm.language.writer import write
+from fuzzyarm.model.controller import ControllerModel
+from fuzzyarm.model.rulebase import RuleBase, Shape, Term
+from fuzzyarm.text.diagnostic import Span, split_lines
+from fuzzyarm.text.names import quote
+from fuzzyarm.text.numbers import number_text
+from fuzzyarm.tuning.design import Candidate
+
+MARK = "# tuned: "
+"""Before every line that says where numbers come from."""
+
+
+@dataclass(frozen=True)
+class Rewritten:
+    """A file before and after.
+
+    Attributes
+    ----------
+    name : str
+        What a controller calls it; empty for the file that was tuned.
+    path : str
+        Where it was read; empty where there is none.
+    old, new : str
+        Its text.
+    """
+
+    name: str
+    path: str
+    old: str
+    new: str
+
+    @property
+    def changed(self) -> bool:
+        """Whether a number differs."""
+        return self.old != self.new
+
+    def diff(self) -> str:
+        """Return the lines that differ, as ``diff -u`` shows them, without context."""
+        shown = Path(self.path).name if self.path else self.name or "text"
+        lines = difflib.unified_diff(
+            self.old.splitlines(),
+            self.new.splitlines(),
+            f"{shown} (before)",
+            f"{shown} (tuned)",
+            n=0,
+            lineterm="",
+        )
+        return "\n".join(line for line in lines if not line.startswith("@@"))
+
+
+class Change:
+    """One number or shape, before and after, in the words of the file."""
+
+    def __init__(self, what: str, old: str, new: str) -> None:
+        self.what, self.old, self.new = what, old, new
+
+    def __iter__(self) -> Iterator[str]:
+        return iter((self.what, self.old, self.new))
+
+
+# --- What differs ---
+
+
+def changes_of(
+    subject: ControllerText | RuleBase, sheets: Mapping[str, RuleBase], candidate: Candidate
+) -> list[Change]:
+    """Return what differs between a file and a candidate, in the order of the text."""
+    found = []
+    if isinstance(subject, ControllerText):
+        for gain in subject.model.gains:
+            old = [each.value(math.pi) for each in gain.values]
+            new = list(candidate.gains.get(gain.name, old))
+            if new != old:
+                # What is written as 1080/pi has no shorter digits.
+                shown = ", ".join(f"{value:.6g}" for value in old)
+                found.append(Change(gain.name, shown, _numbers(new)))
+    for name, rulebase in candidate.rulebases.items():
+        for variable, term, old_shape in _moved(sheets[name], rulebase):
+            own = f"{name}." if isinstance(subject, ControllerText) else ""
+            label = f"{own}{variable} {term.name}"
+            found.append(Change(label, str(_shape_node(old_shape)), str(_shape_node(term.shape))))
+    return found
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return ", ".join(map(number_text, values))
+
+
+def _moved(old: RuleBase, new: RuleBase) -> Iterator[tuple[str, Term, Shape]]:
+    """Yield the terms whose shapes differ, with the old shape."""
+    for variable in (*new.inputs, *new.outputs):
+        before = old.variable(variable.name)
+        for term in variable.terms:
+            shape = before.term(term.name).shape
+            if shape != term.shape:
+                yield variable.name, term, shape
+
+
+def _shape_node(shape: Shape) -> ShapeNode:
+    height = None if shape.height == 1.0 else Figure(shape.height)
+    return ShapeNode(Word(shape.kind), tuple(map(Figure, shape.parameters)), height=height)
+
+
+# --- The texts ---
+
+
+def rewritten(
+    subject: ControllerText | RuleBase,
+    candidate: Candidate,
+    *,
+    path: str = "",
+    text: str = "",
+    notes: Sequence[str] = (),
+) -> list[Rewritten]:
+    """Return the files of a subject with the numbers of a candidate, the subject's own first.
+
+    Parameters
+    ----------
+    subject : ControllerText or RuleBase
+        As in the files.
+    candidate : Candidate
+        The numbers.
+    path, text : str
+        Of the file; a rule base that came from no file is written anew.
+    notes : sequence of str
+        What is said of the numbers, in comments.
+    """
+    if isinstance(subject, RuleBase):
+        old = text or (read_text(path) if path else write(subject))
+        new = candidate.rulebases.get(subject.name, subject)
+        return [Rewritten("", path, old, _edited(old, None, {}, (subject, new), notes))]
+    path = path or subject.path
+    old = text or (read_text(path) if path else "")
+    model = subject.model
+    inside = {each.name: each for each in model.rulebases}
+    own = next(iter(inside.values()), None)
+    moved = None
+    if own is not None and own.name in candidate.rulebases:
+        moved = own, candidate.rulebases[own.name]
+    found = []
+    if old:
+        found.append(Rewritten("", path, old, _edited(old, model, candidate.gains, moved, notes)))
+    for use in model.uses:
+        changed = candidate.rulebases.get(use.name)
+        before = subject.sheets[use.name][0] if use.name in subject.sheets else None
+        if changed is None or not isinstance(before, RuleBase):
+            continue
+        place = _place(use.files[0], path)
+        sheet_text = read_text(place) if place and _says(place, before) else write(before)
+        own_text = _edited(sheet_text, None, {}, (before, changed), notes)
+        found.append(Rewritten(use.name, place, sheet_text, own_text))
+    return found
+
+
+def _place(file: str, path: str) -> str:
+    """Return where a used file stands; empty where it is not a text of the language."""
+    if not file.endswith(".frb"):
+        return ""
+    place = sheet_path(file, Path(path).parent)
+    return str(place) if place.exists() else ""
+
+
+def _says(place: str, rulebase: RuleBase) -> bool:
+    """Whether a file still says what was tuned, rather than something given in its place."""
+    parsed = parse(read_text(place), place)
+    return parsed.rulebase == rulebase
+
+
+def _edited(
+    text: str,
+    model: ControllerModel | None,
+    gains: Mapping[str, Sequence[float]],
+    moved: tuple[RuleBase, RuleBase] | None,
+    notes: Sequence[str],
+) -> str:
+    """Return a text with other numbers in their places, and notes in front of its heading."""
+    parsed = parse(text)
+    edits: list[Edit] = []
+    if model is not None:
+        edits += _gain_edits(parsed.document, model, gains)
+    if moved is not None:
+        edits += _term_edits(parsed.document, *moved)
+    if not edits:
+        return text
+    canonical = _is_canonical(text)
+    changed = apply_edits(text, [*edits, *_note_edits(parsed.document, text, notes)])
+    # A text in canonical form stays in it.
+    return format_text(changed) if canonical else changed
+
+
+def _is_canonical(text: str) -> bool:
+    try:
+        return format_text(text) == text
+    except ValueError:
+        return False
+
+
+def _gain_edits(
+    document: Document, model: ControllerModel, gains: Mapping[str, Sequence[float]]
+) -> Iterator[Edit]:
+    known = {each.name: [v.value(math.pi) for v in each.values] for each in model.gains}
+    for statement in document.statements:
+        node = statement.node
+        if not isinstance(node, GainNode) or node.name.text not in gains:
+            continue
+        values = list(gains[node.name.text])
+        if values != known[node.name.text]:
+            yield Edit(node.values[0].span.to(node.values[-1].span), _numbers(values))
+
+
+def _term_edits(document: Document, old: RuleBase, new: RuleBase) -> Iterator[Edit]:
+    moved = {(variable, term.name): term for variable, term, _ in _moved(old, new)}
+    stated = set()
+    for statement in document.statements:
+        node = statement.node
+        if isinstance(node, TermNode) and node.shape is not None:
+            key = node.variable.text, node.name.text
+            stated.add(key)
+            if key in moved:
+                yield from _figure_edits(node.shape, moved[key].shape)
+    for statement in document.statements:
+        node = statement.node
+        if isinstance(node, EvenTermsNode):
+            yield from _spread_edits(node, new, moved, stated)
+
+
+def _figure_edits(node: ShapeNode, shape: Shape) -> Iterator[Edit]:
+    for figure, value in zip(node.figures, shape.parameters, strict=True):
+        if figure.value != value:
+            yield Edit(figure.span, number_text(value))
+
+
+def _spread_edits(
+    node: EvenTermsNode,
+    new: RuleBase,
+    moved: Mapping[tuple[str, str], Term],
+    stated: set[tuple[str, str]],
+) -> Iterator[Edit]:
+    """Write out the terms of variables that are no longer evenly spaced."""
+    names = [word.text for word in node.names]
+    uneven = [
+        word
+        for word in node.variables
+        if any((word.text, name) in moved and (word.text, name) not in stated for name in names)
+    ]
+    if not uneven:
+        return
+    rest = tuple(word for word in node.variables if word not in uneven)
+    rows = [
+        TermNode(
+            word, name, _shape_node(new.variable(word.text).term(name.text).shape)
+        ).in_columns()
+        for word in uneven
+        for name in node.names
+        if (word.text, name.text) not in stated
+    ]
+    lines = [line.strip() for line in aligned(rows)]
+    if rest:
+        lines.insert(0, str(node._replace(variables=rest)))
+    yield Edit(node.span, "\n".join(lines))
+
+
+def _note_edits(document: Document, text: str, notes: Sequence[str]) -> Iterator[Edit]:
+    """Put notes in front of the heading, and take out those of an earlier time."""
+    for number, words in enumerate(split_lines(text), 1):
+        if words.startswith(MARK):
+            yield Edit(Span(number, 1, number + 1, 1), "")
+    headings = (Heading, ControllerHeading)
+    for statement in document.statements:
+        if isinstance(statement.node, headings):
+            line = statement.node.span.line
+            yield Edit(Span(line, 1, line, 1), "".join(f"{MARK}{note}\n" for note in notes))
+            return
+
+
+# --- Other files in place of those that are used ---
+
+
+def with_files(text: str, files: Mapping[str, str]) -> str:
+    """Return a controller whose ``use`` lines name other files, by the names that they give."""
+    edits = []
+    for statement in parse(text).document.statements:
+        node = statement.node
+        if isinstance(node, UseNode) and node.name.text in files:
+            span = node.files[0].span.to(node.files[-1].span)
+            edits.append(Edit(span, quote(files[node.name.text], '"')))
+    return apply_edits(text, edits)

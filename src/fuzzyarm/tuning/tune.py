@@ -1,0 +1,786 @@
+"""Tune a controller or a rule base: search, round, judge by what was not seen, write it down."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.catalogue import controller_of
+from fuzzyarm.controller.findings import site_by_axes
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.language.tokens import Cursor, Trivia, tokenize_line
+from fuzzyarm.learning.data import Samples
+from fuzzyarm.learning.fit import linear_outputs
+from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.reference import Signal
+from fuzzyarm.loop.run import plant_motion
+from fuzzyarm.model.rulebase import RuleBase, Tuning
+from fuzzyarm.plant import find_plant
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.plant import Plant
+from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.text.files import write_atomically
+from fuzzyarm.tuning.cost import (
+    ERRORS,
+    Cost,
+    OwnCost,
+    errors_between,
+    read_cost,
+)
+from fuzzyarm.tuning.design import Candidate, Parameter, controller_at
+from fuzzyarm.tuning.examiner import Over, Panel, Problem, Score, panel
+from fuzzyarm.tuning.linear import NAME as LINEAR
+from fuzzyarm.tuning.linear import opponent
+from fuzzyarm.tuning.movement import TuneError
+from fuzzyarm.tuning.optimisers import OPTIMISERS
+from fuzzyarm.tuning.promises import Promises
+from fuzzyarm.tuning.scenarios import (
+    Scenario,
+    Stage,
+    arm_scenarios,
+    train_scenarios,
+    unseen_scenarios,
+)
+from fuzzyarm.tuning.search import Budget, Found, Journal, Search, Watch
+from fuzzyarm.tuning.text import Change, Rewritten, changes_of, rewritten, with_files
+
+Vector = NDArray[np.float64]
+
+Method = Literal["nelder-mead", "cma-es", "evolution"]
+
+DEFAULT_COST = "rms"
+DEFAULT_DATA_COST = "rmse"
+UNSEEN = 24
+"""Scenarios of the judgement."""
+
+WORSE = 0.01
+"""How much a cost may grow when numbers are rounded, before a digit more is kept."""
+
+MOST_DIGITS = 8
+LINEAR_EVALS = 150
+"""Candidates of the linear opponent for each of its gains, where the budget has so many."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How to tune.
+
+    Attributes
+    ----------
+    method : str
+        A key of :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
+    budget : Budget
+        When to end.
+    seed : int
+        Of the search.
+    digits : int
+        Of the numbers that are written.
+    unseen : int
+        Scenarios of the judgement; 0 for no judgement.
+    linear : bool
+        Whether a linear opponent is tuned, too.
+    """
+
+    method: str = "nelder-mead"
+    budget: Budget = field(default_factory=Budget)
+    seed: int = 1
+    digits: int = 3
+    unseen: int = UNSEEN
+    linear: bool = True
+
+    def __post_init__(self) -> None:
+        if self.method not in OPTIMISERS:
+            hint = f"one of {', '.join(OPTIMISERS)}"
+            raise TuneError(f"no method is called '{self.method}'", name=self.method, hint=hint)
+        if not 1 <= self.digits <= MOST_DIGITS:
+            raise TuneError(f"{self.digits} digits are out of range", hint=f"1 to {MOST_DIGITS}")
+        if not 0 <= self.unseen <= 10_000:
+            raise TuneError(f"{self.unseen} unseen scenarios are out of range", hint="0 to 10000")
+
+
+class Row(NamedTuple):
+    """A controller in the table: what it costs on each set of scenarios.
+
+    Attributes
+    ----------
+    name : str
+        ``as in the file``, ``tuned``, ``linear PD`` or ``linear regression``.
+    scores : dict of str to Score
+        ``train``, ``unseen``, ``noisy``.
+    """
+
+    name: str
+    scores: dict[str, Score]
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What came of tuning.
+
+    Attributes
+    ----------
+    subject : ControllerText or RuleBase
+        As it was.
+    candidate : Candidate
+        The numbers that are written.
+    parameters : tuple of Parameter
+        What moved.
+    found : Found
+        The search: all trials, the best, what was refused.
+    digits : int
+        Of the numbers: more than were asked for where rounding broke a promise.
+    rows : tuple of Row
+        The table.
+    on_a_bound : tuple of str
+        Parameters that ended on a bound of their range.
+    changes : tuple of Change
+        What differs, in the words of the file.
+    files : tuple of Rewritten
+        The texts.
+    cost : str
+        What became small.
+    scenarios, unseen : tuple of str
+        Names of what was tuned on, and of what was judged by.
+    linear : Found or None
+        The search of the linear opponent.
+    plan : Plan
+        How it was done.
+    over : str
+        How the costs of scenarios became one.
+    notes : tuple of str
+        What stands in the files.
+    """
+
+    subject: ControllerText | RuleBase
+    candidate: Candidate
+    parameters: tuple[Parameter, ...]
+    found: Found
+    digits: int
+    rows: tuple[Row, ...]
+    on_a_bound: tuple[str, ...]
+    changes: tuple[Change, ...]
+    files: tuple[Rewritten, ...]
+    cost: str
+    scenarios: tuple[str, ...]
+    unseen: tuple[str, ...]
+    linear: Found | None
+    plan: Plan
+    over: str
+    notes: tuple[str, ...]
+
+    @property
+    def model(self) -> ControllerText | RuleBase:
+        """The tuned controller or rule base."""
+        if isinstance(self.subject, ControllerText):
+            return controller_at(self.subject, self.candidate)
+        return self.candidate.rulebases.get(self.subject.name, self.subject)
+
+    @property
+    def text(self) -> str:
+        """The text of the file that was tuned."""
+        return self.files[0].new if self.files else ""
+
+    def row(self, name: str) -> Row | None:
+        """Return a row of the table by its name."""
+        return next((row for row in self.rows if row.name == name), None)
+
+    def wins(self, over: str) -> tuple[int, int]:
+        """Return on how many unseen scenarios it costs less than another row, and of how many."""
+        own, other = self.row("tuned"), self.row(over)
+        if own is None or other is None:
+            return 0, 0
+        pairs = list(zip(_parts(own, "unseen"), _parts(other, "unseen"), strict=False))
+        return sum(mine < theirs for mine, theirs in pairs), len(pairs)
+
+    @cached_property
+    def front(self) -> list[tuple[float, float]]:
+        """Error and chatter of the trials that no other beats in both, by rising error."""
+        return front_of(self.found)
+
+    def diff(self) -> str:
+        """Return the lines of all files that differ."""
+        return "\n".join(each.diff() for each in self.files if each.changed)
+
+    def claim(self) -> str:
+        """Return what can be said of it: no more than the unseen scenarios show."""
+        return _claim(self)
+
+    def write(self, path: str | os.PathLike[str]) -> list[Path]:
+        """Write the texts; rule bases of their own files go beside, as ``STEM-NAME.frb``.
+
+        Written over the file that was tuned, rule bases beside it keep their names. Shipped files
+        are never written over.
+        """
+        return _write(self, Path(path))
+
+
+def _parts(row: Row, which: str) -> tuple[float, ...]:
+    return row.scores[which].parts if which in row.scores else ()
+
+
+def front_of(found: Found) -> list[tuple[float, float]]:
+    """Return error and chatter of the trials that no other beats in both, by rising error."""
+    pairs = sorted(
+        (trial.score.error, trial.score.chatter)
+        for trial in found.trials
+        if not trial.score.diverged
+        and math.isfinite(trial.score.error)
+        and math.isfinite(trial.score.chatter)
+    )
+    front: list[tuple[float, float]] = []
+    for error, chatter in pairs:
+        if not front or chatter < front[-1][1]:
+            front.append((error, chatter))
+    return front
+
+
+# --- The whole way ---
+
+
+def tune(
+    subject: ControllerText | RuleBase | str | os.PathLike[str],
+    on: Plant | Trajectory | str | None = None,
+    *,
+    cost: str | OwnCost | None = None,
+    data: Samples | None = None,
+    test: Samples | None = None,
+    scenarios: int | Sequence[Scenario] | None = None,
+    over: Over = "mean",
+    stage: Stage | None = None,
+    references: Mapping[str, Signal] | None = None,
+    duration: float | None = None,
+    connect: Mapping[str, str] | None = None,
+    tuning: Tuning | Sequence[str] | None = None,
+    method: Method = "nelder-mead",
+    evals: int = 500,
+    seconds: float = math.inf,
+    seed: int = 1,
+    digits: int = 3,
+    unseen: int = UNSEEN,
+    linear: bool = True,
+    options: Options | None = None,
+    conventions: Conventions = PLAIN,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    journal: Journal | None = None,
+    watch: Watch = lambda _found: None,
+) -> Tuned:
+    """Tune the gains of a controller and the terms of its rule bases, or of a rule base alone.
+
+    Parameters
+    ----------
+    subject : ControllerText, RuleBase or path-like
+        What is tuned. A controller runs in its loop, a rule base alone is fitted to samples.
+    on : Plant, Trajectory or str, optional
+        Where it runs; by default the shipped plant that has its axes. The arm follows the two
+        trajectories of the study, unless one is given.
+    cost : str or callable, optional
+        What is to become small: a formula of metrics, as in ``"rms + 0.002*variation"`` (of
+        samples of ``rmse``, ``mae`` and ``worst``), or a function of all runs (of a rule base
+        alone: of the rule base). The RMS error by default.
+    data, test : Samples, optional
+        What a rule base alone is fitted to, and is judged by. Without `test` a fifth of the data
+        is kept back.
+    scenarios : int or sequence of Scenario, optional
+        How many are tuned on: what is asked for first, then drawn ones. By default those that are
+        asked for alone.
+    over : {"mean", "worst"}, optional
+        How their costs become one.
+    stage : Stage, optional
+        Plant, references, sensors, and what differs from scenario to scenario; instead of `on`
+        and what stands behind it here.
+    references, duration, connect
+        See :func:`fuzzyarm.loop.simulate`.
+    tuning : Tuning or sequence of str, optional
+        What may move, in place of what the file says: lines of a ``tune`` block.
+    method : {"nelder-mead", "cma-es", "evolution"}, optional
+        See :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
+    evals, seconds : int, float, optional
+        Candidates, and wall time.
+    seed : int, optional
+        Of everything that is drawn.
+    digits : int, optional
+        Significant ones of the numbers that are written.
+    unseen : int, optional
+        Scenarios of the judgement.
+    linear : bool, optional
+        Whether a linear opponent is tuned on the same.
+    options, conventions
+        See :func:`fuzzyarm.loop.simulate`.
+    workers, executor : optional
+        See :func:`fuzzyarm.loop.simulate_many`; no result depends on them.
+    journal : Journal, optional
+        Where every trial is written down.
+    watch : callable, optional
+        Told of the search after each examination.
+
+    Returns
+    -------
+    Tuned
+        Ctrl-C ends the search, not the way: the best so far is rounded and judged.
+
+    Raises
+    ------
+    TuneError
+        If nothing may move, or what is asked for does not fit.
+
+    Examples
+    --------
+    >>> import fuzzyarm
+    >>> tuned = fuzzyarm.tune(
+    ...     fuzzyarm.shipped("heater.frb"), evals=8, unseen=2, linear=False, workers=1
+    ... )
+    >>> tuned.found.best.score.cost <= tuned.found.trials[0].score.cost
+    True
+    """
+    plan = Plan(method, Budget(evals, seconds), seed, digits, unseen, linear)
+    path, model = _loaded(subject)
+    moving = tuning if isinstance(tuning, Tuning) or tuning is None else read_tuning(tuning)
+    if isinstance(model, RuleBase):
+        if data is None and not callable(cost):
+            message = f"'{model.name}' is a rule base alone: nothing says what is good"
+            hint = "give samples, or tune the controller that uses it"
+            raise TuneError(message, hint=hint)
+        job = _on_samples(model, moving, cost, data, test, seed)
+    else:
+        options = options or Options(seed=seed)
+        stage = stage or stage_of(model, on, options, references, duration, connect)
+        job = _in_loop(model, moving, cost, stage, scenarios, plan, over, conventions)
+    return _done(job, plan, path, workers, executor, journal, watch)
+
+
+def _loaded(
+    subject: ControllerText | RuleBase | str | os.PathLike[str],
+) -> tuple[str, ControllerText | RuleBase]:
+    if isinstance(subject, ControllerText):
+        return subject.path, subject
+    if isinstance(subject, RuleBase):
+        return "", subject
+    from fuzzyarm.api import load
+
+    model = load(subject)
+    if not isinstance(model, ControllerText | RuleBase):
+        raise TuneError(f"{subject} is a table; a controller or a rule base is tuned")
+    return os.fspath(subject), model
+
+
+def read_tuning(lines: Sequence[str]) -> Tuning:
+    """Read lines of a ``tune`` block that stand in no file.
+
+    Raises
+    ------
+    TuneError
+        If one is not such a line.
+    """
+    from fuzzyarm.language.tokens import Fault
+    from fuzzyarm.language.tune import TuneItem
+    from fuzzyarm.model.rulebase import GainTuning, PeakTuning
+
+    peaks, gains, kept = list[PeakTuning](), list[GainTuning](), list[tuple[str, str]]()
+    for line in lines:
+        found: list[Any] = []
+        tokens = tokenize_line(1, line, found).tokens
+        if not tokens or found:
+            raise TuneError(f"'{line}' is not a line of a tune block", hint=TUNE_HINT)
+        try:
+            item = TuneItem.read(Cursor(tokens), Trivia())
+        except Fault as fault:
+            message = f"'{line}': {fault.diagnostic.message}"
+            raise TuneError(message, hint=fault.diagnostic.hint or TUNE_HINT) from None
+        names = tuple(word.text for word in item.names)
+        words = item.words
+        if item.key.text == "peaks":
+            flags = ("mirrored" in words, "keep order" in words, "partition" in words)
+            made = PeakTuning(names, *flags)
+            peaks.append(made if item.gap is None else replace(made, gap=item.gap.value / 100.0))
+        elif item.key.text == "gain":
+            assert item.low is not None
+            assert item.high is not None
+            if not item.low.value < item.high.value or (words and item.low.value <= 0.0):
+                raise TuneError(f"'{line}': the range of a gain does not fit", hint=TUNE_HINT)
+            flags = ("times" in words, "log" in words, "per axis" in words)
+            gains.append(GainTuning(names, item.low.value, item.high.value, *flags))
+        else:
+            kept += [(names[0], term.text) for term in item.terms] or [(names[0], "")]
+    return Tuning(tuple(peaks), tuple(gains), tuple(kept))
+
+
+TUNE_HINT = "as in  peaks e, ce mirrored, partition  or  gain G_e 0.1 .. 10 times"
+
+
+def stage_of(
+    text: ControllerText,
+    on: Plant | Trajectory | str | None,
+    options: Options,
+    references: Mapping[str, Signal] | None = None,
+    duration: float | None = None,
+    connect: Mapping[str, str] | None = None,
+) -> Stage:
+    """Return where a controller runs, if nothing else is said.
+
+    Raises
+    ------
+    TuneError
+        If no shipped plant has its axes.
+    """
+    if isinstance(on, Trajectory):
+        first = (Scenario(on.name, on, {"payload": 1.0}),)
+        return Stage(Arm(), first, options)
+    if on is None:
+        site = site_by_axes(text.model)
+        if site is None:
+            raise TuneError(f"no shipped plant has the axes of {text.model.name}", hint="name one")
+        on = site.name
+    plant = find_plant(on) if isinstance(on, str) else on
+    if isinstance(plant, Arm):
+        return Stage(plant, arm_scenarios(), options)
+    motion = plant_motion(controller_of(text), plant, references, duration, connect)
+    first = (Scenario(motion.name, motion),)
+    return Stage(plant, first, options, (), references, duration, connect)
+
+
+class _Job(NamedTuple):
+    """What is tuned on what, and judged by what."""
+
+    problem: Problem
+    judged: dict[str, Problem]
+    linear: dict[str, Problem]
+    """The same for the opponent; empty without one."""
+    cost: str
+    scenarios: tuple[str, ...]
+    unseen: tuple[str, ...]
+    regression: dict[str, dict[str, float]]
+    """Errors of linear regression on samples."""
+
+
+def _in_loop(
+    text: ControllerText,
+    tuning: Tuning | None,
+    cost: str | OwnCost | None,
+    stage: Stage,
+    scenarios: int | Sequence[Scenario] | None,
+    plan: Plan,
+    over: Over,
+    conventions: Conventions,
+) -> _Job:
+    said = cost if cost is not None else DEFAULT_COST
+    asked = read_cost(said) if isinstance(said, str) else said
+    controller = controller_of(text)
+    if scenarios is None or isinstance(scenarios, int):
+        count = len(stage.first) if scenarios is None else scenarios
+        if not 1 <= count <= 10_000:
+            raise TuneError(f"{count} scenarios are out of range", hint="1 to 10000")
+        train = train_scenarios(stage, count, controller)
+    else:
+        train = tuple(scenarios)
+    problem = Problem(
+        text,
+        tuning,
+        asked,
+        train,
+        over=over,
+        conventions=conventions,
+        options=stage.options,
+        connect=stage.connect,
+    )
+    judged = {}
+    if plan.unseen:
+        unseen = unseen_scenarios(stage, plan.unseen, controller)
+        judged["unseen"] = replace(problem, scenarios=unseen)
+        if not stage.has_noise:
+            noisy = stage.noisy()
+            judged["noisy"] = replace(problem, scenarios=unseen, options=noisy.options)
+    linear = {}
+    if plan.linear:
+        other, moving = opponent(text, stage.plant)
+        sets = {"train": problem, **judged}
+        linear = {name: replace(each, subject=other, tuning=moving) for name, each in sets.items()}
+    return _Job(
+        problem,
+        judged,
+        linear,
+        said if isinstance(said, str) else said.__name__,
+        tuple(each.name for each in train),
+        tuple(each.name for each in judged["unseen"].scenarios) if judged else (),
+        {},
+    )
+
+
+KEPT_BACK = 5
+"""Every how manyth sample is kept back, where no others are given to judge by."""
+
+NOISE_SHARE = 0.01
+"""Of the inputs' ranges: standard deviation of the noise by which is judged."""
+
+
+def _on_samples(
+    rulebase: RuleBase,
+    tuning: Tuning | None,
+    cost: str | OwnCost | None,
+    data: Samples | None,
+    test: Samples | None,
+    seed: int,
+) -> _Job:
+    said = cost if cost is not None else DEFAULT_DATA_COST
+    asked = read_cost(said, tuple(ERRORS)) if isinstance(said, str) else said
+    name = said if isinstance(said, str) else said.__name__
+    if data is None:
+        return _Job(Problem(rulebase, tuning, asked), {}, {}, name, (), (), {})
+    data = _fitting(data, rulebase)
+    if test is None:
+        order = np.random.default_rng(seed).permutation(len(data))
+        data, test = (
+            data.part(np.sort(order[len(data) // KEPT_BACK :])),
+            data.part(np.sort(order[: len(data) // KEPT_BACK])),
+        )
+    else:
+        test = _fitting(test, rulebase)
+    if not len(data) or not len(test):
+        raise TuneError("too few samples to keep some back", hint="give others to judge by")
+    noisy = _with_noise(test, seed)
+    problem = Problem(rulebase, tuning, asked, samples=data)
+    sets = {"train": data, "unseen": test, "noisy": noisy}
+    judged = {key: replace(problem, samples=sets[key]) for key in ("unseen", "noisy")}
+    regression = {
+        key: errors_between(linear_outputs(data, each)[:, 0], each.values)
+        for key, each in sets.items()
+    }
+    shown = {key: (f"{len(each)} samples",) for key, each in sets.items()}
+    return _Job(problem, judged, {}, name, shown["train"], shown["unseen"], regression)
+
+
+def _fitting(samples: Samples, rulebase: RuleBase) -> Samples:
+    """Return samples in the words of a rule base."""
+    if samples.classes:
+        raise TuneError("a target of words is learned by fuzzyarm fit, not tuned")
+    inputs = [each.name for each in rulebase.inputs]
+    missing = [name for name in inputs if name not in samples.names]
+    outputs = [each.name for each in rulebase.outputs]
+    if missing:
+        hint = f"there are {', '.join(samples.names)}"
+        raise TuneError(f"the samples have no column '{missing[0]}'", name=missing[0], hint=hint)
+    target = samples.target
+    if target not in outputs:
+        if len(outputs) > 1:
+            hint = f"its outputs are {', '.join(outputs)}"
+            raise TuneError(f"'{rulebase.name}' has no output '{target}'", name=target, hint=hint)
+        target = outputs[0]
+    columns = [samples.names.index(name) for name in inputs]
+    return replace(samples, names=tuple(inputs), inputs=samples.inputs[:, columns], target=target)
+
+
+def _with_noise(samples: Samples, seed: int) -> Samples:
+    generator = np.random.default_rng([seed, 2])
+    spread = NOISE_SHARE * np.ptp(samples.inputs, axis=0)
+    drawn = generator.standard_normal(samples.inputs.shape) * spread
+    return replace(samples, inputs=samples.inputs + drawn)
+
+
+# --- Search, round, judge ---
+
+
+def _done(
+    job: _Job,
+    plan: Plan,
+    path: str,
+    workers: int | None,
+    executor: Executor | None,
+    journal: Journal | None,
+    watch: Watch,
+) -> Tuned:
+    with panel(job.problem, workers, executor) as examining:
+        design = examining.design
+        promises = Promises(design.as_it_is().rulebases)
+        search = Search(examining, promises, plan.budget, journal, watch)
+        found = search.run(plan.method, plan.seed)
+        best = found.best.point
+        candidate, digits, score = rounded(examining, promises, found, plan.digits)
+        start = found.trials[0].score if found.trials else examining.examiner.score(design.start)
+    rows = [Row("as in the file", {"train": start}), Row("tuned", {"train": score})]
+    linear = None
+    try:
+        for row, which in zip(rows, (design.as_it_is(), candidate), strict=True):
+            row.scores.update(_judge(job.judged, which, workers, executor))
+        if job.linear and not found.interrupted:
+            linear, row = _linear(job.linear, plan, workers, executor)
+            rows.append(row)
+    except KeyboardInterrupt:  # what was found is kept, judged or not
+        found.interrupted = True
+    if job.regression:
+        assert isinstance(job.problem.cost, Cost)
+        scores = {key: Score(job.problem.cost.of(each)) for key, each in job.regression.items()}
+        rows.append(Row("linear regression", scores))
+    made = Tuned(
+        job.problem.subject,
+        candidate,
+        design.parameters,
+        found,
+        digits,
+        tuple(rows),
+        tuple(design.on_a_bound(best)),
+        tuple(changes_of(job.problem.subject, design.sheets, candidate)),
+        (),
+        job.cost,
+        job.scenarios,
+        job.unseen,
+        linear,
+        plan,
+        job.problem.over,
+        (),
+    )
+    notes = tuple(_notes(made))
+    files = rewritten(job.problem.subject, candidate, path=path, notes=notes)
+    return replace(made, files=tuple(files), notes=notes)
+
+
+def rounded(
+    examining: Panel, promises: Promises, found: Found, digits: int
+) -> tuple[Candidate, int, Score]:
+    """Return the best candidate with rounded numbers, scored again.
+
+    A digit more is kept where rounding breaks a promise or costs more than one percent. Where
+    nothing was found the file stays as it is.
+    """
+    best, design = found.best, examining.design
+    if np.array_equal(best.point, design.start):
+        return design.as_it_is(), digits, best.score
+    while True:
+        candidate = design.at(best.point, digits)
+        if not promises.expected(candidate) and not promises.proof(candidate):
+            score = examining.scores([best.point], digits)[0]
+            worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
+            if digits >= MOST_DIGITS or not worse:
+                return candidate, digits, score
+        elif digits >= MOST_DIGITS:
+            return design.as_it_is(), digits, found.trials[0].score
+        digits += 1
+
+
+def _judge(
+    judged: Mapping[str, Problem],
+    candidate: Candidate,
+    workers: int | None,
+    executor: Executor | None,
+) -> dict[str, Score]:
+    found = {}
+    for name, problem in judged.items():
+        with panel(problem, workers, executor) as examining:
+            (found[name],) = examining.scores_of([candidate])
+    return found
+
+
+def _linear(
+    problems: Mapping[str, Problem], plan: Plan, workers: int | None, executor: Executor | None
+) -> tuple[Found, Row]:
+    """Tune the linear opponent on the same cost and scenarios."""
+    with panel(problems["train"], workers, executor) as examining:
+        evals = min(plan.budget.evals, LINEAR_EVALS * len(examining.design.parameters))
+        search = Search(examining, None, Budget(evals, plan.budget.seconds))
+        found = search.run(plan.method, plan.seed)
+        candidate, _, score = rounded(examining, Promises({}), found, plan.digits)
+    judged = {name: each for name, each in problems.items() if name != "train"}
+    return found, Row(LINEAR, {"train": score, **_judge(judged, candidate, workers, executor)})
+
+
+# --- What is said of it ---
+
+
+def _claim(tuned: Tuned) -> str:
+    file, own = tuned.row("as in the file"), tuned.row("tuned")
+    if file is None or own is None or "unseen" not in own.scores:
+        return "no unseen scenarios: nothing is known beyond what it was tuned on"
+    if not tuned.changes:
+        return "nothing better was found; the file stays as it is"
+    said = [_than(tuned, own, file, "the file")]
+    for name in (LINEAR, "linear regression"):
+        other = tuned.row(name)
+        if other is not None:
+            said.append(_than(tuned, own, other, f"the {name}" if name == LINEAR else name))
+    diverged = own.scores["unseen"].diverged
+    if diverged:
+        said.append(f"{diverged} of {len(tuned.unseen)} runs diverge")
+    return "unseen: " + "; ".join(said)
+
+
+def _than(tuned: Tuned, own: Row, other: Row, name: str) -> str:
+    mine, theirs = own.scores["unseen"].cost, other.scores["unseen"].cost
+    if not math.isfinite(mine - theirs):
+        return f"costs {mine:.4g}, {name} {theirs:.4g}"
+    better, count = tuned.wins(other.name)
+    counted = f" (on {better} of {count})" if count else ""
+    if theirs == mine:
+        return f"costs as much as {name}"
+    change = 100.0 * abs(mine - theirs) / abs(theirs) if theirs else math.inf
+    word = "less" if mine < theirs else "more"
+    return f"costs {change:.3g} % {word} than {name}{counted}"
+
+
+def _notes(tuned: Tuned) -> list[str]:
+    """Return what is written into the files: what became of the cost, and how it was done."""
+    from fuzzyarm.version import __version__
+
+    columns = []
+    for row in tuned.rows:
+        shown = ", ".join(f"{name} {score.cost:.4g}" for name, score in row.scores.items())
+        columns.append(f"{row.name}: {shown}")
+    ways = ", ".join(tuned.scenarios[:2])
+    more = len(tuned.scenarios) - 2
+    others = f" and {more} drawn" if more > 0 else ""
+    on = f"{ways}{others}" if ways else "a function"
+    count = len(tuned.found.trials)
+    return [
+        f"{tuned.cost}, {tuned.over} over {on}",
+        *columns,
+        f"{tuned.plan.method}, {count} evaluations, seed {tuned.plan.seed},"
+        f" {tuned.digits} digits, fuzzyarm {__version__}",
+    ]
+
+
+# --- Writing ---
+
+
+def _write(tuned: Tuned, out: Path) -> list[Path]:
+    first, *others = tuned.files
+    origin = Path(first.path) if first.path else None
+    over = origin is not None and out.exists() and out.resolve() == origin.resolve()
+    written, names = [], {}
+    for each in others:
+        beside = each.path and Path(each.path).resolve().parent == out.resolve().parent
+        name = Path(each.path).name if over and beside else f"{out.stem}-{each.name}.frb"
+        names[each.name] = name
+        write_atomically(out.parent / name, each.new)
+        written.append(out.parent / name)
+    text = first.new
+    if isinstance(tuned.subject, ControllerText):
+        kept = {} if over else _files_elsewhere(tuned.subject, origin, out)
+        text = with_files(text, {**kept, **names})
+    write_atomically(out, text)
+    return [out, *written]
+
+
+def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> dict[str, str]:
+    """Return used files that stand beside the old file and not beside the new one."""
+    if origin is None or origin.resolve().parent == out.resolve().parent:
+        return {}
+    found = {}
+    for use in text.model.uses:
+        place = origin.parent / use.files[0]
+        if len(use.files) == 1 and place.exists() and not _shipped(use.files[0]):
+            found[use.name] = os.path.relpath(str(place), str(out.parent))
+    return found
+
+
+def _shipped(name: str) -> bool:
+    from fuzzyarm.shipped_files import shipped_names
+
+    return name in shipped_names()

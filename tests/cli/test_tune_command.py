@@ -1,0 +1,90 @@
+"""`fuzzyarm tune` does what its words say, and tells mistakes before anything runs."""
+
+import json
+
+import pytest
+
+from fuzzyarm.cli import main
+from fuzzyarm.shipped_files import shipped
+
+QUICK = ("--reference", "temperature=20", "--for", "900s", "--workers", "1", "--no-linear")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_file_is_written_and_passes_check(folder, capsys):
+    words = ["tune", "heater", *QUICK, "--evals", "8", "--unseen", "2", "--scenarios", "2"]
+    assert main([*words, "--vary", "outside=0..10", "-o", "mine.frb", "--plot", "mine.svg"]) == 0
+    out = capsys.readouterr().out
+    assert "mean of 2 scenarios; 3 numbers moved, 8 trials" in out
+    assert "G_du" in out
+    assert "wrote mine.frb" in out
+    assert (folder / "mine.svg").read_text().startswith("<?xml")
+    assert main(["check", "--strict", "mine.frb"]) == 0
+    # Over the file itself, too; what it says of itself is said once.
+    assert (
+        main(["tune", "mine.frb", *QUICK, "--evals", "4", "--unseen", "0", "-o", "mine.frb"]) == 0
+    )
+    assert (folder / "mine.frb").read_text().count("evaluations, seed 1") == 1
+
+
+def test_a_journal_is_gone_on_with(folder, capsys):
+    words = ["tune", "heater", *QUICK, "--unseen", "0", "--json", "--journal", "trials"]
+    assert main([*words, "--evals", "5"]) == 0
+    assert main([*words, "--evals", "9"]) == 1
+    assert "--resume goes on" in capsys.readouterr().err
+    assert main([*words, "--evals", "9", "--resume", "-o", "a.frb"]) == 0
+    resumed = json.loads(capsys.readouterr().out)
+    whole = ["tune", "heater", *QUICK, "--unseen", "0", "--json", "--evals", "9", "-o", "b.frb"]
+    assert main(whole) == 0
+    straight = json.loads(capsys.readouterr().out)
+    assert resumed["curve"] == straight["curve"]
+    assert (folder / "a.frb").read_text() == (folder / "b.frb").read_text()
+    assert main([*words, "--evals", "9", "--resume", "--seed", "2"]) == 1
+    assert "not the journal of this search" in capsys.readouterr().err
+
+
+def test_a_rule_base_is_fitted_to_samples(folder, capsys):
+    lines = ["e,ce,u"] + [f"{e},{ce},{0.5 * (e + ce)}" for e in range(-6, 7) for ce in (-3, 0, 2)]
+    (folder / "set.csv").write_text("\n".join(lines))
+    words = ["tune", str(shipped("pd7.frb")), "--data", "set.csv", "--evals", "20", "--json"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    rows = found["rows"]
+    assert set(rows) == {"as in the file", "tuned", "linear regression"}
+    assert rows["tuned"]["train"]["cost"] < rows["as in the file"]["train"]["cost"]
+    assert rows["linear regression"]["train"]["cost"] == pytest.approx(0.0, abs=1e-9)
+    assert "more than linear regression" in found["claim"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["heater", "--cost", "rmss"], "no metric 'rmss'"),
+        (["heater", "--tune", "gain G_x 1 .. 2"], "heater has no gain 'G_x'"),
+        (["heater", "--tune", "peaks q"], "no rule base has a variable 'q'"),
+        (["heater", "--tune", "peak e"], "expected peaks, gain or keep"),
+        (["heater", "--resume"], "--resume goes on with the file of --journal"),
+        (["heater", "--scenarios", "0"], "0 scenarios are out of range"),
+        (["heater", "--evals", "0"], "0 evaluations are out of range"),
+        (["heater", "--digits", "9"], "9 digits are out of range"),
+        (["heater", "--workers", "0"], "--workers 0 is out of range"),
+        (["heater", "--vary", "nothing=0..1", "--scenarios", "3"], "has 'nothing'"),
+        (["heater", "--data", "set.csv"], "--data is for a rule base alone"),
+        (["heater", "-o", "x.png"], "does not tell a format"),
+        (["heater", "-o", "none/x.frb"], "there is no folder"),
+        (["heater", "--plot", "x.txt"], "does not tell a figure format"),
+        (["heater", "--time", "5"], "--time takes a time with a unit"),
+        (["pd7.frb"], "a rule base alone"),
+        ([str(shipped("thesis-6.1.lut"))], "is a table"),
+        (["nothing.frb"], "No such file"),
+    ],
+)
+def test_mistakes_are_told_first(words, message, capsys, folder):
+    (folder / "pd7.frb").write_text(shipped("pd7.frb").read_text())
+    assert main(["tune", *words, "--reference", "temperature=20", "--for", "200s"]) == 1
+    assert message in capsys.readouterr().err

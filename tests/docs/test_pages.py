@@ -1,0 +1,213 @@
+"""The README and the pages are followed literally: every command and every block of Python.
+
+``pytest tests/docs --update-golden`` writes what the program prints today into the pages.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from fuzzyarm.cli.main import COMMANDS, find_command
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+RUNNER = Path(__file__).with_name("run_page.py")
+
+FENCE = re.compile(r"(?ms)^(?P<indent> *)```(?P<kind>\w+)\n(?P<body>.*?)^ *```")
+NAMED = re.compile(r"(?:#|//|/\*) ?([\w./-]+\.(?:frb|py|csv|lut))(?: \*/)?\n")
+STATUS = re.compile(r"\s+# exit status (\d+)$")
+
+
+class Step(NamedTuple):
+    """A block, or one command of a console block: what is run and what the page shows."""
+
+    kind: str
+    text: str
+    path: str = ""
+    expected: str = ""
+    status: int = 0
+    indent: str = ""
+
+
+def page_id(page):
+    return str(page.relative_to(ROOT))
+
+
+def blocks(page, kind):
+    return [body for _, found, body in all_blocks(page.read_text("utf-8")) if found == kind]
+
+
+def all_blocks(text):
+    """Yield (indentation, kind, body without it) of the blocks of a page."""
+    for match in FENCE.finditer(text):
+        indent = match["indent"]
+        yield indent, match["kind"], re.sub(rf"(?m)^{indent}", "", match["body"])
+
+
+def console_steps(body, indent=""):
+    """Yield the commands of a console block, each with the output that it shows."""
+    for part in re.split(r"(?m)^\$ ", body)[1:]:
+        command, _, expected = part.partition("\n")
+        status = STATUS.search(command)
+        wanted = int(status[1]) if status else 0
+        yield Step("command", STATUS.sub("", command), "", expected, wanted, indent)
+
+
+def steps_of(page):
+    """Return the steps of a page; the files that it names are there from the beginning."""
+    steps = []
+    for indent, kind, body in all_blocks(page.read_text("utf-8")):
+        named = NAMED.match(body)
+        if kind == "console":
+            steps += console_steps(body, indent)
+        elif named and kind in {"frb", "python", "csv", "lut"}:
+            steps.append(Step("file", body, named[1]))
+        elif kind == "python":
+            steps.append(Step("python", body))
+        elif kind == "yaml":
+            lines = re.findall(r"(?m)^ *- run: (fuzzyarm .*)$", body)
+            steps += [Step("command", line, expected="...") for line in lines]
+        elif kind == "pycon":
+            steps.append(Step("session", body))
+    files = {step.path: step for step in reversed(steps) if step.kind == "file"}
+    return [*files.values(), *steps]
+
+
+def matches(expected, actual):
+    """Whether `actual` is what the page shows; three dots stand for anything."""
+    expected, actual = (re.sub(r"(?m) +$", "", text.strip()) for text in (expected, actual))
+    pattern = re.escape(expected).replace(r"\.\.\.", ".*")
+    return re.fullmatch(pattern, actual, re.DOTALL) is not None
+
+
+@pytest.fixture
+def workplace(tmp_path):
+    shutil.copytree(ROOT / "rulebases", tmp_path / "rulebases")
+    shutil.copytree(ROOT / "examples" / "controllers", tmp_path / "examples" / "controllers")
+    for text in blocks(ROOT / "README.md", "frb"):
+        name = re.match(r"rulebase (\w+)", text).group(1)
+        (tmp_path / f"{name}.frb").write_text(text, "utf-8")
+    return tmp_path
+
+
+def run_all(steps, cwd):
+    """Return (status, output, errors, seconds) of each step."""
+    environment = {**os.environ, "COLUMNS": "80", "NO_COLOR": "1"}
+    done = subprocess.run(
+        [sys.executable, str(RUNNER)],
+        input=json.dumps([step[:3] for step in steps]),
+        cwd=cwd, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def faults(steps, results):
+    """Yield the steps that did not do what the page shows, and what they printed."""
+    for step, (status, out, err, _) in zip(steps, results, strict=True):
+        shown = out + err if step.status else out
+        if status != step.status:
+            yield step, f"exit status {status}\n{err}"
+        elif step.kind == "command" and not matches(step.expected, shown):
+            yield step, shown
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_every_block_does_what_the_page_shows(page, workplace, update_golden):
+    steps = steps_of(page)
+    targets = re.findall(r"(?m)^(\w+):", (ROOT / "Makefile").read_text("utf-8"))
+    made = [step for step in steps if step.text.startswith("make ")]
+    assert all(step.text.split()[1] in targets for step in made)
+    steps = [step for step in steps if step not in made]
+    assert all(step.text.startswith("fuzzyarm ") for step in steps if step.kind == "command")
+    if all(step.kind == "file" for step in steps):
+        return
+    results = run_all(steps, workplace)
+    if os.environ.get("PAGE_TIMES"):
+        for step, result in zip(steps, results, strict=True):
+            sys.stderr.write(f"{result[-1]:8.2f} s  {step.text.splitlines()[0]}\n")
+    found = list(faults(steps, results))
+    if update_golden:
+        found = [fault for fault in found if not updated(page, *fault)]
+    for step, shown in found:
+        pytest.fail(f"{page_id(page)}: {step.text}\n--- the page ---\n{step.expected}"
+                    f"--- the program ---\n{shown}")  # fmt: skip
+
+
+def updated(page, step, shown):
+    """Write what the program prints into the page; False where a person has to."""
+    if step.kind != "command" or shown.startswith("exit status"):
+        return False
+    lines = shown.strip().splitlines()
+    expected = step.expected.strip().splitlines()
+    if "..." in step.expected:
+        # Lines at the beginning, then dots: as many lines of what is printed today.
+        if any("..." in line for line in expected[:-1]) or expected[-1] != "...":
+            return False
+        lines = [*lines[: len(expected) - 1], "..."]
+    before, after = (
+        "".join(f"{step.indent}{line}".rstrip() + "\n" for line in part)
+        for part in (expected, lines)
+    )
+    text = page.read_text("utf-8")
+    command = re.escape(f"{step.indent}$ {step.text}") + r"(?: +# exit status \d+)?\n"
+    new = re.sub(f"({command}){re.escape(before)}", lambda found: found[1] + after, text, count=1)
+    page.write_text(new, "utf-8")
+    return new != text
+
+
+def mentioned(page):
+    """Yield the words of each command that a page mentions, in a block or within a line."""
+    text = page.read_text("utf-8")
+    lines = re.findall(r"(?m)(?:^ {4,}|`)(fuzzyarm [a-z][^`\n]*)", text)
+    for _, _, body in all_blocks(text):
+        lines += re.findall(r"(?m)^(?:\$ |.*run: )?(fuzzyarm [a-z].*)", body)
+    for line in lines:
+        yield re.split(r" +#| {3,}", line)[0].split()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_every_command_that_is_mentioned_has_its_options(page):
+    for _, name, *words in mentioned(page):
+        assert name in COMMANDS, name
+        parser = argparse.ArgumentParser()
+        find_command(name).add_to(parser)
+        known = set(parser._option_string_actions)
+        options = {word.partition("=")[0] for word in words if re.match("--[a-z]", word)}
+        assert options <= known, (name, options - known)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_every_link_and_picture_exists(page):
+    for target in re.findall(r"\]\(([^)#]+?)(?:#[^)]*)?\)", page.read_text("utf-8")):
+        if "://" not in target:
+            assert (page.parent / target).exists(), target
+
+
+@pytest.fixture(scope="module")
+def pd7_of_the_readme():
+    return next(text for text in blocks(ROOT / "README.md", "frb") if "pd7" in text)
+
+
+def test_the_rule_base_of_the_readme_is_what_is_shipped(pd7_of_the_readme):
+    shipped = (ROOT / "rulebases" / "pd7.frb").read_text("utf-8")
+    without_comments = re.sub(r"(?m)^#.*\n|\s*#.*$", "", shipped)
+    assert pd7_of_the_readme.strip() == without_comments.strip()
+
+
+def test_the_mistake_of_the_readme_is_told_as_the_program_tells_it(pd7_of_the_readme):
+    from fuzzyarm.language import parse
+    from fuzzyarm.text.diagnostic import render_all
+
+    broken = pd7_of_the_readme.replace("NB  NM  NM", "NB  NX  NM", 1)
+    told = render_all(parse(broken, "broken.frb").diagnostics, broken)
+    assert told.strip() in (ROOT / "README.md").read_text("utf-8")

@@ -1,0 +1,292 @@
+"""Live objects of other libraries give their own numbers as rule bases.
+
+scikit-fuzzy, simpful and fuzzylogic are asked themselves; of pyfuzzylite there is a stand-in, and
+itself where it is installed.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import warnings
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import simpful
+import skfuzzy
+from fuzzylogic.classes import Domain, Rule
+from fuzzylogic.functions import R, S, gauss, rectangular, triangular
+from fuzzylogic.hedges import minus, very
+from skfuzzy import control
+
+import fuzzyarm
+from fuzzyarm.formats.objects import comparison_points, read_object
+from fuzzyarm.language import write
+from fuzzyarm.live import compare
+from fuzzyarm.text.diagnostic import RuleBaseError
+
+STAND_IN = Path(__file__).parent / "stand_in"
+
+
+def mamdani() -> Any:
+    system = simpful.FuzzySystem(show_banner=False)
+    air = simpful.AutoTriangle(3, terms=["low", "medium", "high"], universe_of_discourse=[0, 10])
+    system.add_linguistic_variable("air", air)
+    sets = [
+        simpful.GaussianFuzzySet(1, 2, "near"),
+        simpful.InvGaussianFuzzySet(1, 2, "far"),
+        simpful.InvSigmoidFuzzySet(2, 3, "below"),
+        simpful.DoubleGaussianFuzzySet(1, 0.5, 3, 1, "some"),
+        simpful.FuzzySet(function=lambda x: min(1, max(0, 1 - abs(x - 3) / 2)), term="own"),
+        simpful.FuzzySet(points=[[1, 0.2], [2, 1], [4, 0]], term="bent"),
+        simpful.CrispSet(2.5, 4, "crisp"),
+    ]
+    variable = simpful.LinguisticVariable(sets, universe_of_discourse=[0, 5])
+    system.add_linguistic_variable("sugar", variable)
+    out = [
+        simpful.TrapezoidFuzzySet(0, 0, 10, 20, "little"),
+        simpful.TriangleFuzzySet(10, 20, 40, "more"),
+        simpful.TrapezoidFuzzySet(20, 30, 50, 50, "much"),
+    ]
+    system.add_linguistic_variable(
+        "out", simpful.LinguisticVariable(out, concept="grams", universe_of_discourse=[0, 50])
+    )
+    system.add_rules(
+        [
+            "IF (air IS low) AND (NOT (sugar IS near)) THEN (out IS little) WEIGHT 0.5",
+            "IF (sugar IS own) AND ((air IS medium) OR (sugar IS below)) THEN (out IS more)",
+            "IF (air IS high) AND (sugar IS far) THEN (out IS much)",
+            "IF (sugar IS some) AND_p (sugar IS bent) THEN (out IS more)",
+            "IF (sugar IS crisp) THEN (out IS much)",
+        ]
+    )
+    return system
+
+
+def sugeno() -> Any:
+    system = simpful.FuzzySystem(operators=["AND_PRODUCT"], show_banner=False)
+    for name in ("a", "b"):
+        sets = [
+            simpful.FuzzySet(points=[[0, 1], [4, 0]], term="no"),
+            simpful.FuzzySet(points=[[0, 0], [4, 1]], term="yes"),
+        ]
+        variable = simpful.LinguisticVariable(sets, universe_of_discourse=[0, 4])
+        system.add_linguistic_variable(name, variable)
+    system.set_crisp_output_value("two", 2)
+    system.set_output_function("line", "2 * a - b / 4 + 1")
+    system.set_output_function("curve", "a * b ** 2 + abs(a - 3)")
+    system.add_rules(
+        [
+            "IF (a IS no) AND (b IS no) THEN (y IS two) WEIGHT 0.5",
+            "IF (a IS no) AND (b IS yes) THEN (y IS line)",
+            "IF (a IS yes) AND (b IS no) THEN (y IS two)",
+            "IF (a IS yes) AND (b IS yes) THEN (y IS curve)",
+        ]
+    )
+    return system
+
+
+def fan() -> Any:
+    temp, hum = Domain("temp", -20, 40, res=0.1), Domain("hum", 0, 100)
+    speed = Domain("speed", 0, 2000, res=5)
+    temp.cold, temp.hot, temp.mild = S(0, 15), R(10, 30), triangular(5, 25)
+    hum.dry, hum.wet, hum.about = S(20, 50), R(40, 70), gauss(45, 0.01)
+    hum.box = rectangular(30.5, 50)
+    speed.slow, speed.middle, speed.fast = S(250, 750), triangular(500, 1200), R(1000, 1500)
+    return Rule(
+        {
+            (temp.hot, hum.dry): speed.slow,
+            (very(temp.cold), hum.dry): speed.fast,
+            (~temp.mild, hum.wet): speed.middle,
+            (minus(temp.hot), hum.about): speed.fast,
+            (temp.hot & temp.mild, hum.box): speed.fast,
+        }
+    )
+
+
+def tank() -> Any:
+    level = control.Antecedent(np.linspace(0, 10, 41), "level")
+    rate = control.Antecedent(np.arange(-1, 1.25, 0.25), "rate")
+    valve = control.Consequent(np.linspace(-1, 1, 33), "valve")
+    level["low"] = skfuzzy.trimf(level.universe, [0, 0, 7.5])
+    level["high"] = skfuzzy.trapmf(level.universe, [2, 6, 10, 10])
+    rate.automf(3)
+    for name, centre in (("close", -0.8), ("keep", 0.1), ("open", 0.7)):
+        valve[name] = skfuzzy.gaussmf(valve.universe, centre, 0.3)
+    return control.ControlSystem(
+        [
+            control.Rule(level["low"] & rate["poor"], valve["open"]),
+            control.Rule(level["high"] & ~rate["good"], (valve["keep"] % 0.5)),
+            control.Rule(level["high"] | rate["good"], valve["close"], and_func=np.multiply),
+        ]
+    )
+
+
+MAKERS = {"mamdani": mamdani, "sugeno": sugeno, "fan": fan, "tank": tank}
+
+
+@pytest.fixture
+def stand_in(monkeypatch: pytest.MonkeyPatch) -> Any:
+    for name in [each for each in sys.modules if each.partition(".")[0] == "fuzzylite"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.syspath_prepend(str(STAND_IN))
+    import fuzzylite
+
+    yield fuzzylite
+    for name in [each for each in sys.modules if each.partition(".")[0] == "fuzzylite"]:
+        monkeypatch.delitem(sys.modules, name, raising=False)
+
+
+@pytest.mark.filterwarnings("ignore:Passing more than 2 positional")
+@pytest.mark.parametrize("name", MAKERS)
+def test_the_numbers_are_those_of_the_library(name: str) -> None:
+    """`from_live` warns of any difference beyond 1e-9 of the range."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", fuzzyarm.FileWarning)
+        rulebase = fuzzyarm.from_live(MAKERS[name](), name)
+    assert fuzzyarm.parse(write(rulebase)).rulebase == rulebase
+
+
+def test_what_the_libraries_take_for_granted_is_written_out() -> None:
+    read = {name: read_object(make(), name).rulebase for name, make in MAKERS.items()}
+    texts = {name: write(rulebase) for name, rulebase in read.items() if rulebase is not None}
+    assert "defuzzifier centroid(1000, endpoints), no-rule 0" in texts["mamdani"]
+    assert "terms air: triangles low medium high" in texts["mamdani"]
+    assert "if air is high and sugar is not 'complement of far'" in texts["mamdani"]
+    assert "aggregation sum, defuzzifier weighted-average, no-rule 0" in texts["sugeno"]
+    assert "term y line:       linear 2*a - 0.25*b + 1" in texts["sugeno"]
+    assert "temp is very cold" in texts["fan"]
+    assert "temp is not mild" in texts["fan"]
+    assert "temp is power(0.75) hot" in texts["fan"]
+    assert "term hum box:    rectangle 30.5 50" in texts["fan"]
+    assert "defuzzifier centroid(33, joined), no-rule error" in texts["tank"]
+
+
+def test_an_engine_is_read_through_its_own_exporter(stand_in: Any) -> None:
+    engine = stand_in.Engine("ramp", slope=1 / 3)
+    rulebase = fuzzyarm.from_live(engine)
+    assert rulebase.name == "ramp"
+    assert rulebase.outputs[0].term("all").shape.parameters == (1 / 3,)  # more than three decimals
+    assert (stand_in.settings.decimals, stand_in.settings.atol) == (3, 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("error", "severity"), [(1e-12, "info"), (1e-3, "warning"), (0.1, "error")]
+)
+def test_the_size_of_a_difference_is_said(stand_in: Any, error: float, severity: str) -> None:
+    engine = stand_in.Engine("ramp", slope=2.0, error=error)
+    if severity == "error":
+        with pytest.raises(RuleBaseError, match=r"differs by up to 0\.05 of its range"):
+            fuzzyarm.from_live(engine)
+    elif severity == "warning":
+        with pytest.warns(fuzzyarm.FileWarning, match=r"differs by up to 0\.0005 of its range"):
+            fuzzyarm.from_live(engine)
+    else:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            fuzzyarm.from_live(engine)
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec("fuzzylite") is None, reason="pyfuzzylite takes a NumPy below 2"
+)
+def test_pyfuzzylite_itself() -> None:
+    names: dict[str, Any] = {}
+    script = Path(__file__).parents[2] / "examples/elsewhere/blinds_pyfuzzylite.py"
+    exec(script.read_text(), names)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", fuzzyarm.FileWarning)
+        assert fuzzyarm.from_live(names["engine"]).name == "blinds"
+
+
+def test_a_value_where_there_should_be_none_is_said() -> None:
+    rulebase = fuzzyarm.from_live(sugeno(), "sugeno")
+    points = comparison_points(rulebase)
+    found = compare(rulebase, [(point, {}) for point in points], "simpful")
+    assert [(d.name, d.severity) for d in found] == [
+        ("numbers-differ", "error"),
+        ("same-numbers", "info"),
+    ][: len(found)]
+    assert "has a value only here at 100 of 100 points" in found[0].message
+
+
+def test_a_library_that_raises_leaves_nothing_to_compare() -> None:
+    rulebase = fuzzyarm.from_live(sugeno(), "sugeno")
+    found = compare(rulebase, [(p, None) for p in comparison_points(rulebase)], "simpful")
+    assert {d.name for d in found} == {"not-compared"}
+
+
+def broken(change: Any) -> set[str]:
+    system = change(mamdani())
+    return {d.name for d in read_object(system).diagnostics if d.is_error}
+
+
+def with_rules(*rules: str) -> Any:
+    def change(system: Any) -> Any:
+        system._rules = []
+        system.add_rules(list(rules))
+        return system
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("rule", "name"),
+    [
+        ("IF (air IS lowe) THEN (out IS little)", "undefined-term"),
+        ("IF (air IS low) THEN (out IS litle)", "undefined-term"),
+        ("IF (wind IS low) THEN (out IS little)", "undefined-variable"),
+        ("IF (air IS low) THEN (oud IS little)", "undefined-variable"),
+        ("IF (out IS much) THEN (out IS little)", "chained-output"),
+        ("IF () THEN (out IS little)", "empty-rule"),
+        ("IF (air IS low) XOR (air IS high) THEN (out IS little)", "unknown-norm"),
+        (
+            "IF (air IS low) AND ((air IS low) AND_p (air IS high)) THEN (out IS much)",
+            "mixed-norms",
+        ),
+    ],
+)
+def test_rules_of_simpful_that_cannot_be_carried(rule: str, name: str) -> None:
+    assert name in broken(with_rules(rule))
+
+
+def test_a_misspelt_term_has_a_hint() -> None:
+    system = with_rules("IF (air IS hihg) THEN (out IS much)")(mamdani())
+    (found,) = read_object(system).errors
+    assert "did you mean 'high'" in found.hint
+
+
+def test_nothing_to_convert() -> None:
+    with pytest.raises(TypeError, match=r"builtins\.dict is not a system of scikit-fuzzy"):
+        fuzzyarm.from_live({})
+    assert broken(with_rules()) == {"no-rules"}
+    empty = read_object(control.ControlSystem())
+    assert {d.name for d in empty.errors} == {"no-rules"}
+    half_made = simpful.FuzzySystem(show_banner=False)
+    del half_made._rules
+    assert {d.name for d in read_object(half_made).errors} == {"unreadable-object"}
+
+
+def test_a_rule_of_fuzzylogic_with_two_targets() -> None:
+    temp, one, other = Domain("temp", 0, 1), Domain("one", 0, 1), Domain("other", 0, 1)
+    temp.hot = temp.cold = R(0, 1)
+    temp.cold, one.big, other.big = S(0, 1), R(0, 1), R(0, 1)
+    rule = Rule({(temp.hot,): one.big, (temp.cold,): other.big})
+    assert [d.name for d in read_object(rule).errors] == ["rule-too-rich"]
+
+
+def test_points_cover_the_ranges_and_what_is_beside_them() -> None:
+    rulebase = fuzzyarm.from_live(sugeno(), "sugeno")
+    points = comparison_points(rulebase)
+    values = np.array([[p["a"], p["b"]] for p in points])
+    assert len(points) == 100
+    assert {(0.0, 0.0), (4.0, 0.0), (0.0, 4.0), (4.0, 4.0), (2.0, 2.0)} <= set(map(tuple, values))
+    assert values.min() < 0.0
+    assert values.max() > 4.0
+    inside = values[(values > 0.0).all(axis=1) & (values < 4.0).all(axis=1)]
+    cells = {tuple(row) for row in (inside // 1.0).astype(int)}
+    assert len(cells) == 16
+    assert SimpleNamespace(**points[0]).a == 0.0

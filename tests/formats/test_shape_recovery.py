@@ -1,0 +1,145 @@
+"""Shapes are found again from their samples."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import skfuzzy
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from fuzzyarm.formats.recovery import (
+    TOLERANCE,
+    constant_beyond,
+    even_family,
+    is_joined,
+    joined,
+    recovered,
+    shape_of,
+)
+from fuzzyarm.language.declarations import even_shapes
+from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.model.shapes import membership
+
+XS = np.linspace(-2.0, 3.0, 101)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "expected"),
+    [
+        (skfuzzy.trimf(XS, [-1.07, 0.3, 2.2]), ("triangle", -1.07, 0.3, 2.2)),
+        (skfuzzy.trimf(XS, [-2, -2, 1]), ("triangle", -2, -2, 1)),
+        (skfuzzy.trapmf(XS, [-1.5, 0.11, 0.9, 2.03]), ("trapezoid", -1.5, 0.11, 0.9, 2.03)),
+        (skfuzzy.trapmf(XS, [1.5, 2, 3, 3]), ("trapezoid", 1.5, 2, 3, 3)),
+        (skfuzzy.gaussmf(XS, 0.4, 0.7), ("gaussian", 0.4, 0.7)),
+        (skfuzzy.gaussmf(XS, 3, 0.25), ("gaussian", 3, 0.25)),
+        (skfuzzy.gauss2mf(XS, -1, 0.2, 0.5, 0.9), ("two-sided-gaussian", -1, 0.2, 0.5, 0.9)),
+        (skfuzzy.gbellmf(XS, 0.8, 2.5, 0.3), ("bell", 0.3, 0.8, 2.5)),
+        (skfuzzy.sigmf(XS, 0.3, -4), ("sigmoid", 0.3, -4)),
+        (skfuzzy.smf(XS, -1, 1.3), ("s", -1, 1.3)),
+        (skfuzzy.zmf(XS, -1, 1.3), ("z", -1, 1.3)),
+        (skfuzzy.pimf(XS, -1.5, -0.2, 0.6, 2.1), ("pi", -1.5, -0.2, 0.6, 2.1)),
+    ],
+    ids=lambda each: each[0] if isinstance(each, tuple) else "",
+)
+def test_what_scikit_fuzzy_has_sampled(degrees: np.ndarray, expected: tuple) -> None:
+    kind, *numbers = expected
+    assert recovered(XS.tolist(), degrees.tolist()) == Shape(kind, tuple(map(float, numbers)))
+
+
+decimals = st.integers(-12, 12).map(lambda n: n / 4)  # a flank has 25 samples and more
+positive = st.integers(2, 12).map(lambda n: n / 4)
+SHAPES = st.one_of(
+    st.tuples(st.just("triangle"), st.lists(decimals, min_size=3, max_size=3, unique=True)),
+    st.tuples(st.just("trapezoid"), st.lists(decimals, min_size=4, max_size=4, unique=True)),
+    st.tuples(st.just("pi"), st.lists(decimals, min_size=4, max_size=4, unique=True)),
+    st.tuples(st.just("s"), st.lists(decimals, min_size=2, max_size=2, unique=True)),
+).map(lambda pair: Shape(pair[0], tuple(sorted(pair[1])))) | st.one_of(
+    st.builds(lambda c, d: Shape("gaussian", (c, d)), decimals, positive),
+    st.builds(lambda c, d: Shape("sigmoid", (c, 4 / d)), decimals, positive),
+    st.builds(lambda c, w, s: Shape("bell", (c, w, s)), decimals, positive, positive),
+)
+
+
+@settings(max_examples=50, deadline=None)
+@given(shape=SHAPES, count=st.integers(2, 90), low=st.integers(-4, 0), width=st.integers(1, 8))
+def test_what_is_recovered_has_every_sample(shape: Shape, count: int, low: int, width: int) -> None:
+    """Whatever it is called; with few samples a plainer shape may have them too."""
+    xs = [low + width * i / (count - 1) for i in range(count)]
+    ys = [membership(shape, x) for x in xs]
+    found = recovered(xs, ys)
+    if found is not None:
+        assert all(abs(membership(found, x) - y) <= TOLERANCE for x, y in zip(xs, ys, strict=True))
+
+
+@settings(max_examples=30, deadline=None, phases=[Phase.generate])
+@given(shape=SHAPES)
+def test_a_shape_that_is_seen_whole_comes_back_as_it_was(shape: Shape) -> None:
+    xs = [-6.0 + 12.0 * i / 600 for i in range(601)]
+    found = recovered(xs, [membership(shape, x) for x in xs])
+    assert found is not None
+    assert found.kind == shape.kind
+    assert found.parameters == pytest.approx(shape.parameters, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "degrees",
+    [np.zeros(101), np.random.default_rng(4).random(101), skfuzzy.dsigmf(XS, -1, 9, 1, 7)],
+    ids=["nothing", "noise", "another shape"],
+)
+def test_what_is_no_shape_is_joined(degrees: np.ndarray) -> None:
+    assert recovered(XS.tolist(), degrees.tolist()) is None
+    made = joined(XS.tolist(), degrees.tolist())
+    between = np.linspace(-2, 3, 777)
+    found = [membership(made, float(x)) for x in between]
+    assert np.allclose(found, np.interp(between, XS, degrees), atol=1e-12)
+
+
+def test_few_points_are_kept_of_straight_lines() -> None:
+    degrees = skfuzzy.trapmf(XS, [-1.0, 0.0, 0.5, 2.0])
+    assert len(joined(XS.tolist(), degrees.tolist()).parameters) == 2 * 6
+
+
+def test_which_shapes_are_straight_between_the_points() -> None:
+    xs = [0.0, 1.0, 2.0, 3.0]
+    assert is_joined(Shape("triangle", (-4.0, 1.0, 3.0)), xs)
+    assert not is_joined(Shape("triangle", (0.0, 1.5, 3.0)), xs)
+    assert not is_joined(Shape("gaussian", (1.0, 1.0)), xs)
+
+
+def test_an_even_family_is_one() -> None:
+    xs = [i / 4 for i in range(41)]
+    clipped = [Shape("triangle", p) for p in ((0.0, 0.0, 5.0), (0.0, 5.0, 10.0), (5.0, 10.0, 10.0))]
+    assert even_family(clipped, 0.0, 10.0, xs) == even_shapes("triangles", 3, 0.0, 10.0)
+    assert even_family([*clipped[:2], Shape("ramp", (6.0, 10.0))], 0.0, 10.0, xs) is None
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Shape("ramp", (3.3, 7.1)),
+        Shape("ramp", (7.1, 3.3)),
+        Shape("triangle", (-4.0, 2.0, 14.0)),
+        Shape("rectangle", (2.5, 4.25)),
+        Shape("binary", (6.125, -math.inf)),
+        Shape("gaussian", (5.0, 1.0), 0.5),
+        Shape("s", (1.0, 9.0)),
+    ],
+    ids=lambda shape: shape.kind,
+)
+def test_the_shape_of_a_function(shape: Shape) -> None:
+    found = shape_of(lambda x: membership(shape, x), 0.0, 10.0)
+    assert found is not None
+    between = [-4.9 + 0.0777 * i for i in range(250)]
+    assert all(abs(membership(found, x) - membership(shape, x)) <= TOLERANCE for x in between)
+
+
+def test_a_function_that_is_another_between_its_samples_is_none() -> None:
+    assert shape_of(lambda x: 1.0 if math.floor(x * 97) % 2 else 0.0, 0.0, 1.0) is None
+
+
+def test_which_sets_go_on_as_they_end() -> None:
+    assert constant_beyond(Shape("ramp", (2.0, 8.0)), 0.0, 10.0)
+    assert not constant_beyond(Shape("triangle", (2.0, 8.0, 14.0)), 0.0, 10.0)

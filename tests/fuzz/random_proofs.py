@@ -1,0 +1,161 @@
+"""Make irregular rule bases; nothing that happens lies outside what is proved of them.
+
+    python tests/fuzz/random_proofs.py --seed 1 --count 200
+
+Of each: 5,000 points inside the bounds (a million in 200 cases), slopes of small steps inside
+those of slopes, errors of a table inside its proved error, multiples inside a sector; and false
+statements, a bound shifted inward by 1e-9 of the range where it is attained, are not proved.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "fuzz")]
+
+import numpy as np  # noqa: E402
+from fuzzing import Told, run  # noqa: E402
+
+from fuzzyarm import compile_table, infer  # noqa: E402
+from fuzzyarm.language import parse, write  # noqa: E402
+from fuzzyarm.model.rulebase import RuleBase  # noqa: E402
+from fuzzyarm.proof import Bounds, Prover, UnprovableError, prove, sector  # noqa: E402
+from fuzzyarm.proof.arithmetic import Stop, TimeOverError  # noqa: E402
+
+POINTS = 5_000
+PLANTED = 1e-9
+SECONDS = 4.0
+"""For each statement; bounds that are not tight by then hold all the same."""
+
+
+def irregular(draw: random.Random, inputs: int = 2) -> RuleBase:
+    """Return a rule base with overlapping trapezoids at odd positions and conclusions at random."""
+    names = [f"x{i}" for i in range(inputs)]
+    lines = ["rulebase r", *(f"input {name} -1 .. 1" for name in names), "output u -1 .. 1"]
+    counts = {}
+    numbers = draw.random() < 0.2
+    for name in (*names, "u"):
+        counts[name] = draw.randint(2, 4)
+        for term in range(counts[name]):
+            middle, width = draw.uniform(-1, 1), 2.4 / counts[name]
+            ends = sorted(middle + width * draw.uniform(-1, 1) for _ in range(4))
+            shape = f"trapezoid {' '.join(f'{x:.3f}' for x in ends)}"
+            if name == "u" and numbers:
+                shape = f"singleton {middle:.3f}"
+            lines.append(f"term {name} t{term}: {shape}")
+    way = ", defuzzifier weighted-average" if numbers else ""
+    way += ", aggregation sum" if draw.random() < 0.3 else ""
+    way += ", and product" if numbers and "sum" in way and draw.random() < 0.5 else ""
+    way += ", and bounded" if "product" not in way and draw.random() < 0.2 else ""
+    lines.append(f"inference no-rule 0{way}")
+    joints = [" and ", " and ", " or "] if "product" not in way else [" and "]
+    for _ in range(draw.randint(3, 9)):
+        word = draw.choice(["is", "is", "is", "is not"])
+        parts = [f"{name} {word} t{draw.randrange(counts[name])}" for name in names]
+        weight = draw.choice(["", "", " with 0.7"])
+        joint = draw.choice(joints).join(parts)
+        lines.append(f"rule if {joint} then u is t{draw.randrange(counts['u'])}{weight}")
+    found = parse("\n".join(lines) + "\n").rulebase
+    assert found is not None
+    return found
+
+
+def points(rulebase: RuleBase, draw: random.Random, count: int) -> dict[str, np.ndarray]:
+    """Return points drawn at random, a fifth of the inputs at corners of terms."""
+    rng = np.random.default_rng(draw.randrange(2**32))
+    inputs = {}
+    for variable in rulebase.inputs:
+        corners = [x for term in variable.terms for x in term.shape.parameters]
+        near = [x for x in corners if variable.low <= x <= variable.high] or [variable.low]
+        even = rng.uniform(variable.low, variable.high, count)
+        inputs[variable.name] = np.where(rng.random(count) < 0.8, even, rng.choice(near, count))
+    return inputs
+
+
+def case(draw: random.Random, told: Told) -> None:
+    """Prove what can be proved of one rule base, and try to refute it."""
+    judged(irregular(draw, draw.choice([1, 1, 2, 2, 2])), draw, told, POINTS)
+
+
+def judged(rulebase: RuleBase, draw: random.Random, told: Told, count: int) -> None:
+    """Try to refute what is proved of a rule base with one output ``u`` from -1 to 1."""
+    told.append(write(rulebase))
+    inputs = points(rulebase, draw, count)
+    values = np.asarray(infer(rulebase, inputs)["u"])
+    prover = Prover(rulebase, "u", stop=Stop(SECONDS))
+    try:
+        bounds = prover.value({})
+    except TimeOverError:
+        return
+    assert bounds.low - 1e-11 <= values.min(), "below"
+    assert values.max() <= bounds.high + 1e-11, "above"
+    _plant(rulebase, bounds)
+    _steps(rulebase, prover, inputs)
+    _table(rulebase, prover, inputs, values)
+    _multiples(rulebase, prover, inputs, values)
+
+
+def _plant(rulebase: RuleBase, bounds: Bounds) -> None:
+    for line in (
+        f"u <= {bounds.reached_high - 2 * PLANTED!r}",
+        f"u >= {bounds.reached_low + 2 * PLANTED!r}",
+        f"u in {bounds.low!r} .. {bounds.reached_high - 2 * PLANTED!r}",
+    ):
+        assert prove(rulebase, line, budget=SECONDS).verdict != "proved", line
+
+
+def _steps(rulebase: RuleBase, prover: Prover, inputs: dict[str, np.ndarray]) -> None:
+    """Slopes of small steps are no steeper than the slopes that are proved."""
+    name = rulebase.inputs[-1].name
+    prover.stop = Stop(SECONDS)
+    try:
+        slopes = prover.slope({}, name)
+    except (UnprovableError, TimeOverError):
+        return
+    step = 1e-4
+    start = np.clip(inputs[name], -1.0, 1.0 - step)[:1000]
+    here = {other: x[:1000] for other, x in inputs.items()} | {name: start}
+    there = here | {name: start + step}
+    rise = (np.asarray(infer(rulebase, there)["u"]) - np.asarray(infer(rulebase, here)["u"])) / step
+    slack = 1e-8 * (1.0 + np.abs(rise).max())
+    assert slopes.low - slack <= rise.min(), "steeper down"
+    assert rise.max() <= slopes.high + slack, "steeper up"
+    planted = slopes.reached_high - PLANTED * max(1.0, abs(slopes.reached_high))
+    line = f"u slope {name} in {min(slopes.low, planted)!r} .. {planted!r}"
+    assert prove(rulebase, line, budget=SECONDS).verdict != "proved", line
+
+
+def _table(
+    rulebase: RuleBase, prover: Prover, inputs: dict[str, np.ndarray], values: np.ndarray
+) -> None:
+    table = compile_table(rulebase, levels=5)
+    prover.stop = Stop(SECONDS)
+    try:
+        bounds = prover.table(table, "linear")
+    except (UnprovableError, TimeOverError):
+        return
+    error = values - np.asarray(table.lookup(*(inputs[n] for n in table.names), mode="linear"))
+    assert bounds.low - 1e-11 <= error.min(), "table above"
+    assert error.max() <= bounds.high + 1e-11, "table below"
+
+
+def _multiples(
+    rulebase: RuleBase, prover: Prover, inputs: dict[str, np.ndarray], values: np.ndarray
+) -> None:
+    weights = {each.name: 1 for each in rulebase.inputs}
+    prover.stop = Stop(SECONDS)
+    try:
+        found = sector(prover, weights)
+    except (UnprovableError, TimeOverError):
+        return
+    form = sum(inputs.values())
+    slack = (found.slack + 1e-11) * np.abs(form)
+    assert (found.low * form**2 <= values * form + slack).all(), "below the sector"
+    assert (values * form <= found.high * form**2 + slack).all(), "above the sector"
+
+
+if __name__ == "__main__":
+    raise SystemExit(run(__doc__, case))

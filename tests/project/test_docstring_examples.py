@@ -1,0 +1,37 @@
+"""The examples of docstrings are executed, all of them in one process."""
+
+import doctest
+import importlib
+from pathlib import Path
+
+import pytest
+
+import fuzzyarm
+
+SOURCE = Path(fuzzyarm.__file__).parent
+MODULES = sorted(
+    ".".join(("fuzzyarm", *path.relative_to(SOURCE).with_suffix("").parts)).removesuffix(
+        ".__init__"
+    )
+    for path in SOURCE.rglob("*.py")
+    if ">>> " in path.read_text("utf-8")
+)
+
+
+def test_there_are_examples():
+    assert {"fuzzyarm", "fuzzyarm.builder.rulebase", "fuzzyarm.inference.infer"} <= set(MODULES)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_say_what_comes_out(name, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("FUZZYARM_JIT", "0")  # nothing here runs for long
+    module = importlib.import_module(name)
+    done = doctest.testmod(module, optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    assert done.attempted > 0
+    assert done.failed == 0
+
+
+def test_no_example_is_skipped():
+    skipped = [path for path in SOURCE.rglob("*.py") if "doctest: +SKIP" in path.read_text("utf-8")]
+    assert skipped == []
