@@ -28,6 +28,7 @@ Write in Python
 
 Evaluate
     infer               Evaluate a rule base.
+    infer_interval      Evaluate a rule base and return both ends of every output.
     explain             Evaluate one point and show the work.
     compiled            Make a rule base ready to be evaluated fast.
 
