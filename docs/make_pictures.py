@@ -3,6 +3,7 @@
     python docs/make_pictures.py            # all of them
     python docs/make_pictures.py plants     # runs on the shipped plants alone
     python docs/make_pictures.py structures # runs of each structure alone
+    python docs/make_pictures.py type2      # interval type-2 alone
     python docs/make_pictures.py motor      # one of them
     python docs/make_pictures.py authoring  # editor, commands and studio alone
 
@@ -28,13 +29,14 @@ from rich.padding import Padding
 from rich.panel import Panel
 from rich.text import Text
 
-from fuzzyarm import load, shipped
+from fuzzyarm import explain, load, shipped
 from fuzzyarm.api import check_text
 from fuzzyarm.cli import main
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.language.queries import coloured, complete, fixes, hover, read
 from fuzzyarm.loop import Options, Sensor, Signal, simulate
 from fuzzyarm.plant import find_plant, pick_and_place
+from fuzzyarm.show.figures import inference_figure, rulebase_figure
 from fuzzyarm.show.figures.animation import animate
 from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.table import table_view
@@ -132,6 +134,15 @@ def draw_plants(wanted: list[str]) -> None:
             run = simulate(chosen, plant, references=references, duration=duration, options=options)
         draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=80)
         animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
+
+
+def draw_type_2() -> None:
+    """Draw the footprint of uncertainty, and one inference between two."""
+    rulebase = load_rulebase(shipped("tipper2.frb"))
+    trace = explain(rulebase, service=2, food=3)
+    figures = {"terms": rulebase_figure(rulebase), "inference": inference_figure(rulebase, trace)}
+    for name, figure in figures.items():
+        figure.savefig(PICTURES / f"type2-{name}.png", dpi=80)
 
 
 def draw_phase() -> None:
@@ -302,6 +313,8 @@ if __name__ == "__main__":
         draw_sector()
     if not words or words == ["authoring"]:
         draw_authoring()
+    if not words or words == ["type2"]:
+        draw_type_2()
     if not words or words == ["structures"] or set(words) & set(STRUCTURES):
         draw_structures([word for word in words if word != "structures"])
     if not words or words == ["plants"] or set(words) & set(RUNS):

@@ -28,6 +28,7 @@ Write in Python
 
 Evaluate
     infer               Evaluate a rule base.
+    infer_interval      Evaluate a rule base and return both ends of every output.
     explain             Evaluate one point and show the work.
     compiled            Make a rule base ready to be evaluated fast.
 
@@ -97,7 +98,7 @@ if TYPE_CHECKING:
     from fuzzyarm.builder import RuleBase
     from fuzzyarm.errors import FuzzyarmError
     from fuzzyarm.expression import kinds, op
-    from fuzzyarm.inference import compiled, explain, infer
+    from fuzzyarm.inference import compiled, explain, infer, infer_interval
     from fuzzyarm.language import parse, write
     from fuzzyarm.live import from_live
     from fuzzyarm.loop import simulate, simulate_many
@@ -129,6 +130,7 @@ __all__ = [
     "explain",
     "from_live",
     "infer",
+    "infer_interval",
     "kinds",
     "load",
     "op",
@@ -173,7 +175,7 @@ __getattr__, __dir__ = lazily(
         "errors": ("FuzzyarmError",),
         "expression.kinds": ("kinds",),
         "expression.op": ("op",),
-        "inference": ("compiled", "explain", "infer"),
+        "inference": ("compiled", "explain", "infer", "infer_interval"),
         "language": ("RuleBaseError", "Shape", "parse", "write"),
         "live": ("from_live",),
         "loop": ("simulate", "simulate_many"),

@@ -107,11 +107,9 @@ def test_a_padded_constant(numbers: str, value: float) -> None:
 @pytest.mark.parametrize(
     ("text", "name", "word"),
     [
-        (fis("1, 1 (1) : 1", type="sugfistype2"), "unsupported-type", "type 2"),
-        (fis("1, 1 (1) : 1", type="mamfistype2"), "unsupported-type", "type 2"),
         (fis("1, 1 (1) : 1", type="banana"), "unknown-type", "banana"),
-        (fis("1, 1 (1) : 1", term="'trapmf',[0 1 2 3],[1],[0.1 0.1]"), "unsupported-type",
-         "type 2"),
+        (fis("1, 1 (1) : 1", term="'gaussmf',[1 2],[1],[0.1 0.1]"), "unsupported-shape", "lags"),
+        (fis("1, 1 (1) : 1", term="'trapmf',[0 1 2 3],[1.5],[0.1 0.1]"), "bad-height", "scale"),
         ("[FISTree]\nName='t'\nNumFIS=2\n[Connections]\n'a/b' 'c/d'\n", "unsupported-type", "tree"),
     ],
 )  # fmt: skip
@@ -119,6 +117,70 @@ def test_what_is_not_of_type_1_is_refused_by_name_and_once(text: str, name: str,
     (error,) = parse_fis(text).errors
     assert error.name == name
     assert word in error.message
+
+
+TYPE_2 = """\
+[System]
+Name='t'
+Type='mamdani'
+NumInputs=1
+NumOutputs=1
+NumRules=2
+AndMethod='min'
+OrMethod='max'
+ImpMethod='min'
+AggMethod='max'
+DefuzzMethod='centroid'
+TypeRedMethod='KM'
+[Input1]
+Name='x'
+Range=[0 10]
+NumMFs=2
+MF1U='low':'trimf',[-5 0 10]
+MF1L='low':'trimf',[-4 0 8 0.9]
+MF2U='high':'gaussmf',[3 10]
+MF2L='high':'gaussmf',[2 10 0.8]
+[Output1]
+Name='y'
+Range=[0 4]
+NumMFs=2
+MF1U='one':'trimf',[0 1 2]
+MF1L='one':'trimf',[0.5 1 1.5]
+MF2U='three':'trimf',[2 3 4]
+MF2L='three':'trimf',[2.5 3 3.5]
+[Rules]
+1, 1 (1) : 1
+2, 2 (1) : 1
+"""
+
+
+def test_the_keys_of_the_type_2_toolbox() -> None:
+    rulebase = good(parse_fis(TYPE_2))
+    low, high = rulebase.inputs[0].terms
+    assert (low.shape, low.lower) == (
+        Shape("triangle", (-5.0, 0.0, 10.0)), Shape("triangle", (-4.0, 0.0, 8.0), 0.9),
+    )  # fmt: skip
+    assert high.lower == Shape("gaussian", (10.0, 2.0), 0.8)
+    assert rulebase.outputs[0].defuzzifier == Defuzzifier("karnik-mendel", 101)
+    assert 1.0 < infer(rulebase, x=3.0)["y"] < 3.0
+    other = good(parse_fis(TYPE_2.replace("'KM'", "'NT'")))
+    assert other.outputs[0].defuzzifier.method == "nie-tan"
+    errors = parse_fis(TYPE_2.replace("'KM'", "'BMM'")).errors
+    assert [each.name for each in errors] == ["unknown-defuzzifier"]
+    errors = parse_fis(TYPE_2.replace("[-4 0 8 0.9]", "[-6 0 8 0.9]")).errors
+    assert [each.name for each in errors] == []  # below 0 there is no x
+    errors = parse_fis(TYPE_2.replace("[-4 0 8 0.9]", "[-4 0 12]")).errors
+    assert [each.name for each in errors] == ["lower-above-upper"]
+
+
+def test_scale_and_lag_of_matlab() -> None:
+    text = fis("1, 1 (1) : 1", type="sugfistype2", method="wtaver", result="'constant',[7]",
+               term="'trapmf',[0 1 2 4],[0.8],[0.1 0.2]", result2="'constant',[8]")  # fmt: skip
+    parsed = parse_fis(text)
+    rulebase = good(parsed)
+    assert rulebase.inputs[0].terms[0].lower == Shape("trapezoid", (0.1, 1.0, 2.0, 3.6), 0.8)
+    assert rulebase.outputs[0].defuzzifier == Defuzzifier("karnik-mendel")
+    assert "guessed-type-2" in [each.name for each in parsed.diagnostics]
 
 
 @pytest.mark.parametrize("kind", ["mamdani", "Sugeno", "tsukamoto", "hybrid", "unknown", ""])

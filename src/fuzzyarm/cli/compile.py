@@ -66,7 +66,7 @@ _MODULES = (".mjs", ".js")
 
 # Options that make no sense for some inputs or outputs, by their names.
 _SOURCE_ONLY = ("direct", "q", "precision", "name")
-_RULES_ONLY = ("direct", "levels", "tolerance", "round", "date")
+_RULES_ONLY = ("direct", "levels", "tolerance", "round", "date", "ends")
 _TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode", "q")
 _CONTROLLERS_ONLY = ("table", "fmi")
 _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
@@ -129,12 +129,15 @@ def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
         else:
             _rewrite(model, arguments)
     elif arguments.direct:
-        _forbid(arguments, _TABLES_ONLY, "with --direct there is no table")
+        _forbid(arguments, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
         _export(model, (), arguments)
     elif exports:
+        _forbid(arguments, ("ends",), "make the two tables first; each becomes source text")
         names = [arguments.output] if arguments.output else [each.name for each in model.outputs]
         reports = [_compile(model, name, arguments) for name in names or [None]]
         _export([report.table for report in reports], reports, arguments)
+    elif arguments.ends:
+        _compile_ends(model, arguments)
     else:
         report = _compile(model, arguments.output, arguments)
         _write(report.table, arguments)
@@ -142,6 +145,30 @@ def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
             print_json(_report_data(report, arguments.out), 2)
         else:
             say(*_report_lines(report, arguments.out))
+
+
+def _compile_ends(model: RuleBase, arguments: argparse.Namespace) -> None:
+    """Write a table of each end of an interval type-2 output, with the end in its name."""
+    from fuzzyarm.model.rulebase import KARNIK_MENDEL
+    from fuzzyarm.table.compiler import choose_output
+
+    output = choose_output(model, arguments.output)
+    if output.defuzzifier.method not in KARNIK_MENDEL:
+        raise WordError(f"--ends are those of karnik-mendel, and '{output.name}' is one number")
+    out, data = Path(arguments.out), []
+    for end in ("left", "right"):
+        way = replace(output.defuzzifier, method=f"karnik-mendel-{end}")
+        one = replace(output, defuzzifier=way)
+        outputs = tuple(one if each is output else each for each in model.outputs)
+        arguments.out = str(out.with_name(f"{out.stem}-{end}{out.suffix}"))
+        report = _compile(replace(model, outputs=outputs), output.name, arguments)
+        _write(report.table, arguments)
+        if arguments.json:
+            data.append(_report_data(report, arguments.out))
+        else:
+            say(f"{arguments.out}: the {end} end", *_report_lines(report, arguments.out))
+    if arguments.json:
+        print_json(data, 2)
 
 
 def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> None:
@@ -484,6 +511,7 @@ COMMANDS = (
         argument("--tolerance T", "find the smallest even grid within T", either="size"),
         argument("--round STEP", "round the values; 0 for not at all"),
         argument("--mode", "how to look up", choices=("bins", "nearest", "linear")),
+        flag("--ends", "two tables: of the left and the right end of an interval type-2 output"),
         flag("--date", "put today's date into the table"),
         json_of("the report"),
         *group(

@@ -151,6 +151,8 @@ def numbers_of(
     NotCoveredError
         If the kernel does not evaluate it.
     """
+    if rulebase.is_type2:
+        raise NotCoveredError(f"the interval type-2 terms of '{rulebase.name}'")
     functions = functions or Functions()
     made = plan(rulebase)
     layout = lay_out(made, addresses=functions, loose=loose)

@@ -47,10 +47,13 @@ from fuzzyarm.expression.nodes import (
     symbol,
 )
 from fuzzyarm.expression.printing import Assign
+from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, needed, plan
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import (
+    KARNIK_MENDEL,
     TAKAGI_SUGENO,
+    TYPE_2,
     WEIGHTED,
     And,
     Hedge,
@@ -153,6 +156,8 @@ class _Builder:
         self, rulebase: RuleBase, target: str, parameters: Sequence[str], *, in_loop: bool
     ) -> None:
         self.plan: Plan = plan(rulebase)
+        # An interval type-2 rule is read twice, under one number.
+        self.numbers = {i: rule for rule, own in enumerate(self.plan.readings) for i in own}
         self.in_loop = in_loop
         self.target = target
         self.names = Names(taken=set(parameters))
@@ -208,7 +213,12 @@ class _Builder:
 
     def _check_output(self, output: OutputPlan) -> None:
         name, way = output.output.name, output.output.defuzzifier
-        if way.method not in {"centroid", *TAKAGI_SUGENO}:
+        if way.method in KARNIK_MENDEL:
+            raise refuse(
+                f"defuzzifier {way.method} of '{name}', whose ends are found by iteration;"
+                " nie-tan can be"
+            )
+        if way.method not in {"centroid", "nie-tan", *TAKAGI_SUGENO}:
             raise refuse(f"defuzzifier {way.method} of '{name}'")
         if output.discrete:
             return
@@ -252,7 +262,7 @@ class _Builder:
         if planned.threshold > 0.0:
             strength = self.fresh(strength, "s")
             strength = where(strength > planned.threshold, strength, 0.0)
-        remark = rule_words(index, planned.rule.antecedent)
+        remark = rule_words(self.numbers[index], planned.rule.antecedent)
         for name in sorted(outputs):
             for member, rule in self.plan.outputs[name].contributions:
                 if rule == index:
@@ -380,11 +390,15 @@ class _Builder:
         # The greatest of several cuts of a set is the cut at the greatest strength.
         greatest = [(member, height, "") for member, (_, height) in heights.items()]
         fired = self.fired[output.output.name] or greatest
-        if not fired:
-            return ZERO, ZERO
-        sums = sample_sums(output, fired, self.names)
-        self.variables.append(sums)
-        return symbol(sums.area), symbol(sums.moment)
+        area: Node = ZERO
+        moment: Node = ZERO
+        for side in _sides(output):
+            own = [each for each in fired if side is None or output.sides[each[0]] == side]
+            if own:
+                sums = sample_sums(output, own, self.names)
+                self.variables.append(sums)
+                area, moment = plus(area, symbol(sums.area)), plus(moment, symbol(sums.moment))
+        return area, moment
 
     def _union(self, output: OutputPlan) -> Part:
         # In the order of the sets, as the kernel adds them up.
@@ -393,7 +407,10 @@ class _Builder:
         if output.closed is not None:
             parts = list(clipped_union(output, heights, self.call))
         else:
-            parts = list(scaled_union(output, heights, self.fresh))
+            parts = []
+            for side in _sides(output):
+                own = {m: h for m, h in heights.items() if side is None or output.sides[m] == side}
+                parts += scaled_union(output, own, self.fresh)
         sums = _Sums(self)
         for sign, part in parts:
             sums.add(part, sign)
@@ -417,7 +434,7 @@ class _Builder:
         shape = found.term.shape
         if found.value is not None:
             return times(height, found.value)
-        if output.output.defuzzifier.method not in WEIGHTED:
+        if output.output.defuzzifier.method not in WEIGHTED | TYPE_2:
             raise refuse(f"consequent '{found.term.name}' of '{output.output.name}' is a formula")
         if shape.kind == "formula":
             value: Node = self.fresh(self._formula(output, member), found.term.name)
@@ -436,6 +453,11 @@ class _Builder:
         if not {name for name in formula.names if name not in CONSTANTS} <= known:
             raise refuse(f"consequent '{term.name}' of '{output.output.name}' reads an output")
         return replace(formula.with_constants(tuple(known)), self.values)
+
+
+def _sides(output: OutputPlan) -> tuple[int | None, ...]:
+    """Return the sides of an interval type-2 set, each a set by itself; None is all of type 1."""
+    return (UPPER, LOWER) if output.sides else (None,)
 
 
 class _Sums:

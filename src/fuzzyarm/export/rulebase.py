@@ -21,6 +21,7 @@ from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.inference.engine import infer_many
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output
@@ -206,7 +207,9 @@ class DirectRoutine:
         holding = {o.name: last for o in self.rulebase.outputs if o.no_rule == "hold"}
         # The array engine divides as the exported program does; where the inference jumps, the
         # kernel, which multiplies by slopes, may stand on the other side by one last bit.
-        found = infer_arrays(_forgiving(self.rulebase), named, holding)[self.name]
+        # (It reduces interval type-2 sets one after the other, which the kernel does at once.)
+        evaluate = infer_many if self.rulebase.is_type2 else infer_arrays
+        found = evaluate(_forgiving(self.rulebase), named, holding)[self.name]
         return np.broadcast_to(np.asarray(found), np.broadcast_shapes(*(x.shape for x in inputs)))
 
     def _last(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.formats.dialects import FIS, Dialect, words
@@ -38,6 +39,7 @@ from fuzzyarm.formats.fis_text import (
     is_open,
     membership_parts,
     read_shape,
+    read_shapes,
     sections,
     unquoted,
 )
@@ -56,6 +58,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.model.shapes import first_above
 from fuzzyarm.text.diagnostic import MAX_TERMS, NOWHERE, Span
 
 # --- Rules: a term index for each variable, weight, and 1 for and or 2 for or ---
@@ -70,11 +73,16 @@ _WORD = re.compile(r"\S+")
 
 _KEYS = (
     "name", "type", "version", "numinputs", "numoutputs", "numrules", "andmethod", "ormethod",
-    "impmethod", "aggmethod", "defuzzmethod", "nummfs",
+    "impmethod", "aggmethod", "defuzzmethod", "nummfs", "typeredmethod", "typereductionmethod",
 )  # fmt: skip
-_TYPE_2 = "a system of type 2 is not supported: its terms have an upper and a lower function"
-_TYPE_2_NUMBERS = re.compile(r"\[[^\]]*\]\s*,\s*\[")
-"""``[upper],[scale],[lag]`` where a term of type 1 has one list."""
+_REDUCTIONS = {
+    **dict.fromkeys(
+        ("", "km", "ekm", "iasc", "eiasc", "eods", "karnikmendel", "karnik-mendel"),
+        "karnik-mendel",
+    ),
+    **dict.fromkeys(("nt", "nietan", "nie-tan"), "nie-tan"),
+}
+"""Words for type reduction: the algorithms of one row find the same ends."""
 
 _ENDING = re.compile(r"\)\s*:\s*\d\s*\Z")
 """Weight and connective of a rule."""
@@ -86,7 +94,9 @@ _TYPES = (
 )  # fmt: skip
 """Words for ``Type=``, those of fuzzylite among them; terms and defuzzifier decide."""
 
-_MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})\Z", re.IGNORECASE)
+_MEMBERSHIP_KEY = re.compile(r"MF(\d{1,6})U?\Z", re.IGNORECASE)
+_LOWER_KEY = re.compile(r"MF(\d{1,6})L\Z", re.IGNORECASE)
+"""With U and L the upper and the lower function of one term, as the type-2 toolbox writes them."""
 
 
 def parse_fis(
@@ -141,6 +151,7 @@ class _Reader:
         self.rules: list[Word] = []
         self.seen: dict[tuple[str, int], Span] = {}
         self.unequal: list[Word] = []  # rules with too many or too few numbers
+        self.is_type2 = False
 
     def read(self) -> RuleBase | None:
         found = sections(self.text, self.findings)
@@ -158,7 +169,10 @@ class _Reader:
         for draft in (*self.inputs, *self.outputs):
             draft.settle_range(self.findings)
         for draft in self.outputs:
-            self._finish_output(draft)
+            if self.is_type2:
+                self._reduce_output(draft)
+            else:
+                self._finish_output(draft)
         block = self._block()
         if self.dialect.producer == "fuzzylite":
             note_rounding(self.text, self.findings)
@@ -206,8 +220,11 @@ class _Reader:
         name = self.text_of("type").lower()
         if word is None or not name or name in _TYPES:
             return True
-        if name.endswith("type2"):
-            raise FaultError(_TYPE_2, word, "unsupported-type")
+        if name.endswith("type2") and name[:3] in ("mam", "sug"):
+            self.is_type2 = True
+            message = "how MATLAB writes systems of type 2 is not published; read by what is known"
+            self.findings.warn("guessed-type-2", message, word)
+            return True
         self.findings.unknown("unknown-type", "the type of system", word, _TYPES)
         return False
 
@@ -262,6 +279,27 @@ class _Reader:
             word = self.settings["defuzzmethod"]
             methods = (*dialect.integral, *dialect.weighted)
             self.findings.unknown("unknown-defuzzifier", "the method", word, methods)
+
+    def _reduce_output(self, draft: Draft) -> None:
+        """Set the type reduction of an output, over 101 samples where it has sets."""
+        draft.aggregation = self.snorm("aggmethod")
+        is_sugeno = self.text_of("type").lower().startswith("sug")
+        is_weighted = is_sugeno or self.text_of("defuzzmethod").lower() in self.dialect.weighted
+        keys = ("typeredmethod", "typereductionmethod")
+        word = next((self.settings[key] for key in keys if key in self.settings), draft.word)
+        known = any(key in self.settings for key in keys)
+        name = word.text.strip().lower() if known else ""
+        method = _REDUCTIONS.get(name)
+        if method is None:
+            self.findings.unknown("unknown-defuzzifier", "the type reduction", word, _REDUCTIONS)
+            return
+        if _is_nan(draft.no_rule) and draft.bounded:
+            draft.no_rule = 0.5 * (draft.low + draft.high)
+        if is_weighted:
+            draft.aggregation = "sum"
+            draft.defuzzifier = Defuzzifier(method)
+        else:
+            draft.defuzzifier = Defuzzifier(method, *self.dialect.samples)
 
     def _by_magnitude(self, draft: Draft, method: str, at: Word) -> str:
         """Return the method of an output for which MATLAB compares the magnitudes of maxima."""
@@ -325,16 +363,27 @@ class _Reader:
             draft.no_rule = math.nan
         taken: dict[int, str] = {}
         memberships: list[tuple[int, Word]] = []
+        lower: dict[int, Word] = {}
         declared: list[Word] = []
         for key, value in self._settings(section):
+            below = _LOWER_KEY.match(key.text)
             if key.text.lower() == "nummfs":
                 declared.append(value)
+            elif below:
+                lower[int(below.group(1))] = value
             else:
                 self._variable_setting(draft, key, value, memberships)
         self._name(draft, section)
         names: set[str] = set()
         for index, value in memberships:
-            self._term(draft, index, value, taken, names, inputs)
+            # Behind the numbers of an upper and a lower function may stand a height.
+            dialect = FIS["fuzzylite"] if index in lower else self.dialect
+            self._term(draft, index, value, taken, names, inputs, dialect)
+            if index in lower:
+                self._lower(draft, lower.pop(index), inputs)
+        for word in lower.values():
+            message = "a lower membership function has no upper one of its number"
+            self.findings.error("syntax", message, word)
         for word in declared[-1:]:
             self._check_count(word, len(memberships), "terms")
         self.terms[draft.name] = taken
@@ -391,6 +440,7 @@ class _Reader:
         taken: dict[int, str],
         names: set[str],
         inputs: int,
+        dialect: Dialect,
     ) -> None:
         parts = membership_parts(value)
         if parts is None:
@@ -398,8 +448,6 @@ class _Reader:
             self.findings.error("syntax", message, value)
             return
         name, kind, rest = parts
-        if _TYPE_2_NUMBERS.match(rest.text):
-            raise FaultError(_TYPE_2, value, "unsupported-type")
         if index in taken:
             message = f"'{draft.name}' has two functions with the number {index}"
             self.findings.error("duplicate-index", message, value)
@@ -415,9 +463,31 @@ class _Reader:
                 f"by number, so this one is called '{unique}'"
             )
             self.findings.warn("duplicate-term-name", message, name)
-        shape = read_shape(kind, rest, inputs, self.dialect, self.findings)
-        if shape is not None:
-            draft.add(Term(unique, shape, name.span))
+        found = read_shapes(kind, rest, inputs, dialect, self.findings)
+        if found is not None:
+            self.is_type2 = self.is_type2 or found[1] is not None
+            draft.add(Term(unique, found[0], name.span, found[1]))
+
+    def _lower(self, draft: Draft, value: Word, inputs: int) -> None:
+        """Give the term that was read last its lower function: numbers, and maybe a height."""
+        parts = membership_parts(value)
+        if parts is None or not draft.terms:
+            message = "a membership function is 'name':'kind',[numbers]"
+            self.findings.error("syntax", message, value)
+            return
+        _, kind, rest = parts
+        shape = read_shape(kind, rest, inputs, FIS["fuzzylite"], self.findings)
+        term = draft.terms[-1]
+        if shape is None:
+            return
+        self.is_type2 = True
+        position = first_above(shape, term.shape, draft.low, draft.high)
+        if position is not None:
+            message = (
+                f"the lower function of '{term.name}' is above the upper one at {position:.6g}"
+            )
+            self.findings.error("lower-above-upper", message, value)
+        draft.put(len(draft.terms) - 1, replace(term, lower=shape))
 
     # --- Rules ---
 

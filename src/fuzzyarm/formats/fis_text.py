@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
 from fuzzyarm.formats.dialects import FIS, Dialect, Spelling, all_spellings, words
@@ -164,6 +164,52 @@ def read_shape(
     elif spelling.kind in ("s", "z") and not dialect.heights:
         values[:2] = _crossed(values[:2])
     return spelled_shape(spelling, values, inputs, kind, findings, dialect)
+
+
+_LISTS = re.compile(r"\[[^\]]*\]")
+
+
+def read_shapes(
+    kind: Word, rest: Word, inputs: int, dialect: Dialect, findings: Findings
+) -> tuple[Shape, Shape | None] | None:
+    """Return a shape, and the lower one of ``[upper],[scale],[lag]``, as MATLAB has it.
+
+    The lower function is the upper one times the scale; it begins where the upper one has
+    reached the lag, on its left and on its right.
+    """
+    lists = [rest.part(*match.span()) for match in _LISTS.finditer(rest.text)]
+    upper = read_shape(kind, lists[0] if len(lists) > 1 else rest, inputs, dialect, findings)
+    if upper is None or len(lists) < 2:
+        return None if upper is None else (upper, None)
+    found = [numbers(each.parts(BRACKETED), findings) for each in lists[1:3]]
+    if any(each is None for each in found):
+        return None
+    scale, lag = (found[0] or [1.0])[0], (found[1] if len(found) > 1 else None) or [0.0]
+    if not 0.0 < scale <= 1.0 or not all(0.0 <= each < 1.0 for each in lag):
+        message = "a lower function has a scale above 0 up to 1, and lags from 0 below 1"
+        findings.error("bad-height", message, lists[1])
+        return None
+    lower = _lagging(upper, lag[0], lag[-1])
+    if lower is None:
+        message = f"how a {upper.kind} lags is not published; without a lag it can be read"
+        findings.error("unsupported-shape", message, lists[-1])
+        return None
+    return upper, replace(lower, height=lower.height * scale)
+
+
+def _lagging(shape: Shape, left: float, right: float) -> Shape | None:
+    """Return a shape that begins where another has reached a lag; None where that is not known."""
+    if left == right == 0.0:
+        return shape
+    p = shape.parameters
+    if shape.kind == "triangle":
+        return replace(
+            shape, parameters=(p[0] + left * (p[1] - p[0]), p[1], p[2] - right * (p[2] - p[1]))
+        )
+    if shape.kind == "trapezoid":
+        feet = p[0] + left * (p[1] - p[0]), p[3] - right * (p[3] - p[2])
+        return replace(shape, parameters=(feet[0], p[1], p[2], feet[1]))
+    return None
 
 
 def _unknown(kind: Word, known: Mapping[str, Spelling], findings: Findings) -> None:

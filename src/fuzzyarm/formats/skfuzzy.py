@@ -25,7 +25,7 @@ from fuzzyarm.formats.drafts import VALUES, blocks_by_norms
 from fuzzyarm.formats.findings import Findings, Imported
 from fuzzyarm.formats.recovery import even_family, is_joined, joined, recovered
 from fuzzyarm.formats.sentences import NOT, hedged
-from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold
+from fuzzyarm.formats.writing import note_chaining, note_left_out, note_threshold, refuse_type_2
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -314,6 +314,8 @@ def to_skfuzzy(
 
 
 def _check(rulebase: RuleBase, findings: Findings) -> None:
+    if refuse_type_2(rulebase, findings, "scikit-fuzzy"):
+        return
     note_left_out(rulebase, findings, descriptions=False)
     note_chaining(rulebase, findings, "scikit-fuzzy", own=False)
     note_threshold(rulebase, findings, "scikit-fuzzy", 0.0)

@@ -22,6 +22,7 @@ from fuzzyarm.formats.meaning import POWERS, hedged_weight
 from fuzzyarm.formats.sentences import NOT, hedged
 from fuzzyarm.formats.shapes import class_and_numbers, fuzzylite_shape
 from fuzzyarm.model.rulebase import (
+    TYPE_2,
     And,
     Consequent,
     Expression,
@@ -81,6 +82,8 @@ class Writer:
     def export(self) -> Exported:
         """Return the text, unless something is in the way, and what was found."""
         rulebase, dialect, findings = self.rulebase, self.dialect, self.findings
+        if refuse_type_2(rulebase, findings, self.program):
+            return Exported(None, findings.all())
         if not rulebase.outputs:
             findings.error("no-engine", "the rule base has no output")
         note_left_out(rulebase, findings, descriptions=self.descriptions)
@@ -261,6 +264,19 @@ def identifiers(
 
 
 # --- What must be left out ---
+
+
+def refuse_type_2(rulebase: RuleBase, findings: Findings, program: str) -> bool:
+    """Refuse a rule base of interval type 2, by name: without its lower terms it is another."""
+    if not rulebase.is_type2:
+        return False
+    variables = (*rulebase.inputs, *rulebase.outputs)
+    what = [f"'{v.name} is {t.name}'" for v in variables for t in v.terms if t.lower is not None]
+    ways = [o for o in rulebase.outputs if o.defuzzifier.method in TYPE_2]
+    what += [f"{each.defuzzifier.method} of '{each.name}'" for each in ways]
+    message = f"{what[0]} is of interval type 2, which is not written for {program}"
+    findings.error("unsupported-type", message)
+    return True
 
 
 def note_left_out(rulebase: RuleBase, findings: Findings, *, descriptions: bool) -> None:

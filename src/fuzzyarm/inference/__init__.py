@@ -17,7 +17,7 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
-from fuzzyarm.inference.infer import check_expectations, infer
+from fuzzyarm.inference.infer import check_expectations, infer, infer_interval
 from fuzzyarm.inference.point import prepare
 from fuzzyarm.lazy import lazily
 
@@ -41,6 +41,7 @@ __all__ = [
     "compiled",
     "explain",
     "infer",
+    "infer_interval",
     "prepare",
 ]
 

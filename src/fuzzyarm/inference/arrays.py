@@ -136,7 +136,8 @@ def firing_strengths(
     Returns
     -------
     strengths : ndarray of float64, shape (rules, *points)
-        Truth of the antecedent times the weight, in the order of ``rulebase.rules``.
+        Truth of the antecedent times the weight, in the order of ``rulebase.rules``; the upper
+        strength where it is of interval type 2.
     outputs : dict of str to ndarray of float64
         NaN where no rule fires, whatever the file says for that case.
 
@@ -159,6 +160,8 @@ def firing_strengths(
             for name, value in chunk.outputs(strengths[:, *block]).items():
                 results[name][block] = value
     outputs = {name: result.reshape(shape) for name, result in results.items()}
+    if rulebase.is_type2:
+        strengths = strengths[[own[0] for own in prepared.readings]]
     return strengths.reshape(-1, *shape), outputs
 
 

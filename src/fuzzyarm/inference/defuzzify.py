@@ -17,14 +17,14 @@ from fuzzyarm.inference.centroid import (
     sampled_centroid_at_point,
     sampled_centroid_over_arrays,
 )
-from fuzzyarm.inference.plan import Member, OutputPlan
+from fuzzyarm.inference.plan import CENTROIDS, Member, OutputPlan
 from fuzzyarm.inference.weighted import (
     tsukamoto_at_point,
     tsukamoto_over_arrays,
     weighted_at_point,
     weighted_over_arrays,
 )
-from fuzzyarm.model.rulebase import WEIGHTED
+from fuzzyarm.model.rulebase import KARNIK_MENDEL, TYPE_2, WEIGHTED
 
 if TYPE_CHECKING:
     import numpy as np
@@ -61,10 +61,12 @@ def defuzzify_at_point(
     float or None
         None where the aggregate has no area.
     """
-    method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
+    method = plan.output.defuzzifier.method
+    if method in KARNIK_MENDEL:
+        return _ends_at_point(plan, fired, values, inputs)
     if plan.discrete:
         value_of = _number_of(plan, tsukamoto_at_point, consequent_value, values, inputs)
-        if method == "centroid" or method in WEIGHTED:
+        if method in CENTROIDS or method in WEIGHTED:
             return weighted_at_point(plan, fired, value_of)
         from fuzzyarm.inference.maxima import discrete_at_point
 
@@ -73,8 +75,11 @@ def defuzzify_at_point(
         from fuzzyarm.inference.joined import joined_at_point
 
         return joined_at_point(plan, fired)
-    if method == "centroid":
-        return _centroid_at_point(plan, fired)
+    return _centroid_at_point(plan, fired) if method in CENTROIDS else _place_at_point(plan, fired)
+
+
+def _place_at_point(plan: OutputPlan, fired: Fired) -> float | None:
+    """Return the bisector or one of the maxima."""
     from fuzzyarm.inference.maxima import (
         bisector_at_point,
         maxima_at_point,
@@ -82,16 +87,39 @@ def defuzzify_at_point(
         sampled_maxima_at_point,
     )
 
-    exact = resolution is None
-    if method == "bisector":
+    exact = plan.output.defuzzifier.resolution is None
+    if plan.output.defuzzifier.method == "bisector":
         return bisector_at_point(plan, fired) if exact else sampled_bisector_at_point(plan, fired)
     return maxima_at_point(plan, fired) if exact else sampled_maxima_at_point(plan, fired)
+
+
+def _ends_at_point(
+    plan: OutputPlan, fired: Fired, values: Mapping[str, float], inputs: tuple[str, ...]
+) -> float | None:
+    from fuzzyarm.inference.type_reduction import chosen
+
+    found = ends_of_output(plan, fired, values, inputs)
+    return None if found is None else chosen(plan.output.defuzzifier.method, found)
+
+
+def ends_of_output(
+    plan: OutputPlan, fired: Fired, values: Mapping[str, float], inputs: tuple[str, ...]
+) -> tuple[float, float] | None:
+    """Return the ends of the centroid of an interval type-2 output; parameters as above."""
+    from fuzzyarm.inference.type_reduction import ends_at_point
+
+    value_of = _number_of(plan, tsukamoto_at_point, consequent_value, values, inputs)
+    return ends_at_point(plan, fired, lambda member: value_of(member, 0.0))
 
 
 def _centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     exact = plan.output.defuzzifier.resolution is None
     if exact and plan.closed is not None:
         return closed_centroid_at_point(plan, fired)
+    if plan.sides:
+        from fuzzyarm.inference.type_reduction import nie_tan_at_point
+
+        return nie_tan_at_point(plan, fired)
     if not exact:
         return sampled_centroid_at_point(plan, fired)
     return integrated_centroid_at_point(plan, fired)
@@ -167,16 +195,18 @@ def defuzzify_over_arrays(
     method, resolution = plan.output.defuzzifier.method, plan.output.defuzzifier.resolution
     if not len(strengths):
         return np.zeros(strengths.shape), np.zeros(strengths.shape, dtype=bool)
+    if method in TYPE_2 and plan.closed is None and not (plan.discrete and method == "nie-tan"):
+        return _point_by_point(plan, strengths, values, inputs)
     if plan.discrete:
         value_of = _number_of(plan, tsukamoto_over_arrays, _consequent_values, values, inputs)
-        average = method == "centroid" or method in WEIGHTED
+        average = method in CENTROIDS or method in WEIGHTED
         many = weighted_over_arrays if average else discrete_over_arrays
         value, weight = many(plan, strengths, value_of)
     elif plan.output.defuzzifier.joined:
         from fuzzyarm.inference.joined import joined_over_arrays
 
         value, weight = joined_over_arrays(plan, strengths)
-    elif method == "centroid":
+    elif method in CENTROIDS:
         value, weight = _centroid_over_arrays(plan, strengths)
     elif method == "bisector":
         exact = resolution is None
@@ -189,6 +219,31 @@ def defuzzify_over_arrays(
             plan, strengths
         )
     return value, weight > 0.0
+
+
+def _point_by_point(
+    plan: OutputPlan,
+    strengths: Strengths,
+    values: Mapping[str, Array],
+    inputs: tuple[str, ...],
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Reduce interval type-2 sets one after the other; the kernel has the fast way."""
+    import numpy as np
+
+    size = int(np.prod(strengths.shape))
+    found, fires = np.zeros(size), np.zeros(size, dtype=bool)
+    entries = [(member, strength.tolist()) for member, strength in strengths.flat()]
+    given = {
+        name: np.broadcast_to(value, strengths.shape).ravel().tolist()
+        for name, value in values.items()
+    }
+    for i in range(size):
+        fired = [(member, strength[i]) for member, strength in entries if strength[i] > 0.0]
+        here = {name: value[i] for name, value in given.items()}
+        value = defuzzify_at_point(plan, fired, here, inputs) if fired else None
+        if value is not None:
+            found[i], fires[i] = value, True
+    return found.reshape(strengths.shape), fires.reshape(strengths.shape)
 
 
 def _centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:

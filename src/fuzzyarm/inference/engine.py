@@ -36,6 +36,9 @@ LONGEST_CHUNK = 1 << 17
 STEPS_WORTH_COMPILING = 800_000_000
 """Points times rules that take NumPy about as long as compiling the kernel takes."""
 
+POINTS_WORTH_COMPILING = 2_000
+"""Points of an interval type-2 rule base for which the same holds."""
+
 MANY = 100_000
 """Points from which on all processors are used."""
 
@@ -346,7 +349,9 @@ def infer_many(
         except ValueError:  # they do not fit each other: the engine for arrays says so
             points = 0
         steps = points * (len(rulebase.rules) + 10)
-        if _at_hand(sweep) or steps > STEPS_WORTH_COMPILING:
+        # Interval type-2 sets are reduced point by point without the kernel.
+        is_long = rulebase.is_type2 and points > POINTS_WORTH_COMPILING
+        if _at_hand(sweep) or steps > STEPS_WORTH_COMPILING or is_long:
             found: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
             return found
     return dict(infer_arrays(rulebase, given, held))

@@ -8,8 +8,9 @@ from functools import partial
 from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.inference.firing_intervals import Ends, ends
 from fuzzyarm.inference.labelled import gathered
-from fuzzyarm.inference.plan import part_for
+from fuzzyarm.inference.plan import part_for, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, prepare
 from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import Expectation, Outcome, Output, RuleBase
@@ -99,6 +100,61 @@ def _outputs(
         if found is not None:
             return dict(found)
     return dict(prepared.evaluate(given, held))
+
+
+def infer_interval(
+    rulebase: AnyRuleBase,
+    inputs: Any = None,
+    /,
+    *,
+    held: Mapping[str, float] | None = None,
+    outputs: Iterable[str] | None = None,
+    **named: Any,
+) -> dict[str, tuple[Any, Any]]:
+    """Evaluate a rule base and return both ends of every output.
+
+    Parameters
+    ----------
+    rulebase, inputs, held, outputs, **named
+        As for :func:`infer`.
+
+    Returns
+    -------
+    dict of str to (left, right)
+        The ends of the centroid of each output that `karnik-mendel` defuzzifies, of which
+        :func:`infer` returns the middle; floats or arrays as there. Of any other output, which
+        is one number, both are that number.
+
+    Raises
+    ------
+    InferenceError, NoRuleFiredError
+        As :func:`infer`.
+
+    Examples
+    --------
+    >>> infer_interval(rulebase, service=2, food=3)            # doctest: +SKIP
+    {'tip': (5.42027992017134, 9.455351198544325)}
+    """
+    found = both_ends(rulebase.model)
+    names = found.names if outputs is None else _named(found.names, outputs)
+    wanted = None if outputs is None else dict.fromkeys(n for pair in names.values() for n in pair)
+    each = {end: value for name, value in (held or {}).items() for end in names.get(name, (name,))}
+    values = infer(found.rulebase, inputs, held=each, outputs=wanted, **named)
+    return {name: (values[left], values[right]) for name, (left, right) in names.items()}
+
+
+@remembered
+def both_ends(rulebase: RuleBase) -> Ends:
+    """Return the rule base whose outputs are the ends of those of another; remembered."""
+    return ends(rulebase)
+
+
+def _named(
+    names: Mapping[str, tuple[str, str]], outputs: Iterable[str]
+) -> dict[str, tuple[str, str]]:
+    wanted = list(outputs)
+    check_names(wanted, names, what="output")
+    return {name: names[name] for name in wanted}
 
 
 def _some(

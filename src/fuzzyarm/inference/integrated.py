@@ -51,9 +51,10 @@ CONSTANTS = WEIGHTS + 4
 
 # Whole numbers of a consequent: the row function of its set and the numbers of that; its
 # implication; its member; straight pieces that slope; where its implication clips them, as
-# (offset, factor of the strength); and the lines that it leaves of one: four numbers each.
+# (offset, factor of the strength); the lines that it leaves of one: four numbers each; and
+# whether it is on side 0 or, of an interval type-2 set, among the lower ones on side 1.
 CURVE, NUMBERS_AT, NUMBERS, IMPLICATION, MEMBER, PIECES, PIECES_AT = range(7)
-CLIPS, CLIPS_AT, LINES, LINES_AT = range(7, 11)
+CLIPS, CLIPS_AT, LINES, LINES_AT, SIDE = range(7, 12)
 LINE_NUMBERS = 4
 
 # Whole numbers of a stretch: its two consequents, and where its six numbers are in f.
@@ -70,7 +71,7 @@ def integrated_centroid(block: Any) -> None:
     width = k[WIDTH]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     for point in range(total.shape[0]):
-        total[point], moment[point], _, _ = integrate(k, f, room, heap, point, math.inf)
+        total[point], moment[point], _, _ = integrate_all(k, f, room, heap, point, math.inf)
 
 
 @kernel
@@ -84,7 +85,7 @@ def integrated_bisector(block: Any) -> None:
     width = k[WIDTH]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     for point in range(total.shape[0]):
-        area, _, _, _ = integrate(k, f, room, heap, point, math.inf)
+        area, _, _, _ = integrate_all(k, f, room, heap, point, math.inf)
         middle = 0.0
         if area > 0.0:
             middle = reach(k, f, room, heap, point, (0.5 - SAME_HALF) * area)
@@ -102,12 +103,12 @@ STEPS = 60
 @kernel
 def reach(k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float) -> float:
     """Return where the area from the left end on reaches a number."""
-    before, _, x_0, x_1 = integrate(k, f, room, heap, point, wanted)
+    before, _, x_0, x_1 = integrate_all(k, f, room, heap, point, wanted)
     a, b = x_0, x_1
     if x_0 < x_1:
         for _ in range(STEPS):
             middle = 0.5 * (a + b)
-            if integral(k, f, room, heap, point, x_0, middle, 0.0)[0] < wanted - before:
+            if integral(k, f, room, heap, point, 0, x_0, middle, 0.0)[0] < wanted - before:
                 a = middle
             else:
                 b = middle
@@ -115,10 +116,29 @@ def reach(k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float) -> fl
 
 
 @kernel
-def integrate(
+def integrate_all(
     k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float
 ) -> tuple[float, float, float, float]:
-    """Cut the range of a point into its first panels and halve them, see :func:`halve`."""
+    """Integrate a set of type 1, all of whose parts are on side 0, over the whole range."""
+    return integrate(k, f, room, heap, point, 0, -math.inf, math.inf, wanted)
+
+
+@kernel
+def integrate(
+    k: Any,
+    f: Any,
+    room: Any,
+    heap: Any,
+    point: int,
+    side: int,
+    start: float,
+    end: float,
+    wanted: float,
+) -> tuple[float, float, float, float]:
+    """Cut a stretch of the range of a point into first panels and halve them, see :func:`halve`.
+
+    Of the sets of one side; moments are about the centre of the range in any case.
+    """
     head = k[OUTPUT]
     detail = k[head + DETAIL]
     members = k[detail + MEMBERS]
@@ -138,7 +158,7 @@ def integrate(
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
         height = room[group * k[WIDTH] + point]
-        if height > 0.0:
+        if height > 0.0 and k[consequent + SIDE] == side:
             strengths[k[consequent + MEMBER]] = height
             strongest = max(strongest, height)
             count = _clip_edges(k, f, consequent, height, heap, edges, count)
@@ -149,19 +169,37 @@ def integrate(
     if constants[SUBTRACTS] == 0.0:
         noise *= min(1.0, strongest)
     centre = 0.5 * (low + high)
+    if start > low or end < high:
+        count = _clip_range(heap, edges, count, max(start, low), min(end, high))
     stack = edges + count
     area = 0.0
     for i in range(count - 1):  # the first panel on top
         panel = stack + PANEL * (count - 2 - i)
         x_0, x_1 = heap[edges + i], heap[edges + i + 1]
         heap[panel], heap[panel + 1] = x_0, x_1
-        heap[panel + 2], heap[panel + 3] = integral(k, f, room, heap, point, x_0, x_1, centre)
+        a, m = integral(k, f, room, heap, point, side, x_0, x_1, centre)
+        heap[panel + 2], heap[panel + 3] = a, m
         heap[panel + 4] = constants[DEEPEST]
         area += heap[panel + 2]
     return halve(
-        k, f, room, heap, point, stack, count - 1, centre, 0.5 * (high - low), area, noise,
+        k, f, room, heap, point, side, stack, count - 1, centre, 0.5 * (high - low), area, noise,
         constants, wanted,
     )  # fmt: skip
+
+
+@kernel
+def _clip_range(heap: Any, edges: int, count: int, start: float, end: float) -> int:
+    """Keep the edges inside a stretch, and its ends; return how many there are."""
+    if not start < end:
+        return 0
+    heap[edges] = start
+    kept = 1
+    for edge in range(edges, edges + count):
+        if start < heap[edge] < end:
+            heap[edges + kept] = heap[edge]
+            kept += 1
+    heap[edges + kept] = end
+    return kept + 1
 
 
 @kernel
@@ -211,6 +249,7 @@ def halve(
     room: Any,
     heap: Any,
     point: int,
+    side: int,
     stack: int,
     panels: int,
     centre: float,
@@ -233,8 +272,8 @@ def halve(
         x_0, x_1, a, m = heap[panel], heap[panel + 1], heap[panel + 2], heap[panel + 3]
         depth = heap[panel + 4]
         middle = 0.5 * (x_0 + x_1)
-        left_area, left_moment = integral(k, f, room, heap, point, x_0, middle, centre)
-        right_area, right_moment = integral(k, f, room, heap, point, middle, x_1, centre)
+        left_area, left_moment = integral(k, f, room, heap, point, side, x_0, middle, centre)
+        right_area, right_moment = integral(k, f, room, heap, point, side, middle, x_1, centre)
         allowed = constants[TOLERANCE] * (whole + a) + noise * (x_1 - x_0)
         agree = abs(a - left_area - right_area) <= allowed
         if abs(m - left_moment - right_moment) > allowed * half_range:
@@ -267,9 +306,17 @@ def move_bits(row: Any, index: int, steps: int) -> None:
 
 @kernel
 def integral(
-    k: Any, f: Any, room: Any, heap: Any, point: int, x_0: float, x_1: float, centre: float
+    k: Any,
+    f: Any,
+    room: Any,
+    heap: Any,
+    point: int,
+    side: int,
+    x_0: float,
+    x_1: float,
+    centre: float,
 ) -> tuple[float, float]:
-    """Return area and moment of the aggregate of a point over one panel."""
+    """Return area and moment of the aggregate of a point over one panel, of one side."""
     nodes, degrees = heap[:ROW], heap[ROW : 2 * ROW]
     cut, so_far = heap[2 * ROW : 3 * ROW], heap[3 * ROW : 4 * ROW]
     head = k[OUTPUT]
@@ -297,7 +344,7 @@ def integral(
         consequent = k[at + 1]
         at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
         height = room[group * width + point]
-        if height > 0.0:
+        if height > 0.0 and k[consequent + SIDE] == side:
             begin = k[consequent + NUMBERS_AT]
             numbers = f[begin : begin + k[consequent + NUMBERS]]
             call(k[consequent + CURVE], nodes, numbers, degrees)

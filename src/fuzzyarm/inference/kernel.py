@@ -75,7 +75,11 @@ RANGE = 4
 """Floats of an input: low, high, first bucket, buckets per unit."""
 
 OUTPUT_RANGE = 4
-"""Floats of an output: low, high, value where no rule fires, centre of the moments."""
+"""Floats of an output: low, high, value where no rule fires, centre of the moments.
+
+Of an interval type-2 output the last says which end of the centroid is wanted: -1 the left, 1
+the right, 0 the middle of both.
+"""
 
 LINE = 3
 """Floats of a straight line: y0, x0, slope."""
@@ -523,38 +527,18 @@ def weighted(block: Any) -> None:
 
 @kernel
 def sampled_centroid(block: Any) -> None:
-    """Add up the samples of the aggregate, point by point.
-
-    A consequent is: first and last sample where the set is not zero, its degrees in f, its
-    implication.
-    """
+    """Add up the samples of the aggregate, point by point."""
     k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
-    head = k[OUTPUT]
-    fold = k[head + AGGREGATION]
-    samples = k[head + DETAIL]
-    numbers = k[head + FLOATS_AT] + OUTPUT_RANGE
+    samples = k[k[OUTPUT] + DETAIL]
+    numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
     positions = f[numbers : numbers + samples]
     weights = f[numbers + samples : numbers + 2 * samples]
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     # Point by point: all samples of one point fit into the nearest cache, those of many do not.
     for point in range(total.shape[0]):
-        for i in range(samples):
-            aggregate[i] = 0.0
-        first, last = samples, 0
-        at = k[GROUPS] + 1
-        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
-            consequent = k[at + 1]
-            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-            height = room[group * width + point]
-            if height > 0.0:
-                begin, end = k[consequent], k[consequent + 1]
-                first, last = min(first, begin), max(last, end)
-                degrees = f[k[consequent + 2] : k[consequent + 2] + (end - begin)]
-                implication = k[consequent + 3]
-                so_far = aggregate[begin:end]
-                cut_in(implication, fold, height, degrees, so_far, cut[: end - begin])
+        first, last = sample(k, f, room, point, 0, aggregate, cut)
         area = torque = 0.0  # in registers: a sum in a row waits for its own store
         for i in range(first, last):
             part = weights[i] * aggregate[i]
@@ -564,50 +548,100 @@ def sampled_centroid(block: Any) -> None:
         moment[point] = torque
 
 
+@kernel
+def sample(
+    k: Any, f: Any, room: Any, point: int, side: int, aggregate: Any, cut: Any
+) -> tuple[int, int]:
+    """Write down the samples of the aggregate of a point; return where it is not zero.
+
+    Only of the sets of one side: those of type 1 are all on side 0. A consequent is: first and
+    last sample where the set is not zero, its degrees in f, its implication, its side.
+    """
+    width = k[WIDTH]
+    fold = k[k[OUTPUT] + AGGREGATION]
+    for i in range(aggregate.shape[0]):
+        aggregate[i] = 0.0
+    first, last = aggregate.shape[0], 0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * width + point]
+        if height > 0.0 and k[consequent + 4] == side:
+            begin, end = k[consequent], k[consequent + 1]
+            first, last = min(first, begin), max(last, end)
+            degrees = f[k[consequent + 2] : k[consequent + 2] + (end - begin)]
+            implication = k[consequent + 3]
+            so_far = aggregate[begin:end]
+            cut_in(implication, fold, height, degrees, so_far, cut[: end - begin])
+    return first, last
+
+
 PIECE = 4
 """Floats of a straight piece of a set: its two ends, x and height each."""
+
+RUN_OF_LINE = 6
+"""Floats of a piece of an envelope: its two ends, the heights there, its area and moment."""
 
 
 @kernel
 def enveloped_centroid(block: Any) -> None:
     """Integrate the upper envelope of cut or scaled sets, piece by piece, point by point.
 
-    For straight sets without a closed form. A consequent is: its pieces (how many, and where
-    they are in f), and whether its implication is the product rather than the minimum.
+    For straight sets without a closed form.
     """
     k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]  # the lines, behind them where they begin or end
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    begin = k[k[OUTPUT] + DETAIL]
     for point in range(total.shape[0]):
-        events = 0
-        at = k[GROUPS] + 1
-        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
-            consequent = k[at + 1]
-            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
-            height = room[group * width + point]
-            begin = k[consequent + 1]
-            pieces = f[begin : begin + PIECE * k[consequent]]
-            if height > 0.0:
-                events = _cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
-        # Events are where a line begins or ends: between two of them the same lines hold.
-        count = 0
-        for line in range(0, events, PIECE):
-            count = insert(heap, events, count, heap[line])
-            count = insert(heap, events, count, heap[line + 2])
         area = torque = 0.0
-        for event in range(events, events + count - 1):
-            left = heap[event]
-            slope = -math.inf
-            while left < heap[event + 1]:
-                best, slope, right = highest(heap, events, left, heap[event + 1], slope)
-                run_of = right - left
-                last = best + slope * run_of
-                part = 0.5 * run_of * (best + last)
-                area += part
-                torque += left * part + run_of * run_of * (best + 2.0 * last) / 6.0
-                left = right
+        for piece in range(begin, envelop(k, f, room, point, 0, heap, begin), RUN_OF_LINE):
+            left, run_of = heap[piece], heap[piece + 1] - heap[piece]
+            best, last, part = heap[piece + 2], heap[piece + 3], heap[piece + 4]
+            area += part
+            torque += left * part + run_of * run_of * (best + 2.0 * last) / 6.0
         total[point] = area
         moment[point] = torque
+
+
+@kernel
+def envelop(k: Any, f: Any, room: Any, point: int, side: int, heap: Any, into: int) -> int:
+    """Write down the upper envelope of the cut sets of one side; return where it ends.
+
+    A consequent is: its pieces (how many, and where they are in f), whether its implication is
+    the product rather than the minimum, and its side. In the heap stand the lines, behind them
+    where they begin or end, and from `into` on the pieces of envelopes.
+    """
+    width = k[WIDTH]
+    events = 0
+    at = k[GROUPS] + 1
+    for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+        consequent = k[at + 1]
+        at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+        height = room[group * width + point]
+        begin = k[consequent + 1]
+        pieces = f[begin : begin + PIECE * k[consequent]]
+        if height > 0.0 and k[consequent + 3] == side:
+            events = _cut_pieces(pieces, height, k[consequent + 2] != 0, heap, events)
+    # Events are where a line begins or ends: between two of them the same lines hold.
+    count = 0
+    for line in range(0, events, PIECE):
+        count = insert(heap, events, count, heap[line])
+        count = insert(heap, events, count, heap[line + 2])
+    for event in range(events, events + count - 1):
+        left = heap[event]
+        slope = -math.inf
+        while left < heap[event + 1]:
+            best, slope, right = highest(heap, events, left, heap[event + 1], slope)
+            run_of = right - left
+            last = best + slope * run_of
+            heap[into], heap[into + 1] = left, right
+            heap[into + 2], heap[into + 3] = best, last
+            heap[into + 4] = 0.5 * run_of * (best + last)
+            into += RUN_OF_LINE
+            left = right
+    return into
 
 
 @kernel

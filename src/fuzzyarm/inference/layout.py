@@ -21,12 +21,12 @@ from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
 from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.records import degree_on_polyline
-from fuzzyarm.inference import integrated
+from fuzzyarm.inference import firing_intervals, integrated, reduced
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
-from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule
+from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule
 from fuzzyarm.inference.point import is_straight
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
@@ -42,8 +42,10 @@ from fuzzyarm.inference.quadrature import (
 from fuzzyarm.inference.sets import cut_lines, formula_of
 from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.model.rulebase import (
+    KARNIK_MENDEL,
     POSITION,
     TAKAGI_SUGENO,
+    TYPE_2,
     And,
     Expression,
     Hedge,
@@ -63,8 +65,22 @@ Proposition = tuple[str, str, tuple[Hedge, ...]]
 """Variable, term and hedges."""
 
 
-INTEGRATED = (integrated.integrated_centroid, integrated.integrated_bisector)
+REDUCED_INTEGRALS = (reduced.karnik_mendel_integral, reduced.nie_tan_integral)
+
+INTEGRATED = (
+    integrated.integrated_centroid, integrated.integrated_bisector, *REDUCED_INTEGRALS,
+)  # fmt: skip
 """Defuzzifiers that go by the quadrature."""
+
+
+SAMPLED = (at.sampled_centroid, reduced.karnik_mendel_samples, reduced.nie_tan_samples)
+"""Defuzzifiers that go by samples."""
+
+ENVELOPED = (at.enveloped_centroid, reduced.karnik_mendel_envelope, reduced.nie_tan_envelope)
+"""Defuzzifiers that go by the upper envelope of straight sets."""
+
+WHICH_END = {"karnik-mendel-left": -1.0, "karnik-mendel": 0.0, "karnik-mendel-right": 1.0}
+"""Which end of the centroid is wanted: the left, the middle of both, the right."""
 
 
 class NotCoveredError(Exception):
@@ -619,18 +635,26 @@ class _OutputWriter:
         detail = 0
         if self.defuzzifier is at.closed_centroid:
             self._write_layers(floats)
-        elif self.defuzzifier is at.sampled_centroid:
+        elif self.defuzzifier in SAMPLED:
             detail = self._write_samples()
-        elif self.defuzzifier is at.enveloped_centroid:
-            self._write_pieces()
+        elif self.defuzzifier in ENVELOPED:
+            detail = self._write_pieces()
         elif self.defuzzifier in INTEGRATED:
             base.floats[floats + 3] = 0.5 * (output.low + output.high)
             detail = self._write_integral()
+        elif self.defuzzifier is reduced.karnik_mendel_values:
+            detail = self._write_pairs()
         else:
             detail = self._write_values()
-        is_mean = output.defuzzifier.method not in {"weighted-sum", "bisector"}
+        if self.defuzzifier is reduced.nie_tan_envelope:
+            base.floats[floats + 3] = 0.5 * (output.low + output.high)
+        if output.defuzzifier.method in KARNIK_MENDEL:
+            base.floats[floats + 3] = WHICH_END[output.defuzzifier.method]
+        is_mean = output.defuzzifier.method not in {"weighted-sum", "bisector", *KARNIK_MENDEL}
         fold = base.norm(SNORMS[output.aggregation], "S")
-        address = base.addresses.program(self.defuzzifier, inline=True)
+        # The quadratures of both sides and both ends would be compiled many times over.
+        inline = self.defuzzifier not in REDUCED_INTEGRALS
+        address = base.addresses.program(self.defuzzifier, inline=inline)
         whole[head : head + at.OUTPUT_HEAD] = [
             address, floats, fold, mode, detail, int(is_mean),
         ]  # fmt: skip
@@ -660,22 +684,25 @@ class _OutputWriter:
         assert count is not None
         floats += sample_positions(output.low, output.high, output.defuzzifier)
         floats += weights(count, output.defuzzifier.sampling)
-        self.samples = count
+        # Two rows, or three, where both sides of an interval type-2 set are sampled.
+        self.samples = count if not self.plan.sides else (3 * count + 1) // 2
         for i, member in enumerate(self.plan.members):
             found = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
             )
             begin, heights = found.first, list(found.heights)
-            if (
-                self.base.loose == "outputs"
-            ):  # a sample for each position, also where the set is 0 now
+            if self.loose:  # a sample for each position, also where the set is 0 now
                 behind = count - begin - len(heights)
                 begin, heights = 0, [*[0.0] * begin, *heights, *[0.0] * behind]
             self.consequents[i] = len(self.base.whole)
             cut = self.base.norm(TNORMS[member.implication], "T")
-            self.base.whole += [begin, begin + len(heights), self._floats(heights), cut]
+            end, first = begin + len(heights), self._floats(heights)
+            self.base.whole += [begin, end, first, cut, self._side(i)]
             self._mark("samples", i, len(floats) - len(heights), len(heights))
         return count
+
+    def _side(self, member: int) -> int:
+        return self.plan.sides[member] if self.plan.sides else firing_intervals.UPPER
 
     def _mark(self, sort: str, member: int, begin: int, room: int) -> None:
         """Note where the numbers of a consequent without hedges stand in a loose layout."""
@@ -685,12 +712,13 @@ class _OutputWriter:
             mark = Mark(sort, output.name, found.term.name, counted, begin, room, scaled)
             self.base.marks.append(mark)
 
-    def _write_pieces(self) -> None:
+    def _write_pieces(self) -> int:
         pieces = 0
         for i, member in enumerate(self.plan.members):
             self.consequents[i] = len(self.base.whole)
             scaled = int(member.implication == "product")
-            self.base.whole += [len(member.pieces), len(self.base.floats), scaled]
+            head = [len(member.pieces), len(self.base.floats), scaled, self._side(i)]
+            self.base.whole += head
             room = len(member.pieces)
             if self.loose:  # a corner may move into the range, or off another one
                 room = max(room, len(polyline(member.term.shape)) + 1)
@@ -698,8 +726,12 @@ class _OutputWriter:
             self._floats([*ends, *[0.0] * (at.PIECE * room - len(ends))])
             self._mark("pieces", i, len(self.base.floats) - at.PIECE * room, room)
             pieces += room
-        # Cutting may split a piece in two; each end is an event. There are two rows of samples.
-        self.samples = (2 * at.PIECE * pieces + 4 * pieces) // 2 + 1
+        # Cutting may split a piece in two; each end is an event. Behind them the envelope: of
+        # n lines it has less than n log n pieces, few more than n as a rule.
+        begin = 2 * at.PIECE * pieces + 4 * pieces
+        most = 2 * pieces * max(4, (4 * pieces).bit_length())
+        self.samples = (begin + at.RUN_OF_LINE * most) // 2 + 1  # there are two rows of samples
+        return begin
 
     def _write_integral(self) -> int:
         """Write what the quadrature reads; see :mod:`fuzzyarm.inference.integrated`."""
@@ -715,6 +747,7 @@ class _OutputWriter:
             whole += [len(sloping), self._floats(end for piece in sloping for end in piece[:4])]
             whole += [len(clips), self._floats(number for clip in clips for number in clip)]
             whole += [len(lines), self._floats(number for line in lines for number in line)]
+            whole.append(self._side(i))
         crossing = [
             (self.consequents[each.first], self.consequents[each.second], self._floats(each[2:]))
             for each in plan.stretches
@@ -756,6 +789,25 @@ class _OutputWriter:
                 self.base.floats += [constant_term, *coefficients]
         return count
 
+    def _write_pairs(self) -> int:
+        """Write values between two; see :mod:`fuzzyarm.inference.reduced`."""
+        count = len(self.base.plan.rulebase.inputs)
+        for number, pair in enumerate(self.plan.pairs):
+            upper, lower = (self._value(member, count) for member in pair)
+            for side, member in enumerate(pair):
+                self.consequents[member] = len(self.base.whole)
+                self.base.whole += [number, side, lower, upper]
+        self.samples = reduced.PAIR_ROWS * len(self.plan.pairs) // 2 + 1
+        return len(self.plan.pairs)
+
+    def _value(self, member: int, count: int) -> int:
+        """Append the constant and the coefficients of a value; return where they begin."""
+        value, shape = self.plan.members[member].value, self.plan.members[member].term.shape
+        if value is not None:
+            return self._floats([value, *[0.0] * count])
+        *coefficients, constant_term = shape.parameters
+        return self._floats([constant_term, *coefficients])
+
     def write(self, active: Sequence[_Rule], cells: Sequence[int]) -> None:
         """Append what is to be done for this output in one cell."""
         whole = self.base.whole
@@ -771,7 +823,8 @@ class _OutputWriter:
 
     def _groups(self, active: Sequence[_Rule]) -> Iterator[tuple[int, list[_Rule]]]:
         entries = [(m, rule) for rule in active for m in self.members.get(rule.number, ())]
-        if self.plan.output.aggregation == "max" or self.defuzzifier is at.weighted:
+        values = self.defuzzifier in {at.weighted, reduced.karnik_mendel_values}
+        if self.plan.output.aggregation == "max" or values:
             grouped: dict[int, list[_Rule]] = {}
             for member, rule in entries:
                 grouped.setdefault(member, []).append(rule)
@@ -810,17 +863,30 @@ class _OutputWriter:
 
 
 def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], None]:
+    if plan.output.defuzzifier.method in TYPE_2 and plan.members and plan.closed is None:
+        return _type_reduction(plan)
     if plan.discrete:
         return at.weighted
     if plan.output.defuzzifier.resolution is not None:
         return at.sampled_centroid
     if plan.output.defuzzifier.method == "bisector" and plan.members:
         return integrated.integrated_bisector
-    if plan.members and loose and has_envelope(plan):
-        return at.enveloped_centroid
-    if plan.closed is not None or not plan.members:
+    in_general = loose and plan.members and has_envelope(plan)  # any form that numbers can take
+    if not in_general and (plan.closed is not None or not plan.members):
         return at.closed_centroid
     return at.enveloped_centroid if has_envelope(plan) else integrated.integrated_centroid
+
+
+def _type_reduction(plan: OutputPlan) -> Callable[[Any], None]:
+    """Return what reduces an interval type-2 set; of one with a closed form it is the centroid."""
+    ends = plan.output.defuzzifier.method in KARNIK_MENDEL
+    if plan.discrete:
+        return reduced.karnik_mendel_values if ends else at.weighted
+    if plan.output.defuzzifier.resolution is not None:
+        return reduced.karnik_mendel_samples if ends else reduced.nie_tan_samples
+    if has_envelope(plan):
+        return reduced.karnik_mendel_envelope if ends else reduced.nie_tan_envelope
+    return reduced.karnik_mendel_integral if ends else reduced.nie_tan_integral
 
 
 def lines_of(implication: str) -> list[tuple[float, float, float, float]]:
@@ -844,7 +910,7 @@ def has_envelope(plan: OutputPlan) -> bool:
 def _check_output(plan: OutputPlan) -> None:
     output: Output = plan.output
     method = output.defuzzifier.method
-    if plan.discrete and method in {"centroid", *TAKAGI_SUGENO}:
+    if plan.discrete and method in CENTROIDS | TAKAGI_SUGENO:
         formulas = [member.term.name for member in plan.members if member.formula is not None]
         if formulas:
             raise NotCoveredError(f"'{output.name} is {formulas[0]}' is a formula")
@@ -852,7 +918,7 @@ def _check_output(plan: OutputPlan) -> None:
     exact_bisector = method == "bisector" and output.defuzzifier.resolution is None
     if output.defuzzifier.joined and not plan.discrete:
         raise NotCoveredError(f"joined samples of '{output.name}'")
-    if plan.discrete or not (method == "centroid" or exact_bisector):
+    if plan.discrete or not (method in CENTROIDS or exact_bisector):
         raise NotCoveredError(f"the {method} of '{output.name}'")
     if _defuzzifier(plan) in INTEGRATED:
         for member in plan.members:

@@ -15,8 +15,10 @@ from functools import wraps
 from itertools import count
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
+from fuzzyarm.inference import firing_intervals
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
-from fuzzyarm.inference.overlap import ClosedForm, closed_form
+from fuzzyarm.inference.firing_intervals import Doubled, is_value
+from fuzzyarm.inference.overlap import ClosedForm, Layers, Overlap, closed_form
 from fuzzyarm.inference.sets import (
     Piece,
     Stretch,
@@ -29,8 +31,10 @@ from fuzzyarm.inference.sets import (
 from fuzzyarm.model.rulebase import (
     POSITION,
     TAKAGI_SUGENO,
+    TYPE_2,
     WEIGHTED,
     Consequent,
+    Defuzzifier,
     Hedge,
     Input,
     Is,
@@ -97,6 +101,11 @@ class OutputPlan(NamedTuple):
         Of the exact centroid, where there is one.
     stretches : tuple of Stretch
         Where sets may cross, for what is integrated piece by piece.
+    sides : tuple of int
+        For each member whether it is one of the upper or of the lower set, ``UPPER`` or
+        ``LOWER`` of :mod:`.firing_intervals`; empty for a set of type 1.
+    pairs : tuple of (int, int)
+        The upper and the lower member of each consequent.
     """
 
     output: Output
@@ -105,6 +114,8 @@ class OutputPlan(NamedTuple):
     discrete: bool
     closed: ClosedForm | None = None
     stretches: tuple[Stretch, ...] = ()
+    sides: tuple[int, ...] = ()
+    pairs: tuple[tuple[int, int], ...] = ()
 
     @property
     def integrated(self) -> bool:
@@ -112,13 +123,17 @@ class OutputPlan(NamedTuple):
         exact, method = self.output.defuzzifier.resolution is None, self.output.defuzzifier.method
         if self.discrete or not exact:
             return False
-        return method == "bisector" or (method == "centroid" and self.closed is None)
+        return method == "bisector" or (method in CENTROIDS and self.closed is None)
 
     @property
     def in_order(self) -> bool:
         """Whether the order of its rules changes bits: sets that are added up, not united."""
         sampled = self.output.defuzzifier.resolution is not None and not self.discrete
         return self.output.aggregation != "max" and (sampled or self.integrated)
+
+
+CENTROIDS = frozenset({"centroid"}) | TYPE_2
+"""Defuzzifiers that integrate sets, or take the average of values."""
 
 
 class PlannedRule(NamedTuple):
@@ -137,19 +152,22 @@ class Plan(NamedTuple):
     Attributes
     ----------
     rulebase : RuleBase
-        As given.
+        As given; of interval type 2 with both ends of every interval.
     rules : tuple of PlannedRule
         In the order of the model.
     outputs : dict of str to OutputPlan
         By name, in the order of the model.
     steps : tuple of int or str
         An index stands for a rule, a name for the defuzzification of an output.
+    readings : tuple of tuple of int
+        For each rule as given the indices of its upper and lower reading; of type 1 its own.
     """
 
     rulebase: RuleBase
     rules: tuple[PlannedRule, ...]
     outputs: dict[str, OutputPlan]
     steps: tuple[int | str, ...]
+    readings: tuple[tuple[int, ...], ...] = ()
 
 
 _Made = TypeVar("_Made")
@@ -195,9 +213,23 @@ def plan(rulebase: RuleBase) -> Plan:
         If the model cannot be evaluated; the message says where.
     """
     _check_variables(rulebase)
+    if rulebase.is_type2:
+        return _plan_type_2(firing_intervals.doubled(rulebase))
     steps, rules = _order(rulebase)
     outputs = {output.name: _plan_output(rulebase, output) for output in rulebase.outputs}
-    return Plan(rulebase, rules, outputs, steps)
+    return Plan(rulebase, rules, outputs, steps, tuple((i,) for i in range(len(rules))))
+
+
+def _plan_type_2(found: Doubled) -> Plan:
+    rulebase = found.rulebase
+    steps, rules = _order(rulebase)
+    outputs = {
+        output.name: _both_sides(_plan_output(rulebase, output, found), found)
+        if output.defuzzifier.method in TYPE_2
+        else _plan_output(rulebase, output)
+        for output in rulebase.outputs
+    }
+    return Plan(rulebase, rules, outputs, steps, found.readings)
 
 
 def _check_variables(rulebase: RuleBase) -> None:
@@ -297,11 +329,13 @@ def _sorted_rules(block: RuleBlock, outputs: frozenset[str]) -> list[int]:
 # ── outputs ──────────────────────────────────────────────────────────────────────────
 
 
-def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
+def _plan_output(rulebase: RuleBase, output: Output, doubled: Doubled | None = None) -> OutputPlan:
     keys: dict[tuple[str, tuple[Hedge, ...], str], int] = {}
     implications: list[str] = []
     # A number is weighed, not cut: blocks that differ in the implication share its strength.
     weighs = output.defuzzifier.method in WEIGHTED
+    if doubled is not None:
+        weighs = all(is_value(term.shape) for term in output.terms)
     contributions = []
     rule_index = 0
     for block in rulebase.blocks:
@@ -323,11 +357,71 @@ def _plan_output(rulebase: RuleBase, output: Output) -> OutputPlan:
     if discrete and not weighs:
         first = _first_of_each_value(members)
         contributions = [(first[member], rule) for member, rule in contributions]
-    closed = None if discrete else _closed(output, members)
+    closed = None if discrete or doubled is not None else _closed(output, members)
     made = OutputPlan(output, members, tuple(contributions), discrete, closed)
-    if output.aggregation == "max" and made.integrated:
+    if output.aggregation == "max" and made.integrated and doubled is None:
         return made._replace(stretches=stretches([member.pieces for member in members]))
     return made
+
+
+def _both_sides(made: OutputPlan, doubled: Doubled) -> OutputPlan:
+    """Say which members are of the upper and which of the lower set, and which go together."""
+    output, members = made.output, made.members
+    parts = [Consequent(output.name, each.term.name, each.hedges) for each in members]
+    sides = tuple(map(doubled.side, parts))
+    pairs = _pairs(output, members, sides, doubled)
+    if made.discrete:
+        return made._replace(sides=sides, pairs=pairs)
+    own = [[i for i, each in enumerate(sides) if each == side] for side in (0, 1)]
+    closed = _closed_sides(output, members, own) if output.defuzzifier.method == "nie-tan" else None
+    made = made._replace(sides=sides, pairs=pairs, closed=closed)
+    if output.aggregation == "max" and made.integrated:
+        found = [
+            each._replace(first=indices[each.first], second=indices[each.second])
+            for indices in own
+            for each in stretches([members[i].pieces for i in indices])
+        ]
+        return made._replace(stretches=tuple(found))
+    return made
+
+
+def _pairs(
+    output: Output, members: tuple[Member, ...], sides: tuple[int, ...], doubled: Doubled
+) -> tuple[tuple[int, int], ...]:
+    """Return the upper and the lower member of each consequent: both come from one rule."""
+    names = {lower: name for (of, name), lower in doubled.lower_names.items() if of == output.name}
+    keys = [
+        (names.get(each.term.name, each.term.name), each.hedges, each.implication)
+        for each in members
+    ]
+    if all(member.pieces == () for member in members):  # values, which no implication cuts
+        keys = [(name, hedges, "") for name, hedges, _ in keys]
+    lower = {key: i for i, key in enumerate(keys) if sides[i] == firing_intervals.LOWER}
+    upper = [i for i in range(len(members)) if sides[i] == firing_intervals.UPPER]
+    return tuple((i, lower[keys[i]]) for i in upper)
+
+
+def _closed_sides(
+    output: Output, members: tuple[Member, ...], own: list[list[int]]
+) -> ClosedForm | None:
+    """Return the closed form of the upper and the lower set together: Nie and Tan's centroid.
+
+    Sets overlap those of their own side only, and areas and moments of both add up.
+    """
+    centroid = replace(output, defuzzifier=Defuzzifier("centroid", output.defuzzifier.resolution))
+    forms = [_closed(centroid, tuple(members[i] for i in indices)) for indices in own]
+    layers: dict[int, Layers] = {}
+    overlaps: list[Overlap] = []
+    for indices, form in zip(own, forms, strict=True):
+        if form is None:
+            return None
+        layers |= dict(zip(indices, form.own, strict=True))
+        overlaps += [
+            Overlap(indices[each.member], tuple(indices[i] for i in each.others), each.layers)
+            for each in form.overlaps
+        ]
+    own_layers = tuple(layers[i] for i in range(len(members)))
+    return ClosedForm(0.5 * (output.low + output.high), own_layers, tuple(overlaps))
 
 
 def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
@@ -339,16 +433,10 @@ def _first_of_each_value(members: tuple[Member, ...]) -> list[int]:
     ]
 
 
-def _is_value(shape: Shape) -> bool:
-    if shape.kind == "formula":
-        return POSITION not in formula_of(shape).names
-    return shape.kind in {"singleton", "linear"}
-
-
 def _is_discrete(output: Output, terms: Iterable[Term]) -> bool:
     if output.defuzzifier.method in WEIGHTED:
         return True
-    values = {term.name: _is_value(term.shape) for term in terms}
+    values = {term.name: is_value(term.shape) for term in terms}
     if any(values.values()) and not all(values.values()):
         value = next(name for name, is_value in values.items() if is_value)
         raise InferenceError(
@@ -378,7 +466,7 @@ def _member(
             f" (one for each input and the constant), not {len(shape.parameters)}"
         )
     function = term_function(shape, hedges)
-    if _is_value(shape) and discrete:
+    if is_value(shape) and discrete:
         if hedges:
             raise InferenceError(
                 f"'{output.name} is {term.name}' is a value, and hedges modify sets only"
@@ -403,7 +491,7 @@ def _check_formula(
             continue
         if name not in known and name not in CONSTANTS:
             raise UnknownNameError(name, known, what="variable")
-        if name in known and not _is_value(term.shape):
+        if name in known and not is_value(term.shape):
             raise InferenceError(
                 f"'{output.name} is {term.name}' is a set: its formula may use {POSITION} only"
             )
@@ -504,13 +592,15 @@ def _part_for(rulebase: RuleBase, wanted: tuple[str, ...]) -> RuleBase:
     for name in wanted:
         if name not in made.outputs:
             raise UnknownNameError(name, made.outputs, what="output")
-    names, rules = needed(made, wanted)
-    read = _read(made, names, rules)
+    names, needed_readings = needed(made, wanted)
+    rules = {i for i, own in enumerate(made.readings) if needed_readings & set(own)}
+    read = _read(made, names, needed_readings)
     linear = [
-        term.shape.parameters
+        shape.parameters
         for output in rulebase.outputs
         for term in output.terms
-        if output.name in names and term.shape.kind == "linear"
+        for shape in (term.shape, term.lower)
+        if output.name in names and shape is not None and shape.kind == "linear"
     ]
     inputs = [
         i
@@ -554,5 +644,9 @@ def _over(output: Output, inputs: list[int]) -> Output:
         return replace(shape, parameters=(*(coefficients[i] for i in inputs), constant))
 
     return replace(
-        output, terms=tuple(replace(term, shape=over(term.shape)) for term in output.terms)
+        output,
+        terms=tuple(
+            replace(term, shape=over(term.shape), lower=term.lower and over(term.lower))
+            for term in output.terms
+        ),
     )

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 from fuzzyarm.expression.kinds import TNORMS
 from fuzzyarm.inference.aggregate import aggregate, fold_at_point
-from fuzzyarm.inference.defuzzify import consequent_value
+from fuzzyarm.inference.defuzzify import consequent_value, ends_of_output
+from fuzzyarm.inference.firing_intervals import LOWER, UPPER
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.point import Point, Prepared, bring_into_range, prepare
 from fuzzyarm.inference.sets import Piece, crossing
+from fuzzyarm.inference.type_reduction import side_of
 from fuzzyarm.inference.weighted import tsukamoto_at_point
 from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
+    KARNIK_MENDEL,
     And,
     Expression,
     Hedge,
@@ -50,13 +53,17 @@ class FuzzyValue:
     value : float
         The value that was used, inside the range if it is clamped.
     degrees : tuple of (str, float)
-        (term, membership) for every term, without hedges; NaN never.
+        (term, membership) for every term, without hedges; NaN never. Of an interval type-2
+        term the upper one.
+    lower : tuple of (str, float)
+        The lower memberships, of every term; empty where none is of interval type 2.
     """
 
     name: str
     given: float
     value: float
     degrees: tuple[tuple[str, float], ...]
+    lower: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +84,8 @@ class RuleTrace:
         Its weight, and the truth of its antecedent times that.
     consequents : tuple of (str, str)
         (output, term with hedges).
+    lower : float or None
+        Where it fires between two strengths: the lower one, `strength` being the upper.
     """
 
     number: int
@@ -87,6 +96,7 @@ class RuleTrace:
     weight: float
     strength: float
     consequents: tuple[tuple[str, str], ...]
+    lower: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +114,17 @@ class ConsequentTrace:
     curve : tuple of (float, float)
         The set cut at `strength`, as corners to be joined by straight lines (two at one
         position for a vertical edge); empty for a value.
+    lower, lower_value, lower_curve
+        The same of the lower reading, where an output is of interval type 2.
     """
 
     term: str
     strength: float
     value: float | None
     curve: Curve
+    lower: float | None = None
+    lower_value: float | None = None
+    lower_curve: Curve = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +147,12 @@ class OutputTrace:
         The aggregated set as a curve; empty for values.
     value : float
         The result.
+    lower_aggregate : tuple of (float, float)
+        The lower set, where it is of interval type 2; `aggregate` is the upper one.
+    left, right : float or None
+        The ends of its centroid, by Karnik and Mendel. Each is its own switch point: the left
+        end is the centroid of the set that is the upper one on its left and the lower one on
+        its right, the right end of the one that is the other way round.
     """
 
     name: str
@@ -142,6 +163,9 @@ class OutputTrace:
     consequents: tuple[ConsequentTrace, ...]
     aggregate: Curve
     value: float
+    lower_aggregate: Curve = ()
+    left: float | None = None
+    right: float | None = None
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -180,15 +204,25 @@ class Trace(Drawn):
         return written
 
     @property
+    def is_type2(self) -> bool:
+        """Whether something in it lies between two."""
+        return any(rule.lower is not None for rule in self.rules)
+
+    @property
     def fired(self) -> tuple[RuleTrace, ...]:
         """The rules that fire, the strongest first."""
         firing = [rule for rule in self.rules if rule.strength > 0.0]
         return tuple(sorted(firing, key=lambda rule: -rule.strength))
 
 
+_OF_TYPE_2 = {"lower", "lower_value", "lower_curve", "lower_aggregate", "left", "right"}
+
+
 def _finite(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _finite(each) for key, each in value.items()}
+        # What nothing of type 1 has stands only where it is.
+        absent = {key for key in _OF_TYPE_2 & value.keys() if value[key] in (None, ())}
+        return {key: _finite(each) for key, each in value.items() if key not in absent}
     if isinstance(value, list | tuple):
         return [_finite(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
@@ -311,15 +345,24 @@ def _fuzzy_value(variable: Variable, given: Mapping[str, float], value: float) -
         for term in variable.terms
         if term.shape.kind != "linear"
     )
-    return FuzzyValue(variable.name, float(given.get(variable.name, value)), value, degrees)
+    lower: tuple[tuple[str, float], ...] = ()
+    if any(term.lower is not None for term in variable.terms):
+        lower = tuple(
+            (term.name, term_function(term.lower or term.shape)(value))
+            for term in variable.terms
+            if term.shape.kind != "linear"
+        )
+    given_value = float(given.get(variable.name, value))
+    return FuzzyValue(variable.name, given_value, value, degrees, lower)
 
 
 def _rules(rulebase: RuleBase, prepared: Prepared, point: Point) -> tuple[RuleTrace, ...]:
     traces: list[RuleTrace] = []
     for block in rulebase.blocks:
         for rule in block.rules:
-            strength = prepared.strength(len(traces), point)
-            traces.append(_rule_trace(len(traces) + 1, block, rule, strength))
+            own = [prepared.strength(i, point) for i in prepared.plan.readings[len(traces)]]
+            made = _rule_trace(len(traces) + 1, block, rule, own[0])
+            traces.append(made if len(own) == 1 else replace(made, lower=own[1]))
     return tuple(traces)
 
 
@@ -337,6 +380,8 @@ def _rule_trace(number: int, block: RuleBlock, rule: Rule, strength: float) -> R
 
 
 def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
+    if plan.sides:
+        return _output_of_type_2(plan, point, rulebase)
     output = plan.output
     fired = point.fired[output.name]
     inputs = tuple(variable.name for variable in rulebase.inputs)
@@ -348,6 +393,13 @@ def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
     if fired and not plan.discrete:
         corners = {x for each in consequents for x, _ in each.curve}
         union = _union(aggregate(plan, fired), corners, output.low, output.high)
+    return _output_trace(plan, point, consequents, union)
+
+
+def _output_trace(
+    plan: OutputPlan, point: Point, consequents: tuple[ConsequentTrace, ...], union: Curve
+) -> OutputTrace:
+    output = plan.output
     defuzzifier = output.defuzzifier
     method = defuzzifier.method
     if defuzzifier.resolution is not None:
@@ -362,6 +414,46 @@ def _output(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
         union,
         point.values[output.name],
     )
+
+
+def _output_of_type_2(plan: OutputPlan, point: Point, rulebase: RuleBase) -> OutputTrace:
+    """Return an output between two sets: each consequent with both of its readings."""
+    name = plan.output.name
+    fired = point.fired[name]
+    inputs = tuple(variable.name for variable in rulebase.inputs)
+    folded = fold_at_point(plan, fired)
+    names = {term.name for term in rulebase.output(name).terms}
+    consequents = []
+    for pair in plan.pairs:
+        if folded.get(pair[0], 0.0) <= 0.0:
+            continue
+        upper, lower = (
+            _consequent(plan, plan.members[i], folded.get(i, 0.0), point, inputs) for i in pair
+        )
+        # One of the two has the name of the file, the other one that was made up.
+        own = next(plan.members[i] for i in pair if plan.members[i].term.name in names)
+        consequents.append(
+            replace(
+                upper,
+                term=_worded(own.term.name, own.hedges),
+                lower=lower.strength,
+                lower_value=lower.value,
+                lower_curve=lower.curve,
+            )
+        )
+    unions: list[Curve] = [(), ()]
+    if fired and not plan.discrete:
+        for side in (UPPER, LOWER):
+            curves = (each.lower_curve if side else each.curve for each in consequents)
+            corners = {x for curve in curves for x, _ in curve}
+            function = aggregate(plan, side_of(plan, fired, side))
+            unions[side] = _union(function, corners, plan.output.low, plan.output.high)
+    made = _output_trace(plan, point, tuple(consequents), unions[0])
+    ends = None
+    if plan.output.defuzzifier.method in KARNIK_MENDEL and made.fired:
+        ends = ends_of_output(plan, fired, point.values, inputs)
+    left, right = ends or (None, None)
+    return replace(made, lower_aggregate=unions[1], left=left, right=right)
 
 
 def _consequent(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TypedDict
 
 from fuzzyarm.expression.kinds import SHAPES
@@ -17,6 +17,7 @@ from fuzzyarm.language.statements import (
 )
 from fuzzyarm.language.tokens import Word, name_text
 from fuzzyarm.model.rulebase import POSITION, WEIGHTED, Defuzzifier, Shape, Term
+from fuzzyarm.model.shapes import first_above, first_sample_above, membership_function
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
     MAX_INPUTS,
@@ -236,6 +237,69 @@ def _formula(node: ShapeNode, scope: Scope) -> Shape | None:
     return Shape("formula", formula=node.formula)
 
 
+def _elaborate_lower(node: ShapeNode, upper: Shape, draft: Draft, scope: Scope) -> Shape | None:
+    """Return what stands behind ``over``, the lower of two; None after a report."""
+    lower = _elaborate_shape(node, draft, scope)
+    if lower is None:
+        return None
+    message = _no_interval(upper, lower, draft)
+    if message:
+        scope.report("bad-interval", message, node.kind.span)
+        return None
+    message = _lower_above(upper, lower, *range_of(draft.node))
+    if message:
+        span = node.kind.span.to(node.figures[-1].span) if node.figures else node.kind.span
+        hint = "the upper one stands in front of `over`"
+        scope.report("lower-above-upper", message, span, hint=hint)
+        return None
+    return lower
+
+
+def _no_interval(upper: Shape, lower: Shape, draft: Draft) -> str:
+    """Return why nothing lies between two shapes; empty where something does."""
+    kinds = {upper.kind, lower.kind}
+    if len(kinds) > 1 and kinds & {"singleton", "linear", "formula"}:
+        return f"{upper.kind} over {lower.kind}: both must be sets, or values of one kind"
+    if upper.kind == "singleton" and draft.is_input:
+        return f"a singleton over a singleton is a value between two, and '{draft.name}' an input"
+    return ""
+
+
+def _lower_above(upper: Shape, lower: Shape, low: float, high: float) -> str:
+    """Return where the lower of two shapes is above the upper one; empty where it is not."""
+    if upper.kind == "singleton":
+        one, other = lower.parameters[0], upper.parameters[0]
+        return f"the lower value {one:g} is above the upper one {other:g}" if one > other else ""
+    if upper.kind == "linear":
+        return ""  # values of the inputs: whichever is less is the lower one
+    below, above = _degrees_of(lower), _degrees_of(upper)
+    if below is None or above is None:
+        return ""
+    if upper.kind == "formula":
+        x = first_sample_above(below, above, low, high)
+    else:
+        x = first_above(lower, upper, low, high)
+    if x is None:
+        return ""
+    return (
+        f"the lower membership function is above the upper one at {x:.6g}:"
+        f" {below(x):.6g} > {above(x):.6g}"
+    )
+
+
+def _degrees_of(shape: Shape) -> Callable[[float], float] | None:
+    """Return a shape as a function; None for a formula that is not one of the position alone."""
+    if shape.kind != "formula":
+        return membership_function(shape)
+    from fuzzyarm.expression.formulas import FormulaError, read_formula
+
+    try:
+        formula = read_formula(shape.formula)
+    except FormulaError:  # reported already
+        return None
+    return formula.function((POSITION,)) if formula.names == (POSITION,) else None
+
+
 # --- Variables and terms ---
 
 _LIMITS = {"input": MAX_INPUTS, "output": MAX_OUTPUTS}
@@ -302,9 +366,14 @@ def add_term(node: TermNode, scope: Scope) -> None:
     """Add the explicit term of `node` to its variable."""
     draft = scope.variable(node.variable)
     shape = None if node.shape is None else _elaborate_shape(node.shape, draft, scope)
+    lower = None
+    below = node.shape.lower if node.shape is not None else None
+    if below is not None and shape is not None and draft is not None:
+        lower = _elaborate_lower(below, shape, draft, scope)
     if draft is not None:
         # A term with a bad shape is declared all the same, so that its uses are not mistakes too.
-        _add(draft, node.name, shape or Shape("singleton", (0.0,)), scope)
+        shape = shape or Shape("singleton", (0.0,))
+        _add(draft, Term(node.name.text, shape, node.name.span, lower), scope)
 
 
 def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
@@ -332,7 +401,7 @@ def add_even_terms(node: EvenTermsNode, scope: Scope) -> None:
             )
         shapes = even_shapes(node.family.text, len(node.names), low, high)
         for name, shape in zip(node.names, shapes, strict=True):
-            _add(draft, name, shape, scope, spread=True)
+            _add(draft, Term(name.text, shape, name.span), scope, spread=True)
 
 
 def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]:
@@ -355,29 +424,29 @@ def even_shapes(family: str, count: int, low: float, high: float) -> list[Shape]
     return [Shape("triangle", (feet[i], feet[i + 1], feet[i + 2])) for i in range(count)]
 
 
-def _add(draft: Draft, name: Word, shape: Shape, scope: Scope, *, spread: bool = False) -> None:
-    known = draft.terms.get(name.text)
-    if known is not None and (name.text in draft.spread) != spread:
+def _add(draft: Draft, term: Term, scope: Scope, *, spread: bool = False) -> None:
+    known = draft.terms.get(term.name)
+    if known is not None and (term.name in draft.spread) != spread:
         # A `term` line replaces the shape that `terms` spread, whichever comes first.
         if not spread:
-            draft.terms[name.text] = Term(name.text, shape, name.span)
-            draft.spread.discard(name.text)
+            draft.terms[term.name] = term
+            draft.spread.discard(term.name)
         return
     if known is not None:
         scope.report(
             "duplicate-term",
-            f"'{draft.name}' has two terms called '{name.text}'",
-            name.span,
+            f"'{draft.name}' has two terms called '{term.name}'",
+            term.span,
             related=(Related("first here", known.span),),
         )
         return
     if len(draft.terms) > MAX_TERMS:
         return
     if len(draft.terms) == MAX_TERMS:
-        scope.report("too-many-terms", f"'{draft.name}' has more than {MAX_TERMS} terms", name.span)
-    draft.terms[name.text] = Term(name.text, shape, name.span)
+        scope.report("too-many-terms", f"'{draft.name}' has more than {MAX_TERMS} terms", term.span)
+    draft.terms[term.name] = term
     if spread:
-        draft.spread.add(name.text)
+        draft.spread.add(term.name)
 
 
 # --- Settings of `inference` and `block` ---

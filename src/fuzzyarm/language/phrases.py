@@ -281,10 +281,11 @@ class LinearPart(NamedTuple):
 
 
 class ShapeNode(NamedTuple):
-    """A shape with its numbers.
+    """A shape with its numbers, maybe over another: the two of an interval type-2 term.
 
     `figures` are the numbers in order (for ``points`` the pairs laid flat), `parts` the
-    summands of ``linear``, `formula` the text of ``formula``.
+    summands of ``linear``, `formula` the text of ``formula``, `lower` what stands behind
+    ``over``.
     """
 
     kind: Word
@@ -293,10 +294,18 @@ class ShapeNode(NamedTuple):
     formula: str = ""
     formula_span: Span = NOWHERE
     height: Figure | None = None
+    lower: ShapeNode | None = None
 
     @classmethod
     def read(cls, cursor: Cursor) -> ShapeNode:
-        """Read a shape up to the end of the line."""
+        """Read a shape, and the one that it is over, up to the end of the line."""
+        upper = cls._read_one(cursor)
+        if cursor.accept("over"):
+            return upper._replace(lower=cls._read_one(cursor))
+        return upper
+
+    @classmethod
+    def _read_one(cls, cursor: Cursor) -> ShapeNode:
         cursor.suggest("shapes")
         kind = cursor.word("the shape of the term", SHAPES, "unknown-shape")
         figures: tuple[Figure, ...] = ()
@@ -328,7 +337,8 @@ class ShapeNode(NamedTuple):
         else:
             body = " ".join(map(str, self.figures))
         height = f" height {self.height}" if self.height else ""
-        return f"{kind} {body}{height}"
+        lower = f" over {self.lower}" if self.lower else ""
+        return f"{kind} {body}{height}{lower}"
 
     def mentions(self) -> Iterator[Occurrence]:
         """Yield the inputs in a sum or a formula."""
@@ -337,6 +347,8 @@ class ShapeNode(NamedTuple):
                 yield of_variable(part.variable)
         if self.formula:
             yield from _formula_mentions(self.formula, self.formula_span)
+        if self.lower is not None:
+            yield from self.lower.mentions()
 
 
 def _read_parameters(cursor: Cursor, kind: str) -> tuple[Figure, ...]:

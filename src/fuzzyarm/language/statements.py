@@ -648,9 +648,12 @@ STATEMENTS: dict[str, StatementKind] = {
         StatementKind(
             "term",
             TermNode,
-            "VARIABLE NAME: SHAPE NUMBERS [height H]",
-            "one term with its shape",
-            {"height": "a factor on the whole shape"},
+            "VARIABLE NAME: SHAPE NUMBERS [height H] [over SHAPE NUMBERS [height H]]",
+            "one term with its shape; of interval type 2 with an upper one over a lower one",
+            {
+                "height": "a factor on the whole shape",
+                "over": "the lower membership function of an interval type-2 term follows",
+            },
         ),
         StatementKind(
             "inference",

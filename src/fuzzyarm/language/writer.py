@@ -60,6 +60,7 @@ from fuzzyarm.model.rulebase import (
     RuleBase,
     RuleBlock,
     Shape,
+    Term,
     Tuning,
     Variable,
 )
@@ -262,7 +263,7 @@ def _terms(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
     inputs = [variable.name for variable in rulebase.inputs]
     for variable in others:
         yield [
-            TermNode(Word(variable.name), Word(term.name), shape_node(term.shape, inputs))
+            TermNode(Word(variable.name), Word(term.name), _shapes(term, inputs))
             for term in variable.terms
         ]
 
@@ -272,6 +273,8 @@ def _even_family(variable: Variable) -> str | None:
     if count < 2 or not (isfinite(variable.low) and isfinite(variable.high)):
         return None
     shapes = [term.shape for term in variable.terms]
+    if any(term.lower is not None for term in variable.terms):
+        return None
     families = ["triangles", "gaussians"]
     if isinstance(variable, Output):
         families.append("singletons")
@@ -279,6 +282,11 @@ def _even_family(variable: Variable) -> str | None:
         if shapes == even_shapes(family, count, variable.low, variable.high):
             return family
     return None
+
+
+def _shapes(term: Term, names: Sequence[str]) -> ShapeNode:
+    lower = None if term.lower is None else shape_node(term.lower, names)
+    return shape_node(term.shape, names)._replace(lower=lower)
 
 
 def shape_node(shape: Shape, names: Sequence[str]) -> ShapeNode:

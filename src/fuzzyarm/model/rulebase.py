@@ -27,8 +27,15 @@ samples rather than sums.
 DEFUZZIFIERS = (
     "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
     "weighted-average", "weighted-sum", "tsukamoto",
+    "karnik-mendel", "karnik-mendel-left", "karnik-mendel-right", "nie-tan",
 )  # fmt: skip
 """Ways from a fuzzy output (or a list of fired consequents) to a number."""
+
+KARNIK_MENDEL = frozenset({"karnik-mendel", "karnik-mendel-left", "karnik-mendel-right"})
+"""Defuzzifiers that go by the ends of the centroid: its middle, or one of the two."""
+
+TYPE_2 = KARNIK_MENDEL | {"nie-tan"}
+"""Defuzzifiers that take an interval type-2 set: all between a lower and an upper one."""
 
 TAKAGI_SUGENO = frozenset({"weighted-average", "weighted-sum"})
 """Defuzzifiers that weigh consequents which are values."""
@@ -134,11 +141,25 @@ def _shape_fault(kind: str, parameters: tuple[float, ...]) -> RuleBaseError | No
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """A named fuzzy set (or consequent value) of one variable."""
+    """A named fuzzy set (or consequent value) of one variable.
+
+    Attributes
+    ----------
+    name : str
+        Free.
+    shape : Shape
+        Its membership function; of an interval type-2 term the upper one.
+    span : Span
+        Its name in the file.
+    lower : Shape or None
+        The lower membership function of an interval type-2 term, nowhere above `shape`; None
+        for a term of type 1.
+    """
 
     name: str
     shape: Shape
     span: Span = field(default=NOWHERE, compare=False, repr=False)
+    lower: Shape | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -560,6 +581,14 @@ class RuleBase(AnyRuleBase):
             if variable.name == name:
                 return variable
         raise NotInModelError("variable", name, [variable.name for variable in variables])
+
+    @property
+    def is_type2(self) -> bool:
+        """Whether it has interval type-2 terms, or an output that is defuzzified as such."""
+        variables: tuple[Input | Output, ...] = (*self.inputs, *self.outputs)
+        return any(term.lower is not None for v in variables for term in v.terms) or any(
+            output.defuzzifier.method in TYPE_2 for output in self.outputs
+        )
 
     def output(self, name: str) -> Output:
         """Return the output called `name`; raise NotInModelError where there is none."""

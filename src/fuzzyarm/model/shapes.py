@@ -9,7 +9,8 @@ library than for the answer.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
+from fractions import Fraction
 from itertools import pairwise
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
@@ -33,6 +34,8 @@ __all__ = [
     "centre",
     "corner_points",
     "corners",
+    "first_above",
+    "first_sample_above",
     "membership",
     "membership_function",
     "polyline",
@@ -180,6 +183,71 @@ def corners(variable: Variable) -> list[float]:
     if any(not SHAPES[term.shape.kind].straight for term in variable.terms):
         found |= {low + (high - low) * i / 64 for i in range(65)}
     return sorted({low, high} | {x for x in found if low < x < high})
+
+
+CLOSE = 1e-12
+"""Degrees closer than this are the same: decimals of a file are rounded."""
+
+CURVED_SAMPLES = 1_001
+"""Positions at which curved shapes are compared."""
+
+
+def first_above(lower: Shape, upper: Shape, low: float, high: float) -> float | None:
+    """Return a position from `low` to `high` where `lower` is above `upper`; None if nowhere.
+
+    Shapes of straight pieces are compared at all their corners, from both sides, in rational
+    numbers, which is a proof; curved ones as in :func:`first_sample_above`.
+    """
+    features = {x for shape in (lower, upper) for x in corner_points(shape)}
+    one, other = membership_function(lower), membership_function(upper)
+    if not (SHAPES[lower.kind].straight and SHAPES[upper.kind].straight):
+        features |= {x for each in (lower, upper) for x in bends(each) if math.isfinite(x)}
+        return first_sample_above(one, other, low, high, features)
+    start, end = _finite(low, high, features)
+    bottom, top, allowed = polyline(lower), polyline(upper), Fraction(CLOSE)
+    for x in sorted({x for x in features if start < x < end} | {start, end}):
+        sides = [side for side in (-1, 1) if (x > start if side < 0 else x < end)]
+        if any(_beside(bottom, x, s) > _beside(top, x, s) + allowed for s in sides):
+            return x
+        if one(x) > other(x) + CLOSE:
+            return x
+    return None
+
+
+def first_sample_above(
+    one: Callable[[float], float],
+    other: Callable[[float], float],
+    low: float,
+    high: float,
+    features: Collection[float] = (),
+) -> float | None:
+    """Return a position where `one` is above `other`: of :data:`CURVED_SAMPLES`, and `features`."""
+    start, end = _finite(low, high, features)
+    step = (end - start) / (CURVED_SAMPLES - 1)
+    positions = {start + i * step for i in range(CURVED_SAMPLES)}
+    positions |= {x for x in features if start < x < end}
+    return next((x for x in sorted(positions) if one(x) > other(x) + CLOSE), None)
+
+
+def _finite(low: float, high: float, features: Collection[float]) -> tuple[float, float]:
+    """Return a range; where it has no end, one beyond what is in it."""
+    known = [x for x in (low, high, *features) if math.isfinite(x)] or [0.0]
+    width = 1.0 + max(known) - min(known)
+    start = low if math.isfinite(low) else min(known) - width
+    return start, high if math.isfinite(high) else max(known) + width
+
+
+def _beside(line: Sequence[tuple[float, float]], x: float, side: int) -> Fraction:
+    """Return the height of a line through corners just left (side -1) or right of `x`, exactly."""
+    before = [c for c in line if (c[0] < x if side < 0 else c[0] <= x)]
+    after = [c for c in line if (c[0] >= x if side < 0 else c[0] > x)]
+    if not before or not after:
+        return Fraction((before[-1] if before else after[0])[1])
+    (x0, y0), (x1, y1) = before[-1], after[0]
+    if y0 == y1 or math.isinf(x0) or math.isinf(x1):
+        return Fraction(y1 if math.isinf(x0) else y0)
+    run = Fraction(x1) - Fraction(x0)
+    return Fraction(y0) + (Fraction(y1) - Fraction(y0)) * (Fraction(x) - Fraction(x0)) / run
 
 
 def probe_points(variable: Variable) -> list[float]:

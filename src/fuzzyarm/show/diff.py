@@ -148,7 +148,9 @@ def _sorted(expression: Expression, rulebase: RuleBase) -> Expression:
 def _terms(rulebase: RuleBase) -> dict[str, str]:
     variables: tuple[Variable, ...] = (*rulebase.inputs, *rulebase.outputs)
     return {
-        f"{name_text(variable.name)} {name_text(term.name)}": shape_words(term.shape, rulebase)
+        f"{name_text(variable.name)} {name_text(term.name)}": " over ".join(
+            shape_words(shape, rulebase) for shape in (term.shape, term.lower) if shape is not None
+        )
         for variable in variables
         for term in variable.terms
     }

@@ -117,28 +117,40 @@ class TermPlots:
         yield Text(heading.rstrip(), style="bold")
         names = [name_text(term.name) for term in variable.terms]
         words = [shape_words(term.shape, self.rulebase, digits=5) for term in variable.terms]
+        behind_over = [
+            shape_words(term.lower, self.rulebase, digits=5) if term.lower is not None else ""
+            for term in variable.terms
+        ]
         if not names:
             return
         left = max(map(len, names))
-        behind = max((len(text) for text in words if len(text) <= _LONG), default=0)
+        known = [len(text) for text in (*words, *behind_over) if len(text) <= _LONG]
+        behind = max(known, default=0)
         room -= left + 5 + behind + (7 if self.at is not None else 0)
         width = max(15, min(_WIDEST, room))
         width -= 1 - width % 2  # an odd number has a middle
         drawn = False
-        for name, term, shape in zip(names, variable.terms, words, strict=True):
+        left = max(left, 4) if any(behind_over) else left
+        for name, term, shape, lower in zip(names, variable.terms, words, behind_over, strict=True):
             line = Text(f"  {name:<{left}} ", no_wrap=len(shape) <= _LONG, overflow="fold")
-            if is_set(term.shape):
-                line.append(self._blocks(term.shape, width), "cyan")
-                line.append(f" {shape}", "dim")
-                drawn = True
-            else:
-                line.append(shape)
-            if self.at is not None and is_set(term.shape):
-                line.append(f"  {membership(term.shape, self.at):.3f}", "bold")
-            yield line
+            yield self._with_shape(line, term.shape, shape, width, "dim " if lower else "")
+            if term.lower is not None:  # between the two lies the footprint of uncertainty
+                line = Text(f"  {'over':>{left}} ", no_wrap=len(lower) <= _LONG, overflow="fold")
+                yield self._with_shape(line, term.lower, lower, width, "")
+            drawn = drawn or is_set(term.shape)
         if drawn:
             axis = ruler(*visible_range(variable), width)
             yield Text(f"  {'':<{left}} {axis}", "dim", no_wrap=True)
+
+    def _with_shape(self, line: Text, shape: Shape, words: str, width: int, style: str) -> Text:
+        """Return a line with the blocks of a set, its numbers, and its degree at the value."""
+        if not is_set(shape):
+            return line.append(words)
+        line.append(self._blocks(shape, width), f"{style}cyan")
+        line.append(f" {words}", "dim")
+        if self.at is not None:
+            line.append(f"  {membership(shape, self.at):.3f}", "bold")
+        return line
 
     def _narrow(self, width: int) -> Iterator[Text]:
         from rich.text import Text
@@ -161,6 +173,12 @@ class TermPlots:
                 text.append(self._blocks(term.shape, width), "cyan" if degree else "dim cyan")
                 text.append(f" {degree:.3f}", "bold" if degree else "dim")
             yield text
+            if term.lower is not None and is_set(term.lower):
+                text = line(f" {'over':>{left}} ")
+                text.append(self._blocks(term.lower, width), "cyan")
+                if self.at is not None:
+                    text.append(f" {membership(term.lower, self.at):.3f}", "dim")
+                yield text
         low, high = visible_range(variable)
         if self.at is not None:
             yield line(f" {'':<{left}} {marker(self.at, low, high, width)}", "bold red")

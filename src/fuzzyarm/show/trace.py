@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
     from fuzzyarm.inference.trace import FuzzyValue, OutputTrace, RuleTrace, Silence, Trace
 
+OVER = "over"
+"""In front of the lower of two sets, as in the language."""
+
 
 def trace_view(trace: Trace, path: str = "", *, all_rules: bool = False) -> Group:
     """Return the whole way from the inputs to the outputs.
@@ -102,13 +105,22 @@ def _memberships(value: FuzzyValue) -> Text:
         text.append(f", taken as {number_text(value.value)}", "not bold")
     names = [name for name, _ in value.degrees]
     width = max(map(len, names), default=0)
+    lower = dict(value.lower)
     for name, degree in value.degrees:
         if degree > 0:
-            text.append(f"\n  {name:<{width}}  {degree:.4f}  ", "not bold")
-            text.append("█" * round(degree * 20) or "▏", "cyan")
+            span = _span(degree, lower.get(name))
+            text.append(f"\n  {name:<{width}}  {span}  ", "not bold")
+            sure = round(lower.get(name, degree) * 20)
+            text.append("█" * sure or ("▏" if not lower else ""), "cyan")
+            text.append("░" * (round(degree * 20) - sure), "cyan")
     if not any(degree > 0 for _, degree in value.degrees):
         text.append("\n  in no term", "not bold dim")
     return text
+
+
+def _span(upper: float, lower: float | None) -> str:
+    """Return a degree, or the two between which it lies."""
+    return f"{upper:.4f}" if lower is None else f"{lower:.4f} .. {upper:.4f}"
 
 
 def _rules(trace: Trace, path: str = "", *, all_rules: bool = False) -> Text:
@@ -121,7 +133,8 @@ def _rules(trace: Trace, path: str = "", *, all_rules: bool = False) -> Text:
     positions = [_position(rule, path) for rule in shown]
     width = max(map(len, positions), default=0)
     for rule, position in zip(shown, positions, strict=True):
-        text.append(f"\n  {rule.strength:.4f}  {position:<{width}}  {rule.text}", "not bold")
+        span = _span(rule.strength, rule.lower)
+        text.append(f"\n  {span}  {position:<{width}}  {rule.text}", "not bold")
     return text
 
 
@@ -150,16 +163,37 @@ class OutputPlot:
         width -= 1 - width % 2
         for each in output.consequents:
             line = Text(f"  {each.term:<{left}}  {each.strength:.4f}  ", no_wrap=True)
+            style = "cyan" if each.lower is None else "dim cyan"
             if each.curve:
-                line.append(curve_blocks(each.curve, output.low, output.high, width), "cyan")
+                line.append(curve_blocks(each.curve, output.low, output.high, width), style)
             elif each.value is not None:
-                line.append(f"at {number_words(each.value)}")
+                line.append(f"at {_between(each.value, each.lower_value)}")
             yield line
+            if each.lower is not None:
+                line = Text(f"  {OVER:>{left}}  {each.lower:.4f}  ", no_wrap=True)
+                lower = curve_blocks(each.lower_curve, output.low, output.high, width)
+                yield line.append(lower if each.curve else "", "cyan")
         if output.aggregate:
             indent = " " * (left + 12)
             union = curve_blocks(output.aggregate, output.low, output.high, width)
-            yield Text.assemble(f"  {'all':<{left}}          ", (union, "magenta"), no_wrap=True)
+            style = "dim magenta" if output.lower_aggregate else "magenta"
+            yield Text.assemble(f"  {'all':<{left}}          ", (union, style), no_wrap=True)
+            if output.lower_aggregate:
+                union = curve_blocks(output.lower_aggregate, output.low, output.high, width)
+                yield Text.assemble(f"  {OVER:>{left}}          ", (union, "magenta"), no_wrap=True)
             pointer = marker(output.value, output.low, output.high, width)
             yield Text(f"{indent}{pointer}".rstrip(), no_wrap=True)
             yield Text(f"{indent}{ruler(output.low, output.high, width)}", "dim", no_wrap=True)
+        if output.left is not None and output.right is not None:
+            ends = f"{number_text(output.left)} .. {number_text(output.right)}"
+            yield Text(f"  between {ends}", no_wrap=True)
+            if output.aggregate:
+                yield Text("  the left end is the centroid of the upper set left of it and the")
+                yield Text("  lower one right of it, the right end the other way round")
         yield Text(f"{name_text(output.name)} = {number_text(output.value)}", "bold")
+
+
+def _between(value: float, other: float | None) -> str:
+    if other is None or other == value:
+        return number_words(value)
+    return f"{number_words(min(value, other))} .. {number_words(max(value, other))}"

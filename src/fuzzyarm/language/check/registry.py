@@ -82,7 +82,7 @@ CHECKS: dict[str, Check] = {
             "defuzzifier-does-not-fit",
             Severity.ERROR,
             "The defuzzifier cannot work on the terms of its output: a centroid of plain values, "
-            "Tsukamoto's method on terms that rise and fall.",
+            "Tsukamoto's method on terms that rise and fall, a centroid of interval type-2 terms.",
             unfit_defuzzifiers,
         ),
         Check(

@@ -15,6 +15,7 @@ from fuzzyarm.language.phrases import JunctionNode, PropositionNode
 from fuzzyarm.language.statements import CellNode, GridNode, InferenceNode
 from fuzzyarm.model.rulebase import (
     TAKAGI_SUGENO,
+    TYPE_2,
     Consequent,
     Expression,
     Hedged,
@@ -81,7 +82,7 @@ def shared_conclusions(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``shared-conclusion`` where the larger of two strengths is taken without a word."""
     stated = _with_aggregation(subject)
     for output in subject.rulebase.outputs:
-        weighted = output.defuzzifier.method in TAKAGI_SUGENO and output.aggregation == "max"
+        weighted = _weighs(output) and output.aggregation == "max"
         if not weighted or not subject.document.statements or stated & {None, output.name}:
             continue
         found = next(_pairs_that_fold(output, subject), None)
@@ -97,6 +98,12 @@ def shared_conclusions(subject: Subject) -> Iterator[Diagnostic]:
             " aggregation sum  (or  aggregation max  where this is meant)",
             related=(Related("the other rule", first.span),),
         )
+
+
+def _weighs(output: Output) -> bool:
+    """Whether an output is an average of values, by its defuzzifier or by its terms."""
+    method, kinds = output.defuzzifier.method, {term.shape.kind for term in output.terms}
+    return method in TAKAGI_SUGENO or (method in TYPE_2 and kinds <= {"singleton", "linear"})
 
 
 def _with_aggregation(subject: Subject) -> set[str | None]:

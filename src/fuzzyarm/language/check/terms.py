@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language.check.subject import Subject, plain_propositions
 from fuzzyarm.language.statements import EvenTermsNode
+from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.arrangement import (
     cores,
     crossing,
@@ -21,6 +22,7 @@ from fuzzyarm.model.arrangement import (
 from fuzzyarm.model.rulebase import (
     POSITION,
     TAKAGI_SUGENO,
+    TYPE_2,
     WEIGHTED,
     Input,
     Output,
@@ -44,6 +46,7 @@ def unfit_defuzzifiers(subject: Subject) -> Iterator[Diagnostic]:
         yield from _values(output)
         yield from _formulas(output, names)
         yield from _mixture(output)
+        yield from _type_2(output, subject)
         if output.defuzzifier.method == "tsukamoto":
             yield from _monotonic(output)
 
@@ -55,6 +58,8 @@ def _values(output: Output) -> Iterator[Diagnostic]:
         if not (SHAPES[term.shape.kind].fuzzy or POSITION in _names_in(term))
     ]
     method = output.defuzzifier.method
+    if values and len(values) == len(output.terms) and method in TYPE_2:
+        return  # the average of values, by the ends of their weights
     if values and method not in WEIGHTED:
         yield Diagnostic(
             "defuzzifier-does-not-fit",
@@ -62,6 +67,29 @@ def _values(output: Output) -> Iterator[Diagnostic]:
             values[0].span,
             hint="use weighted-average or weighted-sum",
         )
+
+
+def _type_2(output: Output, subject: Subject) -> Iterator[Diagnostic]:
+    """Report interval type-2 terms that meet a defuzzifier of type 1."""
+    if output.defuzzifier.method in TYPE_2:
+        return
+    read = (
+        (part.variable, part.term)
+        for _, rule in subject.rules_for(output)
+        for part in propositions(rule.antecedent)
+    )
+    concluded = ((output.name, term.name) for term in output.terms)
+    for name, term in (*concluded, *read):
+        if subject.rulebase.variable(name).term(term).lower is not None:
+            yield Diagnostic(
+                "defuzzifier-does-not-fit",
+                f"'{name} is {term}' is of interval type 2, and {output.defuzzifier.method} of"
+                f" '{output.name}' takes sets of type 1",
+                output.span,
+                hint=f"write  inference {name_text(output.name)}: defuzzifier karnik-mendel exact"
+                "  (or karnik-mendel(101), or nie-tan)",
+            )
+            return
 
 
 def _formulas(output: Output, variables: set[str]) -> Iterator[Diagnostic]:

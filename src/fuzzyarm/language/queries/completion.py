@@ -33,6 +33,7 @@ from fuzzyarm.language.tokens import (
 from fuzzyarm.language.tune import TuneItem
 from fuzzyarm.model.controller import SOURCES, TIMES
 from fuzzyarm.model.rulebase import RuleBase, Variable
+from fuzzyarm.model.rulebase import Shape as Membership
 from fuzzyarm.model.shapes import EVEN_SHAPES
 from fuzzyarm.text.diagnostic import Diagnostic, Span
 from fuzzyarm.text.names import nearest
@@ -92,7 +93,16 @@ def _terms(variable: Variable | None, without: Iterable[str] = ()) -> list[Candi
 
 def term_detail(variable: Variable, name: str) -> str:
     """Return the shape of a term as it would stand in a file."""
-    shape = variable.term(name).shape
+    term = variable.term(name)
+    if term.lower is None:
+        return _numbers_of(term.shape)
+    return " over ".join(
+        _numbers_of(each) + ("" if each.height == 1.0 else f" height {number_text(each.height)}")
+        for each in (term.shape, term.lower)
+    )
+
+
+def _numbers_of(shape: Membership) -> str:
     if shape.kind in ("formula", "linear"):
         return shape.kind
     return " ".join([shape.kind, *(f"{x:.6g}" for x in shape.parameters)])

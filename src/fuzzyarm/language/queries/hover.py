@@ -201,13 +201,17 @@ def _term_markdown(variable: Variable, name: str) -> str:
     numbers = term_detail(variable, name)
     if shape.kind == "formula":
         numbers = f'formula "{shape.formula}"'
-    height = "" if shape.height == 1.0 else f" height {number_text(shape.height)}"
+    height = f" height {number_text(shape.height)}"
+    if shape.height == 1.0 or term.lower is not None:  # with two shapes it is among the numbers
+        height = ""
     text = f"{code(name_text(name))} of {code(name_text(variable.name))}: {code(numbers + height)}"
     named = parameter_names(shape.kind)
     if named and len(named) == len(shape.parameters):
         pairs = zip(named, shape.parameters, strict=True)
         text += "  \n" + ", ".join(f"{key.replace('_', ' ')} {x:.6g}" for key, x in pairs)
     drawing = picture(shape, variable)
+    if drawing and term.lower is not None:
+        drawing += f"\nover\n{picture(term.lower, variable)}"
     return f"{text}\n\n```text\n{drawing}\n```" if drawing else text
 
 

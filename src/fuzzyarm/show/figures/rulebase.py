@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import RuleBase, Term, Variable
+from fuzzyarm.model.rulebase import RuleBase, Shape, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.figures.labels import (
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from fuzzyarm.inference.trace import OutputTrace, Trace
+    from fuzzyarm.inference.trace import ConsequentTrace, OutputTrace, Trace
     from fuzzyarm.proof import Verdict
 
 
@@ -202,8 +202,10 @@ def _draw_term(axes: Axes, term: Term, k: int, low: float, high: float) -> None:
         axes.vlines(x, 0, term.shape.height, colors=style["color"], linewidth=2)
         axes.plot([x], [term.shape.height], "o", color=style["color"], markersize=4)
     else:
-        xs, ys = _curve(term, low, high)
+        xs, ys = _curve(term.shape, low, high)
         axes.plot(xs, ys, linewidth=1.6, **style)
+        if term.lower is not None:  # between the two lies the footprint of uncertainty
+            _fill_footprint(axes, term, low, high, style)
 
 
 def _placed_names(variable: Variable, width: float) -> tuple[tuple[_Name, ...], bool, float]:
@@ -261,13 +263,31 @@ def _value_words(variable: Variable, rulebase: RuleBase | None, width: float) ->
     return tuple(lines)
 
 
-def _curve(term: Term, low: float, high: float) -> tuple[list[float], list[float]]:
-    """Return points on the curve, with both sides of every corner, so that edges are upright."""
+def _fill_footprint(
+    axes: Axes, term: Term, low: float, high: float, style: Mapping[str, Any]
+) -> None:
+    """Draw the lower membership function, and fill what is between it and the upper one."""
+    assert term.lower is not None
+    xs = _positions((term.shape, term.lower), low, high)
+    below, above = ([membership(shape, x) for x in xs] for shape in (term.lower, term.shape))
+    axes.fill_between(xs, below, above, color=style["color"], alpha=0.25, linewidth=0)
+    xs, below = _curve(term.lower, low, high)
+    axes.plot(xs, below, color=style["color"], linewidth=0.9)
+
+
+def _positions(shapes: Sequence[Shape], low: float, high: float) -> list[float]:
+    """Return even positions and both sides of every corner."""
     xs = [low + (high - low) * i / (_POINTS - 1) for i in range(_POINTS)]
-    for x in corner_points(term.shape):
-        xs += [math.nextafter(x, -math.inf), x, math.nextafter(x, math.inf)]
-    xs = sorted(x for x in xs if low <= x <= high)
-    ys = [membership(term.shape, x) for x in xs]
+    for shape in shapes:
+        for x in corner_points(shape):
+            xs += [math.nextafter(x, -math.inf), x, math.nextafter(x, math.inf)]
+    return sorted(x for x in xs if low <= x <= high)
+
+
+def _curve(shape: Shape, low: float, high: float) -> tuple[list[float], list[float]]:
+    """Return points on the curve, with both sides of every corner, so that edges are upright."""
+    xs = _positions((shape,), low, high)
+    ys = [membership(shape, x) for x in xs]
     # Where a term is zero on both sides as well, no line lies on the axis.
     around = zip([0.0, *ys[:-1]], ys, [*ys[1:], 0.0], strict=True)
     return xs, [math.nan if not any(near) else near[1] for near in around]
@@ -360,8 +380,13 @@ def inference_figure(rulebase: AnyRuleBase, trace: Trace) -> Figure:
         for k, term in enumerate(variable.terms):
             if is_set(term.shape):
                 degree = membership(term.shape, value.value)
+                colour = line_style(k)["color"]
                 if degree > 0.0:
-                    axes.plot(value.value, degree, "o", color=line_style(k)["color"], markersize=5)
+                    axes.plot(value.value, degree, "o", color=colour, markersize=5)
+                if degree > 0.0 and term.lower is not None:
+                    below = membership(term.lower, value.value)
+                    axes.plot([value.value] * 2, [below, degree], color=colour, linewidth=3)
+                    axes.plot(value.value, below, "o", color=colour, markersize=5)
     for part, output in zip(parts[1:], trace.outputs, strict=True):
         _draw_output(part.subplots(), rulebase, output)
     count = len(trace.fired)
@@ -374,6 +399,31 @@ _MOST_CONSEQUENTS = 14
 """Of the key of an output; they are sorted by how strongly they are asserted."""
 
 
+def _draw_consequent(axes: Axes, each: ConsequentTrace, colour: Any, *, named: bool) -> None:
+    """Draw one clipped set, or one value; of interval type 2 from lower to upper."""
+    span = number_words(each.strength, 3)
+    if each.lower is not None:
+        span = f"{number_words(each.lower, 3)} .. {span}"
+    label = safe(f"{shortened(each.term, 8, 1.6)}  {span}") if named else "_"
+    if each.curve:
+        xs, ys = zip(*each.curve, strict=True)
+        alpha = 0.35 if each.lower is None else 0.2
+        axes.fill_between(xs, ys, color=colour, alpha=alpha, linewidth=0, label=label)
+        axes.plot(xs, ys, color=colour, linewidth=1)
+        if each.lower_curve:  # what is certain is darker: it is filled twice
+            xs, ys = zip(*each.lower_curve, strict=True)
+            axes.fill_between(xs, ys, color=colour, alpha=0.35, linewidth=0)
+    elif each.value is not None and each.lower_value is not None:
+        ends = sorted((each.lower_value, each.value))
+        axes.fill_between(ends, [each.strength] * 2, color=colour, alpha=0.2, linewidth=3)
+        axes.fill_between(
+            ends, [each.lower or 0.0] * 2, color=colour, alpha=0.5, linewidth=3,
+            label=label,
+        )  # fmt: skip
+    elif each.value is not None:
+        axes.vlines(each.value, 0, each.strength, colors=colour, linewidth=3, label=label)
+
+
 def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     """Draw the clipped sets of an output, their union and the value."""
     variable = rulebase.output(output.name)
@@ -381,22 +431,18 @@ def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     strongest = sorted(output.consequents, key=lambda each: -each.strength)[:_MOST_CONSEQUENTS]
     for each in output.consequents:
         colour = line_style(order.get(each.term.split()[-1], 0))["color"]
-        named = shortened(each.term, 8, 1.6)
-        label = safe(f"{named}  {number_words(each.strength, 3)}")
-        if each not in strongest:
-            label = "_"
-        if each.curve:
-            xs, ys = zip(*each.curve, strict=True)
-            axes.fill_between(xs, ys, color=colour, alpha=0.35, linewidth=0, label=label)
-            axes.plot(xs, ys, color=colour, linewidth=1)
-        elif each.value is not None:
-            axes.vlines(each.value, 0, each.strength, colors=colour, linewidth=3, label=label)
+        _draw_consequent(axes, each, colour, named=each in strongest)
     left = len(output.consequents) - len(strongest)
     if left:
         axes.plot([], [], " ", label=f"and {left} weaker")
     if output.aggregate:
         xs, ys = zip(*output.aggregate, strict=True)
         axes.plot(xs, ys, color="#111111", linewidth=1.6)
+    if output.lower_aggregate:
+        xs, ys = zip(*output.lower_aggregate, strict=True)
+        axes.plot(xs, ys, color="#111111", linewidth=1.0)
+    if output.left is not None and output.right is not None:
+        axes.axvspan(output.left, output.right, color=COLOURS[3], alpha=0.12, linewidth=0)
     axes.axvline(output.value, color=COLOURS[3], linewidth=1.8)
     axes.plot(output.value, 0, "^", color=COLOURS[3], markersize=9, clip_on=False, zorder=5)
     tidy(axes)
@@ -405,6 +451,8 @@ def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     axes.set_xlabel(axis_label(output.name, variable.description), fontsize=LABEL)
     axes.set_ylabel("membership", fontsize=8)
     title = f"{output.name} = {number_words(output.value, 6)}  by {output.method}"
+    if output.left is not None and output.right is not None:
+        title += f", {number_words(output.left, 5)} .. {number_words(output.right, 5)}"
     axes.set_title(safe(wrapped(title, 10, 4.0)), fontsize=10, color=COLOURS[3])
     if output.consequents:
         axes.legend(fontsize=8, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))

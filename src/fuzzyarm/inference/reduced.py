@@ -1,0 +1,417 @@
+"""Interval type-2 sets reduced to a number, as defuzzifiers of the kernel.
+
+The mathematics stands in :mod:`fuzzyarm.inference.type_reduction`. The kernel has found the
+strengths of both readings of the rules; each consequent says whether it is of the upper set
+(side 0) or of the lower one (side 1). What is written down of one side (samples, envelopes of
+straight sets, integrals of curved ones) is what the defuzzifiers of type 1 write down of all.
+
+Every defuzzifier fills the row TOTAL with something above 0 where there is a value, and the row
+MOMENT with the value itself: the end that the last of the output's floats asks for, -1 the left
+one, 1 the right one, 0 the middle of both. Nie and Tan's fill them with area and moment.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from fuzzyarm.inference.integrated import integrate
+from fuzzyarm.inference.kernel import (
+    DETAIL,
+    FLOATS_AT,
+    GROUP_HEAD,
+    GROUPS,
+    HEIGHTS,
+    INPUT_ROWS,
+    INPUTS,
+    OPERANDS,
+    OUTPUT,
+    OUTPUT_RANGE,
+    RULE_HEAD,
+    RUN_OF_LINE,
+    WIDTH,
+    WORK,
+    WORK_ROWS,
+    envelop,
+    parts_of,
+    sample,
+)
+from fuzzyarm.inference.type_reduction import STEPS, end_of_average
+from fuzzyarm.kernels import kernel
+
+# Whole numbers of a consequent that is a value between two: which pair it belongs to, its side,
+# and where the lower and the upper value are in f: constant, then a coefficient for each input.
+PAIR, PAIR_SIDE, LEAST_AT, GREATEST_AT = range(4)
+
+# Rows of numbers in the heap, one for each pair: the values, their weights, what stands in k
+# for the coefficients.
+LEAST, GREATEST, LOWER, UPPER = range(4)
+PAIR_ROWS = 4
+
+
+# ── values ───────────────────────────────────────────────────────────────────────────
+
+
+@kernel
+def karnik_mendel_values(block: Any) -> None:
+    """Find the ends of the average of values with weights between two.
+
+    ``k[DETAIL]`` says how many pairs there are.
+    """
+    k, f, room, total, moment = parts_of(block)
+    width = k[WIDTH]
+    pairs = k[k[OUTPUT] + DETAIL]
+    end = f[k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE - 1]
+    skipped = without(end)
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
+    lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
+    for point in range(total.shape[0]):
+        for pair in range(pairs):
+            lower[pair] = 0.0
+            upper[pair] = 0.0
+        at = k[GROUPS] + 1
+        strongest = 0.0
+        for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
+            consequent = k[at + 1]
+            at += GROUP_HEAD + k[at] * (RULE_HEAD + k[OPERANDS])
+            height = room[group * width + point]
+            pair = k[consequent + PAIR]
+            if k[consequent + PAIR_SIDE] == 1:
+                lower[pair] = height
+            elif height > 0.0:
+                upper[pair] = height
+                strongest = max(strongest, height)
+                one = value_of(block, k, f, k[consequent + LEAST_AT], point)
+                other = value_of(block, k, f, k[consequent + GREATEST_AT], point)
+                least[pair], greatest[pair] = min(one, other), max(one, other)
+        for pair in range(pairs):  # rounding may leave it above
+            lower[pair] = min(lower[pair], upper[pair])
+        total[point] = strongest
+        if strongest > 0.0:
+            found = 0.0
+            for i in range(2):  # the left end, then the right one
+                if i != skipped:
+                    numbers = heap[i * pairs : (i + 1) * pairs]
+                    found += end_of_average(numbers, lower, upper, pairs, 2.0 * i - 1.0)
+            moment[point] = 0.5 * found if end == 0.0 else found
+
+
+@kernel
+def without(end: float) -> int:
+    """Return which of the two ends is not asked for: 0 the left, 1 the right, 2 neither."""
+    if end == 0.0:
+        return 2
+    return 0 if end > 0.0 else 1
+
+
+@kernel
+def value_of(block: Any, k: Any, f: Any, at: int, point: int) -> float:
+    """Return a constant, or a linear form of the inputs, at a point."""
+    value: float = f[at]
+    for i in range(k[INPUTS]):
+        value += f[at + 1 + i] * block[k[INPUT_ROWS] + i * k[WIDTH] + point]
+    return value
+
+
+# ── samples ──────────────────────────────────────────────────────────────────────────
+
+
+@kernel
+def karnik_mendel_samples(block: Any) -> None:
+    """Find the ends of the centroid of samples between two."""
+    k, f, room, total, moment = parts_of(block)
+    width = k[WIDTH]
+    samples = k[k[OUTPUT] + DETAIL]
+    numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
+    positions = f[numbers : numbers + samples]
+    weights = f[numbers + samples : numbers + 2 * samples]
+    end = f[numbers - 1]
+    skipped = without(end)
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    upper, lower = heap[:samples], heap[samples : 2 * samples]
+    cut = heap[2 * samples : 3 * samples]
+    for point in range(total.shape[0]):
+        first, last = samples, 0
+        for side in range(2):
+            begin, behind = sample(k, f, room, point, side, heap[side * samples :][:samples], cut)
+            first, last = min(first, begin), max(last, behind)
+        strongest = 0.0
+        for i in range(first, last):
+            strongest = max(strongest, upper[i])
+            upper[i] *= weights[i]
+            lower[i] *= weights[i]
+        total[point] = strongest
+        if strongest > 0.0:
+            here, high, low = positions[first:last], upper[first:last], lower[first:last]
+            found = 0.0
+            for i in range(2):
+                if i != skipped:
+                    found += end_of_average(here, low, high, last - first, 2.0 * i - 1.0)
+            moment[point] = 0.5 * found if end == 0.0 else found
+
+
+@kernel
+def nie_tan_samples(block: Any) -> None:
+    """Add up the samples of both sets."""
+    k, f, room, total, moment = parts_of(block)
+    width = k[WIDTH]
+    samples = k[k[OUTPUT] + DETAIL]
+    numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
+    positions = f[numbers : numbers + samples]
+    weights = f[numbers + samples : numbers + 2 * samples]
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    aggregate, cut = heap[:samples], heap[samples : 2 * samples]
+    for point in range(total.shape[0]):
+        area = torque = 0.0
+        for side in range(2):
+            first, last = sample(k, f, room, point, side, aggregate, cut)
+            for i in range(first, last):
+                part = weights[i] * aggregate[i]
+                area += part
+                torque += part * positions[i]
+        total[point] = area
+        moment[point] = torque
+
+
+# ── envelopes of straight sets ───────────────────────────────────────────────────────
+
+
+@kernel
+def karnik_mendel_envelope(block: Any) -> None:
+    """Find the ends of the centroid between the envelopes of straight sets."""
+    k, f, room, total, moment = parts_of(block)
+    width = k[WIDTH]
+    numbers = k[k[OUTPUT] + FLOATS_AT]
+    end = f[numbers + OUTPUT_RANGE - 1]
+    skipped = without(end)
+    centre = 0.5 * (f[numbers] + f[numbers + 1])
+    heap = room[(k[WORK] + WORK_ROWS) * width :]
+    begin = k[k[OUTPUT] + DETAIL]
+    for point in range(total.shape[0]):
+        middle = behind = begin
+        area = torque = lower_area = 0.0
+        for side in range(2):
+            middle, behind = behind, envelop(k, f, room, point, side, heap, behind)
+            lower_area, more = add_up(heap, middle, behind, centre)
+            area, torque = area + lower_area, torque + more
+        total[point] = area
+        if area > 0.0:
+            start = centre + torque / area
+            found = 0.0
+            for i in range(2):
+                if i != skipped:
+                    sign = 2.0 * i - 1.0
+                    found += reach_end(heap, begin, middle, behind, start, centre, lower_area, sign)
+            moment[point] = 0.5 * found if end == 0.0 else found
+
+
+@kernel
+def nie_tan_envelope(block: Any) -> None:
+    """Add up area and moment below the envelopes of both sets."""
+    k, f, room, total, moment = parts_of(block)
+    numbers = k[k[OUTPUT] + FLOATS_AT]
+    centre = 0.5 * (f[numbers] + f[numbers + 1])
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    begin = k[k[OUTPUT] + DETAIL]
+    for point in range(total.shape[0]):
+        behind = begin
+        for side in range(2):
+            behind = envelop(k, f, room, point, side, heap, behind)
+        total[point], moment[point] = add_up(heap, begin, behind, centre)
+
+
+@kernel
+def add_up(heap: Any, begin: int, end: int, centre: float) -> tuple[float, float]:
+    """Note the moment of each piece about the centre; return area and moment of all."""
+    area = torque = 0.0
+    for piece in range(begin, end, RUN_OF_LINE):
+        left, run_of = heap[piece], heap[piece + 1] - heap[piece]
+        best, last, part = heap[piece + 2], heap[piece + 3], heap[piece + 4]
+        heap[piece + 5] = (left - centre) * part + run_of * run_of * (best + 2.0 * last) / 6.0
+        area += part
+        torque += heap[piece + 5]
+    return area, torque
+
+
+@kernel
+def reach_end(
+    heap: Any,
+    begin: int,
+    middle: int,
+    behind: int,
+    start: float,
+    centre: float,
+    lower_area: float,
+    sign: float,
+) -> float:
+    """Return an end of the centroid: the right one (sign 1) or the left one (-1).
+
+    The upper set stands from `begin` to `middle`, the lower from there to `behind`.
+    """
+    if not lower_area > 0.0:
+        return last_covered(heap, begin, middle, sign)
+    # On the left of c stands the lower set for the right end, the upper one for the left end.
+    one, one_end, other, other_end = middle, behind, begin, middle
+    if sign < 0.0:
+        one, one_end, other, other_end = begin, middle, middle, behind
+    c = start
+    for _ in range(STEPS):
+        area, torque = before(heap, one, one_end, c, centre)
+        more, further = after(heap, other, other_end, c, centre)
+        following = centre + (torque + further) / (area + more)
+        if not sign * (following - c) > 0.0:
+            break
+        c = following
+    return c
+
+
+@kernel
+def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
+    """Return the end of what a set covers."""
+    found = math.nan
+    for piece in range(begin, end, RUN_OF_LINE):
+        if heap[piece + 4] > 0.0:
+            if sign > 0.0:
+                found = heap[piece + 1]
+            elif math.isnan(found):
+                found = heap[piece]
+    return found
+
+
+@kernel
+def before(heap: Any, begin: int, end: int, c: float, centre: float) -> tuple[float, float]:
+    """Return area and moment of the pieces on the left of a position."""
+    area = torque = 0.0
+    for piece in range(begin, end, RUN_OF_LINE):
+        left, right = heap[piece], heap[piece + 1]
+        if left >= c:
+            break
+        if right <= c:
+            area += heap[piece + 4]
+            torque += heap[piece + 5]
+        else:
+            best, run_of = heap[piece + 2], c - left
+            last = best + (heap[piece + 3] - best) * (run_of / (right - left))
+            part = 0.5 * run_of * (best + last)
+            area += part
+            torque += (left - centre) * part + run_of * run_of * (best + 2.0 * last) / 6.0
+    return area, torque
+
+
+@kernel
+def after(heap: Any, begin: int, end: int, c: float, centre: float) -> tuple[float, float]:
+    """Return area and moment of the pieces on the right of a position."""
+    area = torque = 0.0
+    for piece in range(end - RUN_OF_LINE, begin - 1, -RUN_OF_LINE):
+        left, right = heap[piece], heap[piece + 1]
+        if right <= c:
+            break
+        if left >= c:
+            area += heap[piece + 4]
+            torque += heap[piece + 5]
+        else:
+            last, run_of = heap[piece + 3], right - c
+            best = last + (heap[piece + 2] - last) * (run_of / (right - left))
+            part = 0.5 * run_of * (best + last)
+            area += part
+            torque += (c - centre) * part + run_of * run_of * (best + 2.0 * last) / 6.0
+    return area, torque
+
+
+# ── integrals of any sets ────────────────────────────────────────────────────────────
+
+
+@kernel
+def karnik_mendel_integral(block: Any) -> None:
+    """Find the ends of the centroid between any two sets, by the quadrature."""
+    k, f, room, total, moment = parts_of(block)
+    numbers = k[k[OUTPUT] + FLOATS_AT]
+    end = f[numbers + OUTPUT_RANGE - 1]
+    skipped = without(end)
+    centre = 0.5 * (f[numbers] + f[numbers + 1])
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    infinity = math.inf
+    for point in range(total.shape[0]):
+        area = torque = lower_area = 0.0
+        for side in range(2):
+            lower_area, more, _, _ = integrate(
+                k, f, room, heap, point, side, -infinity, infinity, infinity
+            )
+            area, torque = area + lower_area, torque + more
+        total[point] = area
+        if area > 0.0:
+            start = centre + torque / area
+            found = 0.0
+            for i in range(2):
+                if i != skipped:
+                    sign = 2.0 * i - 1.0
+                    found += reach_integral(
+                        k, f, room, heap, point, start, centre, lower_area, sign
+                    )
+            moment[point] = 0.5 * found if end == 0.0 else found
+
+
+@kernel
+def nie_tan_integral(block: Any) -> None:
+    """Integrate both sets."""
+    k, f, room, total, moment = parts_of(block)
+    heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
+    infinity = math.inf
+    for point in range(total.shape[0]):
+        area = torque = 0.0
+        for side in range(2):
+            a, m, _, _ = integrate(k, f, room, heap, point, side, -infinity, infinity, infinity)
+            area, torque = area + a, torque + m
+        total[point], moment[point] = area, torque
+
+
+@kernel
+def reach_integral(
+    k: Any,
+    f: Any,
+    room: Any,
+    heap: Any,
+    point: int,
+    start: float,
+    centre: float,
+    lower_area: float,
+    sign: float,
+) -> float:
+    """Return an end of the centroid, as :func:`reach_end`."""
+    infinity = math.inf
+    if not lower_area > 0.0:
+        return last_integrated(k, f, room, heap, point, sign)
+    c = start
+    for _ in range(STEPS):
+        area = torque = 0.0
+        for i in range(2):  # what is on the left of c, then what is on its right
+            side = 1 - i if sign > 0.0 else i
+            begin, end = (-infinity, c) if i == 0 else (c, infinity)
+            a, m, _, _ = integrate(k, f, room, heap, point, side, begin, end, infinity)
+            area, torque = area + a, torque + m
+        following = centre + torque / area
+        if not sign * (following - c) > 0.0:
+            break
+        c = following
+    return c
+
+
+@kernel
+def last_integrated(k: Any, f: Any, room: Any, heap: Any, point: int, sign: float) -> float:
+    """Return the end of what the upper set covers: of the first or last panel with an area."""
+    infinity = math.inf
+    # Up to the panel where the area is more than nothing; for the right end up to the panel
+    # where it is all there is, and once more from there on, as long as something is left.
+    last, wanted = -infinity, (5e-324 if sign < 0.0 else infinity)
+    for _ in range(STEPS):
+        area, _, x_0, x_1 = integrate(k, f, room, heap, point, 0, last, infinity, wanted)
+        if sign < 0.0:
+            return x_0
+        if wanted < infinity:
+            last, wanted = x_1, infinity
+        elif area > 0.0:
+            wanted = area
+        else:
+            break
+    return last
