@@ -112,7 +112,7 @@ def test_unused_terms_and_variables():
     text = damaged('"control, normalised"', '"control, normalised"\noutput spare 0 .. 1')
     assert names(text)[0] == "unused-variable"
     text = damaged("\ninference", "term u X: triangle 0 1 2\n\ninference")
-    assert names(text) == ["unused-term"]
+    assert names(text) == ["crossed-terms", "unused-term"]
 
 
 def test_a_shared_name_that_one_variable_uses_is_used():

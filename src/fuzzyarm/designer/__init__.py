@@ -4,3 +4,10 @@ The text stays the one source of truth: whatever a hand changes in the page is a
 text. `server` holds the open files, `scene` says what a page draws, `written` writes a page that
 needs no server; the page itself is in ``page/``.
 """
+
+from fuzzyarm.designer.written import page_of
+from fuzzyarm.lazy import lazily
+
+__all__ = ["page_of"]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

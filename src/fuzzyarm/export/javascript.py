@@ -152,7 +152,7 @@ def numbers_of(
         If the kernel does not evaluate it.
     """
     if rulebase.is_type2:
-        raise NotCoveredError(f"the interval type-2 terms of '{rulebase.name}'")
+        raise NotCoveredError("its interval type-2 terms")
     functions = functions or Functions()
     made = plan(rulebase)
     layout = lay_out(made, addresses=functions, loose=loose)

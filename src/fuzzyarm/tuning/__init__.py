@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from fuzzyarm.lazy import lazily
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.scenarios import Scenario, Stage
 from fuzzyarm.tuning.search import Journal
 from fuzzyarm.tuning.tune import Tuned, tune
 
 __all__ = ["Journal", "Scenario", "Stage", "TuneError", "Tuned", "tune"]
+
+__getattr__, __dir__ = lazily(__name__, {}, __all__)

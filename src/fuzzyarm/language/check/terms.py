@@ -284,6 +284,8 @@ def uneven_terms(subject: Subject) -> Iterator[Diagnostic]:
     """Yield ``broken-partition`` and ``uneven-mirror``."""
     tuning = subject.rulebase.tuning or Tuning()
     for variable in (*subject.rulebase.inputs, *subject.rulebase.outputs):
+        if crossing(variable) is not None:  # one slip, one finding
+            continue
         asked = [peaks for peaks in tuning.peaks if variable.name in peaks.variables]
         yield from _broken_partition(variable, asked=any(peaks.partition for peaks in asked))
         yield from _uneven_mirror(variable, asked=any(peaks.mirrored for peaks in asked))
