@@ -87,7 +87,7 @@ def assert_equal_engines(rulebase: RuleBase, points: dict[str, list[float]]) -> 
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=150)
+@settings(slow_draws, max_examples=60)
 @given(st.data())
 def test_any_rule_base(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())

@@ -98,6 +98,9 @@ def rebuilt(rulebase):
         made.expect(line.removeprefix("expect "))
     for each in rulebase.properties:
         made.add(str(property_node(each, rulebase)))
+    if rulebase.tuning is not None:
+        block = write(rulebase).partition("\ntune\n")[2].partition("\n\n")[0]
+        made.add("tune\n" + block)
     return made
 
 
