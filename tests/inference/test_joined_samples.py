@@ -16,10 +16,9 @@ from strategies import input_points, plain_mamdani
 
 from fuzzyarm import compiled
 from fuzzyarm.inference import infer
-from fuzzyarm.inference.joined import METHODS
 from fuzzyarm.inference.point import prepare
 from fuzzyarm.language import parse
-from fuzzyarm.model.rulebase import Defuzzifier
+from fuzzyarm.model.rulebase import JOINED, Defuzzifier
 from fuzzyarm.model.shapes import membership
 
 TEXT = """
@@ -49,7 +48,7 @@ def model(method: str):
     return rulebase
 
 
-MODELS = {method: model(method) for method in METHODS}
+MODELS = {method: model(method) for method in JOINED}
 
 
 def union(rulebase, strengths: list[float]) -> tuple[np.ndarray, np.ndarray]:
@@ -67,7 +66,7 @@ def union(rulebase, strengths: list[float]) -> tuple[np.ndarray, np.ndarray]:
     return every, reduce(np.maximum, clipped)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", JOINED)
 @settings(max_examples=60, deadline=None)
 @given(strengths=st.tuples(DEGREES, DEGREES, DEGREES).filter(lambda s: max(s) > 1e-6))
 def test_the_numbers_of_scikit_fuzzy(method, strengths):
@@ -90,7 +89,7 @@ def test_the_numbers_of_scikit_fuzzy(method, strengths):
 @settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_both_programs_agree_whatever_the_norms(data):
-    way = Defuzzifier(data.draw(st.sampled_from(METHODS)), data.draw(st.integers(2, 30)), "joined")
+    way = Defuzzifier(data.draw(st.sampled_from(JOINED)), data.draw(st.integers(2, 30)), "joined")
     rulebase = data.draw(
         plain_mamdani(
             defuzzifier=way,

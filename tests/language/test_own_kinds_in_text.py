@@ -83,7 +83,7 @@ def test_a_file_with_own_kinds_is_read_and_written() -> None:
 @pytest.mark.usefixtures("own_kinds")
 def test_a_file_with_own_kinds_is_checked() -> None:
     names = {d.name for d in check_text(TEXT).diagnostics}
-    assert names <= {"missing-rule", "no-rule-fires", "unused-term"}
+    assert names <= {"crossed-terms", "missing-rule", "no-rule-fires", "unused-term"}
     bad = check_text(TEXT.replace("cosine-bell 0 2", "cosine-bell 0 -2")).diagnostics
     assert [(d.name, d.line) for d in bad] == [("bad-shape", 6)]
     assert bad[0].message == "the width of a cosine-bell must be above 0"

@@ -13,9 +13,8 @@ from fuzzyarm.api import check_text
 from fuzzyarm.cli import main
 from fuzzyarm.inference import infer
 from fuzzyarm.language import format_text, parse
-from fuzzyarm.learning import fit as fitting
 from fuzzyarm.learning.data import Samples, as_samples, read_samples
-from fuzzyarm.learning.fit import FitError, Options, fit, linear_outputs, outputs_of, rms
+from fuzzyarm.learning.fit import FitError, Options, fit, linear_outputs, outputs_of, rms, score
 from fuzzyarm.learning.structure import Judge
 from fuzzyarm.learning.validation import validate
 from tests.learning.mackey_glass import mackey_glass
@@ -233,7 +232,7 @@ def test_classes_have_an_output_each():
     made = fit(samples, Options(terms=(3, 1)))
     assert [each.name for each in made.rulebase.outputs] == ["kind a", "m", "z"]
     assert made.error < 0.05
-    assert fitting.score(samples, outputs_of(made.rulebase, samples)) == made.error
+    assert score(samples, outputs_of(made.rulebase, samples)) == made.error
     judged = validate(made.rulebase, samples)
     assert judged.error == pytest.approx(made.error)
     assert np.sum(judged.confusion) == 90

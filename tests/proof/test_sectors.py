@@ -264,7 +264,7 @@ def test_without_time_the_range_of_the_output_is_left(servo: ControllerText) -> 
     (drive,) = prove_drives(servo, budget=1e-9)
     assert (drive.low, drive.high) == (-24, 24)
     assert drive.free == pytest.approx((-27, 27))
-    assert any("time is over" in reason for reason in drive.open)
+    assert any("time ran out" in reason for reason in drive.open)
     assert drive.sectors == ()
 
 

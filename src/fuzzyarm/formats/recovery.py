@@ -419,8 +419,10 @@ def _settled(
         for number, nearest in zip(plain, (_nearest(xs, number) for number in plain), strict=True)
     )
     for tried in dict.fromkeys((at_points, plain, numbers)):
+        if SHAPES[kind].fault(tried) is not None or not all(map(math.isfinite, tried)):
+            continue
         shape = Shape(kind, tried, _rounded(height))
-        if _possible(shape) and _has(shape, xs, ys):
+        if _has(shape, xs, ys):
             return shape
     return None
 
@@ -444,18 +446,6 @@ def _is_plain(number: float) -> bool:
 def _nearest(xs: Sequence[float], x: float) -> float:
     i = bisect_left(xs, x)
     return min(xs[max(0, i - 1) : i + 1] or xs[-1:], key=lambda each: abs(each - x))
-
-
-def _possible(shape: Shape) -> bool:
-    kind, numbers = SHAPES[shape.kind], shape.parameters
-    values = dict(zip(kind.parameters, numbers, strict=True))
-    if not all(map(math.isfinite, numbers)):
-        return False
-    if kind.ordered and any(a > b for a, b in pairwise(numbers)):
-        return False
-    return all(values[name] > 0.0 for name in kind.positive) and all(
-        values[name] != 0.0 for name in kind.nonzero
-    )
 
 
 def _has(shape: Shape, xs: Sequence[float], ys: Sequence[float]) -> bool:

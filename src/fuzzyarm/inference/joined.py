@@ -17,6 +17,7 @@ from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import Fired, folded_where_max, sample_positions, sampled_set
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import OutputPlan
+from fuzzyarm.model.rulebase import JOINED
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,9 +26,6 @@ if TYPE_CHECKING:
     from fuzzyarm.inference.aggregate_arrays import Strengths
 
     Array = NDArray[np.float64]
-
-METHODS = ("centroid", "bisector")
-"""Defuzzifiers that know joined samples."""
 
 _AT_ONCE = 1 << 20
 """Vertices of many points that are worked on together."""
@@ -130,7 +128,7 @@ def _reach(width: float, y: float, z: float, area: float) -> float:
 
 def _check(plan: OutputPlan) -> None:
     method = plan.output.defuzzifier.method
-    if method not in METHODS:
+    if method not in JOINED:
         raise InferenceError(f"the {method} of '{plan.output.name}' does not know joined samples")
 
 

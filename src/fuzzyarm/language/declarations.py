@@ -16,7 +16,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.tokens import Word, name_text
-from fuzzyarm.model.rulebase import POSITION, WEIGHTED, Defuzzifier, Shape, Term
+from fuzzyarm.model.rulebase import JOINED, POSITION, WEIGHTED, Defuzzifier, Shape, Term
 from fuzzyarm.model.shapes import first_above, first_sample_above, membership_function
 from fuzzyarm.text.diagnostic import (
     MAX_DIAGNOSTICS,
@@ -573,7 +573,7 @@ def _defuzzifier(setting: SettingNode, scope: Scope) -> Defuzzifier:
         )
         return Defuzzifier(method)
     sampling = setting.sampling.text if setting.sampling else "endpoints"
-    if setting.sampling is not None and sampling == "joined" and "maximum" in method:
+    if setting.sampling is not None and sampling == "joined" and method not in JOINED:
         message = f"{method} does not know joined samples"
         scope.report("misplaced-setting", message, setting.sampling.span)
     return Defuzzifier(method, int(samples), sampling)

@@ -22,6 +22,7 @@ from fuzzyarm.language.tokens import Trivia
 from fuzzyarm.language.writer import write
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.sugeno import Array, Premises, consequents
+from fuzzyarm.model.arrangement import cores
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -177,12 +178,13 @@ def sugeno_rulebase(
         Names and digits.
     """
     rounded = rounded_premises(premises, layout.digits)
+    names = _names(rounded, samples)
     weights, scaling = consequents(rounded, samples.inputs, samples.outputs, shrinkage)
     floor = 1e-4 * scaling.range
     tolerance = SHARE_OF_ERROR * np.maximum(error, floor) * 10.0 ** (4 - layout.digits)
     values = rounded_consequents(scaling.in_units(weights), samples, tolerance)
     inputs = tuple(
-        _input(k, name, rounded, samples, layout) for k, name in enumerate(samples.names)
+        _input(k, name, rounded, names, samples, layout) for k, name in enumerate(samples.names)
     )
     if not rounded.terms:  # one rule that always holds
         inputs = (replace(inputs[0], terms=(_always(),)), *inputs[1:])
@@ -193,7 +195,7 @@ def sugeno_rulebase(
     )
     named = {
         index: Is(samples.names[term.input], name)
-        for (index, term), name in zip(enumerate(rounded.terms), _names(rounded), strict=True)
+        for (index, term), name in zip(enumerate(rounded.terms), names, strict=True)
     }
     rules = tuple(
         Rule(
@@ -217,27 +219,43 @@ def output_names(samples: Samples) -> tuple[str, ...]:
     return tuple(f"{samples.target} {name}" if name in taken else name for name in samples.classes)
 
 
-def _names(premises: Premises) -> list[str]:
-    counts = {term.input: 0 for term in premises.terms}
-    for term in premises.terms:
-        counts[term.input] += 1
-    following = {k: iter(term_names(count)) for k, count in counts.items()}
-    return [next(following[term.input]) for term in premises.terms]
+def _names(premises: Premises, samples: Samples) -> list[str]:
+    """Return the name of each term: of one input from low to high, wherever they have moved."""
+    names = [""] * len(premises.terms)
+    for k in {term.input for term in premises.terms}:
+        terms = {
+            str(index): Term(str(index), Shape(term.kind, premises.parameters(term)))
+            for index, term in enumerate(premises.terms)
+            if term.input == k
+        }
+        variable = Input(samples.names[k], *_range(samples, k), tuple(terms.values()))
+        order = cores(variable) or terms
+        for index, name in zip(order, term_names(len(terms)), strict=True):
+            names[int(index)] = name
+    return names
+
+
+def _range(samples: Samples, k: int) -> tuple[float, float]:
+    column = samples.inputs[:, k]
+    return outer_range(float(column.min()), float(column.max()))
 
 
 def _always() -> Term:
     return Term("ANY", Shape("rectangle", (-math.inf, math.inf)))
 
 
-def _input(k: int, name: str, premises: Premises, samples: Samples, layout: Layout) -> Input:
-    column = samples.inputs[:, k]
-    low, high = outer_range(float(column.min()), float(column.max()))
-    terms = tuple(
+def _input(
+    k: int, name: str, premises: Premises, names: list[str], samples: Samples, layout: Layout
+) -> Input:
+    low, high = _range(samples, k)
+    terms = [
         Term(word, Shape(term.kind, premises.parameters(term)))
-        for term, word in zip(premises.terms, _names(premises), strict=True)
+        for term, word in zip(premises.terms, names, strict=True)
         if term.input == k
-    )
-    return Input(name, low, high, terms, outside=layout.outside)
+    ]
+    order = term_names(len(terms))
+    terms.sort(key=lambda term: order.index(term.name))
+    return Input(name, low, high, tuple(terms), outside=layout.outside)
 
 
 def _output(

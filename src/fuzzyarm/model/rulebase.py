@@ -24,6 +24,9 @@ SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
 samples rather than sums.
 """
 
+JOINED = ("centroid", "bisector")
+"""Defuzzifiers that know joined samples."""
+
 DEFUZZIFIERS = (
     "centroid", "bisector", "mean-of-maximum", "smallest-of-maximum", "largest-of-maximum",
     "weighted-average", "weighted-sum", "tsukamoto",
