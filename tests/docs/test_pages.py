@@ -19,6 +19,17 @@ from fuzzyarm.cli.main import COMMANDS, find_command
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+ELSEWHERE = {
+    "from-fuzzylite.md": "formats/test_coming_pages.py",
+    "from-matlab.md": "formats/test_coming_pages.py",
+    "from-scikit-fuzzy.md": "formats/test_coming_pages.py",
+    "from-simpful.md": "formats/test_coming_pages.py",
+    "proofs.md": "proof/test_proofs_page.py",
+    "python.md": "python/test_python_page.py",
+    "type2.md": "inference/test_type2_page.py",
+}
+"""Pages whose blocks go on from one another or need files of their own, and what runs them."""
+
 RUNNER = Path(__file__).with_name("run_page.py")
 
 FENCE = re.compile(r"(?ms)^(?P<indent> *)```(?P<kind>\w+)\n(?P<body>.*?)^ *```")
@@ -121,7 +132,14 @@ def faults(steps, results):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", PAGES, ids=page_id)
+def test_pages_that_are_run_elsewhere_are():
+    for page, test in ELSEWHERE.items():
+        assert page.removeprefix("from-").removesuffix(".md") in (ROOT / "tests" / test).read_text(
+            "utf-8"
+        )
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.name not in ELSEWHERE], ids=page_id)
 def test_every_block_does_what_the_page_shows(page, workplace, update_golden):
     steps = steps_of(page)
     targets = re.findall(r"(?m)^(\w+):", (ROOT / "Makefile").read_text("utf-8"))

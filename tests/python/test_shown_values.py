@@ -85,7 +85,7 @@ def test_a_value_is_one_line(values):
         ("builder", "<RuleBase fan: temp → speed, 1 rule>"),
         ("rule base", "<RuleBase pd7: e, ce → u, 49 rules>"),
         ("variable of a builder", "<Input temp 0 .. 1: cold hot>"),
-        ("term", "Term(name='NB', shape=Shape('triangle', (-8.0, -6.0, -4.0)))"),
+        ("term", "Term(name='NB', shape=Shape('triangle', (-8.0, -6.0, -4.0)), lower=None)"),
         ("table", "<LookupTable u: e 3 × ce 3, nearest>"),
         ("trace", "<Trace pd7: e = 1, ce = 0.5 → u = 1, 4 of 49 rules fire>"),
         ("verdict", "<Verdict proved: u covered>"),
