@@ -26,6 +26,8 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
 smartquotes = False  # a command in a sentence can be copied
 exclude_patterns = ["pictures"]
+# A type in a signature is found in the package that shows it and in the module that has it.
+suppress_warnings = ["ref.python"]
 
 # Links between pages: files of the repository, with anchors of headings as on a code forge.
 myst_heading_anchors = 4
@@ -54,6 +56,7 @@ def setup(app: Sphinx) -> None:
     """Write the pages of the Python API; teach Sphinx the languages of rule bases and tables."""
     make_reference.write_api_pages(HERE / "api")
     app.connect("autodoc-skip-member", _skip)
+    app.connect("autodoc-process-docstring", _without_table)
     app.add_lexer("frb", RuleBaseLexer)
     app.add_lexer("lut", LutLexer)
 
@@ -61,3 +64,11 @@ def setup(app: Sphinx) -> None:
 def _skip(app: Sphinx, what: str, name: str, *others: object) -> bool | None:
     """Leave out what scikit-learn adds to every estimator."""
     return True if name.startswith("set_") and name.endswith("_request") else None
+
+
+def _without_table(
+    app: Sphinx, what: str, name: str, subject: object, options: object, lines: list[str]
+) -> None:
+    """Leave out the table of names, which is laid out for ``help(fuzzyarm)``: they follow here."""
+    if name == "fuzzyarm":
+        del lines[1:]
