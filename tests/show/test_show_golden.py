@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
+from rich.style import Style
 
 from fuzzyarm.inference import explain
 from fuzzyarm.language import parse
@@ -36,6 +37,9 @@ def test_published_table(golden):
 
 
 def test_published_table_in_colour(golden):
+    # A style keeps the codes of the first terminal that it was drawn for.
+    Style.parse.cache_clear()
+    Style._add.cache_clear()
     out = io.StringIO()
     console = make_console(
         out, width=80, force_terminal=True, color_system="truecolor", _environ={}

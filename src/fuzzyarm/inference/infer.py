@@ -132,8 +132,11 @@ def infer_interval(
 
     Examples
     --------
-    >>> infer_interval(rulebase, service=2, food=3)            # doctest: +SKIP
-    {'tip': (5.42027992017134, 9.455351198544325)}
+    >>> import fuzzyarm
+    >>> tipper = fuzzyarm.load(fuzzyarm.shipped("tipper2.frb"))
+    >>> left, right = infer_interval(tipper, service=2, food=3)["tip"]
+    >>> print(f"{left:.10f} .. {right:.10f}")
+    5.4202799202 .. 9.4553511985
     """
     found = both_ends(rulebase.model)
     names = found.names if outputs is None else _named(found.names, outputs)
