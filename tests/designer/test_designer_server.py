@@ -239,6 +239,52 @@ def test_a_text_is_checked_and_drawn(client):
         assert heard[3]["scene"] is None
 
 
+def count(session, asked, job):
+    """Work that tells numbers until it hears enough."""
+    if asked.get("bad"):
+        raise ConflictError("a sentence")
+    for number in range(asked["from"], 10**6):
+        job.tell({"n": number, "length": len(session.text)})
+        if any(said["enough"] for said in job.heard()):
+            return
+
+
+def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
+    from fuzzyarm.designer import server
+
+    monkeypatch.setitem(server.WORKS, "count", count)
+
+    def end(socket, number):
+        while "end" not in (news := json.loads(socket.receive_text())) or news["id"] != number:
+            pass
+        return news
+
+    with socket_of(client) as socket:
+        for message in (
+            {"do": "open", "file": "pd7.frb"},
+            {"do": "say", "id": 99, "enough": True},  # of work that does not run
+            {"do": "start", "what": "count", "id": 1, "from": 3},
+            {"do": "start", "what": "count", "id": 2, "from": 5},
+        ):
+            socket.send_text(json.dumps(message))
+        heard = []
+        while len({each["id"] for each in heard}) < 2:
+            news = json.loads(socket.receive_text())
+            heard += [news] if news["is"] == "job" else []
+        assert {each["n"] - 3 for each in heard if each["id"] == 1} >= {0}
+        assert heard[0]["length"] == len(PD7)
+        socket.send_text(json.dumps({"do": "say", "id": 1, "enough": True}))
+        assert end(socket, 1)["end"] == "done"
+        socket.send_text(json.dumps({"do": "stop", "id": 2}))
+        assert end(socket, 2)["end"] == "stopped"
+        socket.send_text(json.dumps({"do": "start", "what": "count", "id": 3, "bad": 1}))
+        assert end(socket, 3)["message"] == "a sentence"
+        socket.send_text(json.dumps({"do": "start", "what": "count", "id": 4}))
+        assert end(socket, 4)["end"] == "failed"
+        socket.send_text(json.dumps({"do": "start", "what": "none", "id": 5}))
+        assert json.loads(socket.receive_text())["is"] == "failed"
+
+
 # --- pages without a server ---
 
 

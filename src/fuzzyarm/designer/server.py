@@ -7,8 +7,10 @@ elsewhere and runs no text.
 
 The socket speaks JSON, an object each way. A window sends ``{"do": "open", "file": …}``, then
 ``push`` (changes and the version that they are for), ``ask`` (a question with an ``id``),
-``save`` and ``settle``; it hears ``opened`` or ``reopened``, ``updates``, ``findings``,
-``scene``, ``answer``, ``status`` and ``failed``, each under ``is``.
+``save`` and ``settle``; for long work ``start`` (``what``, and an ``id`` of the page's own),
+``say`` and ``stop`` with that ``id``. It hears ``opened`` or ``reopened``, ``updates``,
+``findings``, ``scene``, ``answer``, ``status``, ``job`` (news of long work; the last has ``end``)
+and ``failed``, each under ``is``.
 """
 
 from __future__ import annotations
@@ -34,11 +36,15 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.designer.assets import asset, index_page
+from fuzzyarm.designer.jobs import Job, Work
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.errors import FuzzyarmError
 
 SUFFIXES = (".frb", ".lut")
 """Files that are opened."""
+
+WORKS: dict[str, Work] = {}
+"""Long work that a page may start → what does it."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
 LOOK_EVERY = 0.4
@@ -98,6 +104,12 @@ class Window:
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
         self.file = ""
+        self.jobs: dict[int, Job] = {}
+
+    def stop(self) -> None:
+        """End all its work."""
+        for job in self.jobs.values():
+            job.stop()
 
     async def tell(self, message: dict[str, Any]) -> None:
         """Send a message; a window that has gone hears nothing."""
@@ -113,6 +125,7 @@ class Designer:
         self.token = token
         self.windows: list[Window] = []
         self._checks: dict[str, asyncio.Task[None]] = {}
+        self._running: set[asyncio.Task[None]] = set()
 
     def app(self) -> ASGIApp:
         """Return the application."""
@@ -128,6 +141,8 @@ class Designer:
         task = asyncio.create_task(self._watch())
         yield
         task.cancel()
+        for window in self.windows:
+            window.stop()
 
     # --- Pages ---
 
@@ -167,6 +182,7 @@ class Designer:
         except (WebSocketDisconnect, RuntimeError):
             pass
         finally:
+            window.stop()
             self.windows.remove(window)
 
     async def _take(self, window: Window, message: dict[str, Any]) -> None:
@@ -174,6 +190,9 @@ class Designer:
         wanted = message["do"]
         if wanted == "open":
             await self._opened(window, message)
+            return
+        if wanted in {"say", "stop"}:
+            _passed_on(window, message)
             return
         shared = self.workspace.text(window.file)
         if wanted == "push":
@@ -187,6 +206,21 @@ class Designer:
             before = shared.version
             shared.settle(mine=bool(message["mine"]))
             await self._changed(window.file, shared, before, disk=True)
+        elif wanted == "start":
+            self._started(window, shared, message)
+
+    def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
+        """Begin long work beside the answering; the text is the one of now."""
+        work, number = WORKS[message["what"]], int(message["id"])
+        job = window.jobs[number] = Job(number, window.tell)
+
+        async def run() -> None:
+            await job.run(work, shared.session.copy(), message)
+            del window.jobs[number]
+
+        task = asyncio.create_task(run())
+        self._running.add(task)  # a task that nobody holds may be dropped
+        task.add_done_callback(self._running.discard)
 
     async def _opened(self, window: Window, message: dict[str, Any]) -> None:
         name = str(message["file"])
@@ -281,6 +315,17 @@ class Designer:
                 before = shared.version
                 if shared.look():
                     await self._changed(name, shared, before, disk=True)
+
+
+def _passed_on(window: Window, message: dict[str, Any]) -> None:
+    """Give a word to work that still runs; what has ended hears nothing."""
+    job = window.jobs.get(int(message["id"]))
+    if job is None:
+        return
+    if message["do"] == "stop":
+        job.stop()
+    else:
+        job.hear(message)
 
 
 class Guarded:

@@ -1,10 +1,12 @@
 // The page of the server: one socket, one file at a time.
 
 import { clean, el } from "./draw.js";
-import { frame } from "./frame.js";
+import { DESIGN, frame } from "./frame.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
 import { S } from "./strings.js";
+
+const VIEWS = [DESIGN];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
@@ -23,6 +25,7 @@ let lost = false;
 let turning = false; // to another file of this page
 let asked = 0;
 const answers = new Map();
+const jobs = new Map(); // what hears of long work, by its number
 
 const link = {
   push: (version, updates) => send({ do: "push", version, updates }),
@@ -32,6 +35,16 @@ const link = {
       if (send({ do: "ask", id, ...question })) answers.set(id, resolve);
       else resolve({ error: S.gone });
     });
+  },
+  /** Begin long work. `hear` takes its news, the last with `end`; it is told and stopped by what comes back. */
+  start(what, asked_for, hear) {
+    const id = ++asked;
+    if (send({ do: "start", id, what, ...asked_for })) jobs.set(id, hear);
+    else hear({ end: "failed", message: S.gone });
+    return {
+      say: (words) => send({ do: "say", id, ...words }),
+      stop: () => send({ do: "stop", id }),
+    };
   },
   save() {
     const trySave = () => {
@@ -60,12 +73,14 @@ const text = textPane(link, start.nonce);
 const hand = {
   edit: (shapes) => text.edit("shapes", { shapes }),
   numbers: (variable) => text.numbers(variable),
+  ask: (question) => link.ask(question),
+  start: (what, asked_for, hear) => link.start(what, asked_for, hear),
   setCell: (cell, term) => text.edit("cell", { cell, term }),
   goTo: (at) => text.goTo(at),
 };
 const banner = el("div", { class: "banner", role: "alert", hidden: true });
 const chooser = start.files.length > 1 ? files : el("strong", { textContent: file });
-frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })]);
+frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })], VIEWS);
 document.querySelector("main").before(banner);
 
 function tell(words, ...buttons) {
@@ -96,6 +111,8 @@ function connect() {
   socket.onclose = () => {
     for (const resolve of answers.values()) resolve({ error: S.gone });
     answers.clear();
+    for (const hear of jobs.values()) hear({ end: "failed", message: S.gone });
+    jobs.clear();
     if (!lost) {
       lost = true;
       tell(S.gone);
@@ -129,6 +146,11 @@ const TAKEN = {
   answer(message) {
     answers.get(message.id)?.(message);
     answers.delete(message.id);
+  },
+  job(message) {
+    const hear = jobs.get(message.id);
+    if (message.end) jobs.delete(message.id);
+    hear?.(message);
   },
   status(message) {
     saved = message.saved ?? saved;

@@ -8,21 +8,19 @@ import { viewerPane } from "./viewer.js";
 import { S } from "./strings.js";
 
 /**
- * What can stand beside the text, one at a time. Another pane is another function in a list: it
- * takes the store and what a hand may do, and returns its element. Another view is another entry,
- * and from two on there are tabs. A view that is `drawn` needs a sound rule base.
+ * A view stands beside the text, one at a time; from two on there are tabs. Its panes are functions
+ * of the store and of what a hand may do, which return an element. A view that is `drawn` needs a
+ * sound rule base. This one stands in the page without a server as well.
  */
-export const VIEWS = [
-  {
-    name: "design", title: S.design, drawn: true,
-    panes: [termsPane, surfacePane, rulesPane, viewerPane],
-  },
-];
+export const DESIGN = {
+  name: "design", title: S.design, drawn: true,
+  panes: [termsPane, surfacePane, rulesPane, viewerPane],
+};
 
 /** Build the page around the text; `hand` says what a change in a picture does. */
-export function frame(store, hand, text, controls) {
+export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   const note = el("p", { class: "note" });
-  const views = VIEWS.map(({ name, panes }) => {
+  const views = shownViews.map(({ name, panes }) => {
     const made = panes.map((make) => make(store, hand));
     return el("div", { class: `pictures view-${name}`, id: `view-${name}`, hidden: true }, ...made);
   });
@@ -30,7 +28,7 @@ export function frame(store, hand, text, controls) {
   const main = el("main", { class: "design" }, text, area);
   const header = el("header", {}, el("h1", { textContent: S.designer }), ...controls, themeButton(store));
   let shown = 0;
-  const tabs = VIEWS.map(({ name, title }, i) => el("button", {
+  const tabs = shownViews.map(({ name, title }, i) => el("button", {
     role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i),
   }));
   if (tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...tabs));
@@ -38,7 +36,7 @@ export function frame(store, hand, text, controls) {
 
   function turn(to) {
     shown = to;
-    note.hidden = !VIEWS[shown].drawn || Boolean(store.scene);
+    note.hidden = !shownViews[shown].drawn || Boolean(store.scene);
     views.forEach((view, i) => {
       view.hidden = i !== shown || !note.hidden;
     });
