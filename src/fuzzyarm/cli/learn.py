@@ -62,8 +62,6 @@ from fuzzyarm.cli.plants import (
 from fuzzyarm.language.controller_meaning import MAX_DELAY
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from rich.console import Console
 
     from fuzzyarm.controller import Sources
@@ -209,7 +207,7 @@ class _Training:
 
         arguments = self.arguments
         connect, options = connections(arguments), options_of(arguments, self.plant)
-        motion, conventions = self._motion(connect, options)
+        motion, conventions = self._motion(options)
         points = len(motion.time)
         done = 0
         # A bar and grids on one screen would be in each other's way.
@@ -258,7 +256,7 @@ class _Training:
             with progress_bar("drawing", frames) as advance:
                 learning.animate_learning(whole, arguments.animate, watch=advance)
 
-    def _motion(self, connect: Mapping[str, str], options: Options) -> tuple[Motion, Conventions]:
+    def _motion(self, options: Options) -> tuple[Motion, Conventions]:
         from fuzzyarm.loop.course import arm_motion
         from fuzzyarm.plant import PLAIN, Arm
 
@@ -266,7 +264,7 @@ class _Training:
             trajectory, conventions, arms = experiment_of(self.arguments, self.name, self.plant)
             return arm_motion(trajectory, arms, conventions, options), conventions
         require_plain(self.arguments)
-        return motion_of(self.arguments, self.controller, self.plant, connect), PLAIN
+        return motion_of(self.arguments, self.controller, self.plant), PLAIN
 
     def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view

@@ -134,6 +134,9 @@ class Program:
             found |= {state + each.offset for each in to.REMEMBERED.get(what, ())}
             if what == to.INFER:
                 found |= self._held(code[at + 2])
+            elif what == to.PARTNER:
+                at_list = code[at + 2]
+                found |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
         for begin, end in self.rings:
             found |= set(range(begin, end))
         for place in self.learned.values():

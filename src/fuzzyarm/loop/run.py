@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,26 +12,23 @@ from numpy.typing import NDArray
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
-from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
+from fuzzyarm.loop.loop import SAMPLES, SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
+from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
     Program,
-    Record,
     error_taps,
-    loop_for,
     scales,
     shown_errors,
     shown_units,
 )
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.own import failure, find_plant
+from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import (
     Address,
     Plant,
-    PlantError,
     is_compiled,
 )
 from fuzzyarm.plant.setting import (
@@ -400,24 +394,30 @@ class ClosedLoop:
         seed : int, optional
             In place of that of the options.
         """
-        program, course = program or self.program, course or self.course
-        record = Record(course, program.memory, self.taps, seed)
-        if not self.compiled:
-            program.controller.prepare(self.arithmetic)
-        loop = loop_for(program, course, record)
-        own = program.inputs(as_array=self.compiled)
-        begin = time.perf_counter()
-        with np.errstate(all="ignore"), plain_errors(course.plant):
-            loop(*course.inputs(seed), *own, *record.outputs)
-        return self._answer(program, record, time.perf_counter() - begin, seed)
+        found = self.open(program, course, seed)
+        found.advance()
+        return self.answer(found)
 
-    def _answer(self, program: Program, record: Record, seconds: float, seed: int | None) -> Run:
-        course = record.course
+    def open(
+        self,
+        program: Program | None = None,
+        course: Course | None = None,
+        seed: int | None = None,
+        *,
+        loaded: bool = False,
+    ) -> OpenRun:
+        """Begin a run, to be advanced in parts; see :class:`fuzzyarm.loop.open_run.OpenRun`."""
+        program, course = program or self.program, course or self.course
+        return OpenRun(program, course, self.taps, seed, loaded=loaded)
+
+    def answer(self, found: OpenRun) -> Run:
+        """Return what has come of a run so far."""
+        program, record, course = found.program, found.record, found.course
         followed, interface = course.motion, self.site.interface
         outputs, inputs, label = interface.outputs, interface.inputs, interface.label
         taken = record.taken
         # A row for each tap, for all that follows goes along one of them.
-        filled = np.asarray(record.record)[: int(record.progress[0]) * record.columns]
+        filled = np.asarray(record.record)[: int(record.progress[SAMPLES]) * record.columns]
         taps = np.ascontiguousarray(filled.reshape(-1, record.columns).T)
         count = len(followed.tracked)
         front = 2 * count
@@ -431,7 +431,7 @@ class ClosedLoop:
             taps[count:front].T * scales(course),
             shown_errors(course, taps.T),
             None if over else stopped,
-            seconds,
+            found.seconds,
             self.compiled,
             program.remembered(record.memory),
             course.plant.name,
@@ -445,7 +445,7 @@ class ClosedLoop:
             {label(port): each.unit for port, each in inputs.items()},
             tuple((followed.block[taken] != 0).tolist()),
             followed.period * followed.every,
-            course.options.seed if seed is None else seed,
+            course.options.seed if found.seed is None else found.seed,
             stopped if over else None,
             dict(zip(map(label, inputs), np.sqrt(record.changes(SQUARES)).tolist(), strict=True)),
         )
@@ -454,20 +454,6 @@ class ClosedLoop:
 def torques_only(site: Site) -> frozenset[Address]:
     """Return what a controller in plain Python drives: torques, those of motors included."""
     return frozenset(port for port in site.interface.inputs if port[1] == "torque")
-
-
-@contextmanager
-def plain_errors(plant: Plant) -> Iterator[None]:
-    """Make one clear sentence of what a plant in plain Python raises."""
-    try:
-        yield
-    except FuzzyarmError:
-        raise
-    except Exception as error:
-        if is_compiled(plant):
-            raise
-        path = sys.modules[type(plant).__module__].__file__ or ""
-        raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error
 
 
 def checked_arms(
