@@ -8,9 +8,10 @@ that a slow window slows the work and not the server.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import queue
 from collections.abc import Awaitable, Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, Protocol
 
 from fuzzyarm.errors import FuzzyarmError
@@ -53,14 +54,18 @@ class Job:
     async def run(self, work: Work, session: Session, asked: dict[str, Any]) -> None:
         """Do the work, and tell how it ended: done, stopped, or failed with a sentence."""
         end: dict[str, Any] = {"end": "done"}
+        # Not one of the threads that answer questions: a run may last as long as the window.
+        thread = ThreadPoolExecutor(1, "job")
         try:
-            await asyncio.to_thread(work, session, asked, self)
+            await self._loop.run_in_executor(thread, work, session, asked, self)
         except StoppedError:
             end = {"end": "stopped"}
         except (FuzzyarmError, OSError) as error:
             end = {"end": "failed", "message": str(error)}
         except (KeyError, TypeError, ValueError, IndexError):
             end = {"end": "failed", "message": "a question that is not understood"}
+        finally:
+            thread.shutdown(wait=False)
         await self._send(end)
 
     def hear(self, said: dict[str, Any]) -> None:
@@ -70,6 +75,7 @@ class Job:
     def stop(self) -> None:
         """Have the work end at its next word."""
         self.stopped = True
+        self._said.put({})  # what waits for a word wakes up
 
     # --- From the work ---
 
@@ -86,12 +92,20 @@ class Job:
         sent.result()
         self.check()
 
-    def heard(self) -> list[dict[str, Any]]:
-        """Return what the page has said since the last look, the oldest first."""
+    def heard(self, wait: float = 0.0) -> list[dict[str, Any]]:
+        """Return what the page has said since the last look, the oldest first.
+
+        Parameters
+        ----------
+        wait : float, optional
+            How long to wait for a word where there is none, s.
+        """
         found = []
+        with contextlib.suppress(queue.Empty):
+            found.append(self._said.get(wait > 0.0, wait if wait > 0.0 else None))
         while not self._said.empty():
             found.append(self._said.get())
-        return found
+        return [said for said in found if said]
 
     def check(self) -> None:
         """Raise `StoppedError` if the page wants no more."""

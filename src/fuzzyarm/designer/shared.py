@@ -8,6 +8,7 @@ a conflict, which is shown until a person decides. Nothing is overwritten in sil
 
 from __future__ import annotations
 
+import math
 import secrets
 from collections.abc import Sequence
 from pathlib import Path
@@ -25,6 +26,7 @@ from fuzzyarm.language.queries import (
     RenameError,
     ReshapeError,
     set_cell,
+    set_gain,
     set_shapes,
 )
 from fuzzyarm.lsp.session import UTF16, Session, to_place
@@ -304,6 +306,12 @@ class SharedText:
         term = None if term is None else str(term)
         return self._edits(set_cell(self.session.reading, int(line), int(column), term))
 
+    def _gain(self, asked: dict[str, Any]) -> dict[str, Any]:
+        values = [float(value) for value in asked["values"]]
+        if not all(map(math.isfinite, values)):
+            raise ValueError
+        return self._edits(set_gain(self.session.reading, str(asked["name"]), values))
+
     def _numbers(self, asked: dict[str, Any]) -> dict[str, Any]:
         rulebase = self.session.reading.parsed.rulebase
         if rulebase is None:
@@ -320,6 +328,7 @@ _QUESTIONS = {
     "format": SharedText._format,
     "shapes": SharedText._shapes,
     "cell": SharedText._cell,
+    "gain": SharedText._gain,
     "numbers": SharedText._numbers,
 }
 """What a page may ask → who answers."""

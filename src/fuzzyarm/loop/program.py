@@ -168,10 +168,15 @@ class Record:
         )
 
     @property
+    def rows(self) -> NDArray[np.float64]:
+        """What was recorded so far, shape (samples, taps): a view."""
+        filled = np.asarray(self.record)[: int(self.progress[SAMPLES]) * self.columns]
+        return np.asarray(filled.reshape(-1, self.columns))
+
+    @property
     def samples(self) -> NDArray[np.float64]:
-        """What was recorded, shape (samples, taps)."""
-        count = int(self.progress[SAMPLES])
-        return np.array(self.record[: count * self.columns]).reshape(-1, self.columns)
+        """A copy of what was recorded, shape (samples, taps)."""
+        return self.rows.copy()
 
     @property
     def taken(self) -> NDArray[np.int64]:

@@ -13,7 +13,7 @@ from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
-from fuzzyarm.loop.loop import SAMPLES, SQUARES, final, rms, signed_maximum
+from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
@@ -413,14 +413,15 @@ class ClosedLoop:
     def answer(self, found: OpenRun) -> Run:
         """Return what has come of a run so far."""
         program, record, course = found.program, found.record, found.course
-        followed, interface = course.motion, self.site.interface
-        outputs, inputs, label = interface.outputs, interface.inputs, interface.label
+        followed, inputs, label = (
+            course.motion,
+            self.site.interface.inputs,
+            self.site.interface.label,
+        )
         taken = record.taken
         # A row for each tap, for all that follows goes along one of them.
-        filled = np.asarray(record.record)[: int(record.progress[SAMPLES]) * record.columns]
-        taps = np.ascontiguousarray(filled.reshape(-1, record.columns).T)
+        taps = np.ascontiguousarray(record.rows.T)
         count = len(followed.tracked)
-        front = 2 * count
         # A plant that ends a run by itself has not diverged.
         stopped, over = record.diverged(), course.plant.ended
         return Run(
@@ -428,7 +429,7 @@ class ClosedLoop:
             followed.name,
             course.conventions,
             followed.time[taken],
-            taps[count:front].T * scales(course),
+            taps[count : 2 * count].T * scales(course),
             shown_errors(course, taps.T),
             None if over else stopped,
             found.seconds,
@@ -438,9 +439,7 @@ class ClosedLoop:
             tuple(axis for axis, _ in followed.tracked),
             tuple(map(label, followed.tracked)),
             shown_units(course),
-            {label(port): taps[count + i] for i, port in enumerate(followed.tracked)},
-            {label(port): taps[front + i] for i, port in enumerate(outputs)},
-            {label(port): taps[front + len(outputs) + i] for i, port in enumerate(inputs)},
+            *self._by_port(course, taps),
             {label(port): (each.low, each.high) for port, each in inputs.items()},
             {label(port): each.unit for port, each in inputs.items()},
             tuple((followed.block[taken] != 0).tolist()),
@@ -449,6 +448,40 @@ class ClosedLoop:
             stopped if over else None,
             dict(zip(map(label, inputs), np.sqrt(record.changes(SQUARES)).tolist(), strict=True)),
         )
+
+    def _by_port(
+        self, course: Course, taps: Vector
+    ) -> tuple[dict[str, Vector], dict[str, Vector], dict[str, Vector]]:
+        """Return references of tracked outputs, outputs and drives, of a row for each tap."""
+        interface, tracked = self.site.interface, course.motion.tracked
+        rows = iter(taps[len(tracked) :])
+        found = [
+            {interface.label(port): next(rows) for port in ports}
+            for ports in (tracked, interface.outputs, interface.inputs)
+        ]
+        return found[0], found[1], found[2]
+
+    def so_far(self, found: OpenRun) -> SoFar:
+        """Return the samples of a run that goes on, as views on what the loop has written."""
+        course, record = found.course, found.record
+        several = len(course.motion.plants) > 1
+        blocks = course.motion.block[record.taken] if several else ()
+        return SoFar(
+            course.plant.name,
+            *self._by_port(course, record.rows.T),
+            [block != 0 for block in blocks],
+        )
+
+
+@dataclass(frozen=True)
+class SoFar:
+    """What has been sampled of a run so far; see :class:`Run` for the attributes."""
+
+    plant: str
+    wanted: Mapping[str, Vector]
+    outputs: Mapping[str, Vector]
+    drives: Mapping[str, Vector]
+    loaded: Sequence[bool]
 
 
 def torques_only(site: Site) -> frozenset[Address]:

@@ -24,7 +24,7 @@ from fuzzyarm.language.queries.references import (
     references,
     rename,
 )
-from fuzzyarm.language.queries.reshape import ReshapeError, set_cell, set_shapes
+from fuzzyarm.language.queries.reshape import ReshapeError, set_cell, set_gain, set_shapes
 from fuzzyarm.lazy import lazily
 
 __all__ = [
@@ -54,6 +54,7 @@ __all__ = [
     "references",
     "rename",
     "set_cell",
+    "set_gain",
     "set_shapes",
     "symbols",
 ]

@@ -1,10 +1,11 @@
-"""What a hand changes in a picture, as edits of the text: numbers of terms, cells of grids."""
+"""What a hand changes in a picture, as edits of the text: terms, cells of grids, gains."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.controllers import GainNode
 from fuzzyarm.language.phrases import ShapeNode
 from fuzzyarm.language.queries.fixes import Edit
 from fuzzyarm.language.queries.reading import Reading
@@ -132,3 +133,34 @@ def _aligned(text: str, span: Span, new: str) -> Edit:
     if longer > 0:
         end += min(longer, blanks - 1)
     return Edit(Span(span.line, span.column, span.line, end), new + " " * max(0, -longer))
+
+
+def set_gain(reading: Reading, name: str, values: Sequence[float]) -> list[Edit]:
+    """Return the edit that gives a gain of a controller other numbers; unit and comment stay.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    name : str
+        Of the gain.
+    values : sequence of float
+        One number for all axes, or one for each, as the text has them.
+
+    Raises
+    ------
+    ReshapeError
+        If the text declares no such gain, or another count of numbers.
+    """
+    for statement in reading.document.statements:
+        node = statement.node
+        if not isinstance(node, GainNode) or node.name.text != name:
+            continue
+        if len(values) != len(node.values):
+            count = len(node.values)
+            raise ReshapeError(f"gain '{name}' has {count} numbers in the text, not {len(values)}")
+        return [
+            Edit(amount.span, str(Figure(value)))
+            for amount, value in zip(node.values, values, strict=True)
+        ]
+    raise ReshapeError(f"the text declares no gain '{name}'")
