@@ -56,7 +56,12 @@ class Plants:
     def described(self, controller: Controller) -> list[dict[str, Any]]:
         """Return for each plant what a page says of it, and why a controller does not fit."""
         return [
-            {"name": name, "summary": plant.summary, **_fit(controller, name, plant)}
+            {
+                "name": name,
+                "summary": plant.summary,
+                "duration": plant.duration,
+                **_fit(controller, name, plant),
+            }
             for name, plant in self.known.items()
         ]
 

@@ -2,11 +2,12 @@
 
 import { clean, el } from "./draw.js";
 import { DESIGN, frame } from "./frame.js";
+import { RUN } from "./run.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN];
+const VIEWS = [DESIGN, RUN];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
@@ -76,6 +77,8 @@ const hand = {
   ask: (question) => link.ask(question),
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
   setCell: (cell, term) => text.edit("cell", { cell, term }),
+  setGain: (name, values) => text.edit("gain", { name, values }),
+  text: () => text.state().text,
   goTo: (at) => text.goTo(at),
 };
 const banner = el("div", { class: "banner", role: "alert", hidden: true });
@@ -142,6 +145,7 @@ const TAKEN = {
     if (message.version !== text.version()) return;
     if (message.scene) store.show(message.scene);
     else store.mistaken(message.why);
+    store.judge(message.why !== "mistakes");
   },
   answer(message) {
     answers.get(message.id)?.(message);
