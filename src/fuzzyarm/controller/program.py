@@ -125,6 +125,10 @@ class Program:
                 cells[cell] = held[index if len(held) > 1 else 0]
         return cells
 
+    def instructions(self) -> list[int]:
+        """Return what is done, in order, without on what."""
+        return self.code[1 : 1 + to.INSTRUCTION * self.code[0] : to.INSTRUCTION]
+
     def memory(self) -> list[int]:
         """Return the cells that one period leaves for the next, in order."""
         code = self.code

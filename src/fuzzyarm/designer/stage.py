@@ -213,9 +213,9 @@ def loads_of(scene: Scene, interface: Interface, x: float, y: float) -> Loads:
     x, y : float
         The pull, to the right and up; 1 is as strong as it gets: half of the range of an input.
     """
-    x, y = (min(1.0, max(-1.0, each)) for each in (x, y))
     if not (math.isfinite(x) and math.isfinite(y)):
         return {}
+    x, y = (min(1.0, max(-1.0, each)) for each in (x, y))
     pulled = PULLS.get(scene.run.plant)
     if pulled is not None:
         return pulled(scene, interface, x, y)

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.on_plant import TextLaw, controller_on
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.on_plant import Site, controller_on
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.course import Course
+from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import TICK
 from fuzzyarm.loop.program import Program, Record, loop_for
 from fuzzyarm.plant.own import failure
@@ -33,6 +33,8 @@ class OpenRun:
 
     Parameters
     ----------
+    site : Site
+        Where the controller runs.
     program : Program
         Of the controller.
     course : Course
@@ -56,6 +58,7 @@ class OpenRun:
 
     def __init__(
         self,
+        site: Site,
         program: Program,
         course: Course,
         taps: Any,
@@ -63,7 +66,7 @@ class OpenRun:
         *,
         loaded: bool = False,
     ) -> None:
-        self.program, self.course = program, course
+        self.site, self.course = site, course
         self.seed = seed
         self.record = Record(course, program.memory, taps, seed)
         self.seconds = 0.0
@@ -72,12 +75,8 @@ class OpenRun:
         self._held: dict[int, float] = {}
         if not course.as_array:
             program.controller.prepare(program.arithmetic)
-        self._loop = loop_for(program, course, self.record)
-        self._arrays = (
-            *course.inputs(seed, self._loads),
-            *program.inputs(as_array=course.as_array),
-            *self.record.outputs,
-        )
+        self._inputs = course.inputs(seed, self._loads)
+        self._use(program)
 
     @property
     def next(self) -> int:
@@ -109,7 +108,7 @@ class OpenRun:
         self.record.go_on(end)
         begin = time.perf_counter()
         with np.errstate(all="ignore"), plain_errors(self.course.plant):
-            self._loop(*self._arrays)
+            self._loop(*self._inputs, *self._own, *self.record.outputs)
         self.seconds += time.perf_counter() - begin
 
     # --- What is changed as it goes on ---
@@ -149,38 +148,23 @@ class OpenRun:
         Raises
         ------
         StructureError
-            If it is another sequence of instructions, or uses rule bases of another layout.
+            If its instructions are others, see :meth:`fuzzyarm.loop.program.Program.structure`.
         SourceError
             If the plant does not have what it measures or drives.
         """
-        site, arithmetic = self.course.site, self.program.arithmetic
-        chosen = controller_on(controller, site)
-        program = Program(chosen, arithmetic)
-        if not alike(self.program, program):
-            raise StructureError(f"{chosen.name} has another structure")
-        memory = np.asarray(self.record.memory)
-        kept = program.kept()
-        values = program.memory.copy()
-        values[kept] = memory[kept]
-        memory[:] = values
+        program = Program(controller_on(controller, self.site), self.program.arithmetic)
+        if not program.compilable or program.structure() != self.program.structure():
+            raise StructureError(f"{controller.name} has another structure")
+        # Its cells lie elsewhere where a rule base has another layout; their order is the same.
+        memory = program.memory.copy()
+        memory[program.kept()] = np.asarray(self.record.memory)[self.program.kept()]
+        self.record.memory = flat(memory, as_array=self.course.as_array)
+        self._use(program)
+
+    def _use(self, program: Program) -> None:
         self.program = program
-
-
-def alike(one: Program, other: Program) -> bool:
-    """Whether a program may go on with what another one remembers: the same code and sizes."""
-    if not (one.compilable and other.compilable) or len(one.memory) != len(other.memory):
-        return False
-    same = all(map(np.array_equal, one.inputs(as_array=True), other.inputs(as_array=True)))
-    return same and timing(one.controller) == timing(other.controller)
-
-
-def timing(controller: Controller) -> list[tuple[float, int]]:
-    """Return the control period, s, and the periods of a set point of each text."""
-    return [
-        (part.law.text.model.period, part.law.text.model.every)
-        for part in controller.parts()
-        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw)
-    ]
+        self._own = program.inputs(as_array=self.course.as_array)
+        self._loop = loop_for(program, self.course, self.record)
 
 
 @contextmanager

@@ -100,6 +100,23 @@ class Program:
             begin = end
         raise ValueError("not a law of this program")
 
+    def structure(self) -> tuple[Any, ...]:
+        """Return what is the same where a program can go on with what another one remembers.
+
+        Of a text its timing, its instructions and how much they remember; numbers, terms, rules
+        and entries of tables may differ. Of any other law all.
+        """
+        found: list[Any] = []
+        for law, block in zip(self._laws, self._blocks, strict=True):
+            if isinstance(law, TextLaw):
+                model, written = law.text.model, law.program(self.arithmetic)
+                found += [model.period, model.every, model.axis_names]
+                found += [written.instructions(), len(written.memory())]
+                found += [law.site.driven(model), [each.name for each in model.gains]]
+            else:
+                found += [law, block.numbers.tolist(), len(block.memory)]
+        return self.compilable, *found
+
     def kept(self) -> NDArray[np.int64]:
         """Return the indices of the memory that a control period leaves for the next."""
         found: list[int] = []

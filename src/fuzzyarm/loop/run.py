@@ -408,7 +408,7 @@ class ClosedLoop:
     ) -> OpenRun:
         """Begin a run, to be advanced in parts; see :class:`fuzzyarm.loop.open_run.OpenRun`."""
         program, course = program or self.program, course or self.course
-        return OpenRun(program, course, self.taps, seed, loaded=loaded)
+        return OpenRun(self.site, program, course, self.taps, seed, loaded=loaded)
 
     def answer(self, found: OpenRun) -> Run:
         """Return what has come of a run so far."""

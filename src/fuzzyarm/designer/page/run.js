@@ -6,6 +6,7 @@ import { S } from "./strings.js";
 const SPEEDS = [0.2, 1, 5, 60, 600];
 const MORE = ["connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb"];
 const FIRST = ["rms", "max", "final", "chatter"];
+const LEGEND = 18; // above each panel, px
 const STEPS = 1000; // of a slider
 
 /** Words between blanks. */
@@ -140,7 +141,7 @@ function formPane(changed) {
     return { field, shown: el("label", { class: "small" }, label, field) };
   };
   const plant = el("select", { onchange: () => chosen(true) });
-  const reference = text(S.runReference, S.runReferenceHint, 16);
+  const reference = text(S.runReference, S.runReferenceHint, 22);
   const suggestions = el("datalist", { id: "run-signals" });
   reference.field.setAttribute("list", "run-signals");
   const duration = text(S.runFor, S.runForHint, 7);
@@ -478,7 +479,7 @@ function curvePane(store) {
         {
           title: S.runOutputs, unit,
           lines: own.flatMap(({ name, i }) => [
-            { name: S.runWanted(name), column: i, colour: null },
+            { name: "", column: i, colour: null }, // wanted
             { name, column: count + i, colour: i },
           ]),
         },
@@ -518,11 +519,11 @@ function curvePane(store) {
     const end = Math.max(ready.window, last);
     const [begin, foot, gap] = [end - ready.window, 18, 6];
     const each = (height - foot) / panels.length;
-    const [left, right] = [52, width - 8];
+    const [left, right] = [52, width - 16];
     const x = (time) => left + ((time - begin) / ready.window) * (right - left);
     g.font = "11px system-ui, sans-serif";
     const first = Math.max(0, t.findIndex((time) => time >= begin) - 1);
-    panels.forEach((panel, p) => drawPanel(g, panel, [left, right, p * each + gap, (p + 1) * each - gap], x, first));
+    panels.forEach((panel, p) => drawPanel(g, panel, [left, right, p * each + LEGEND, (p + 1) * each - gap], x, first));
     g.fillStyle = colourOf("--soft");
     g.textAlign = "center";
     for (const tick of ticks(begin, end, width / 90)) g.fillText(`${shortNumber(tick)} s`, x(tick), height - 4);
@@ -537,7 +538,7 @@ function curvePane(store) {
     g.lineWidth = 1;
     g.textAlign = "right";
     g.fillStyle = soft;
-    for (const tick of ticks(from, to, (bottom - top) / 34)) {
+    for (const tick of ticks(from, to, (bottom - top) / 22)) {
       g.beginPath();
       g.moveTo(left, y(tick));
       g.lineTo(right, y(tick));
@@ -563,11 +564,11 @@ function curvePane(store) {
     }
     g.restore();
     g.textAlign = "left";
-    let at = left + 6;
+    let at = left;
     for (const [words, tint] of [[`${panel.title}${panel.unit && panel.unit !== "1" ? `, ${panel.unit}` : ""}:`, soft],
-      ...panel.lines.map((line) => [line.name, line.colour === null ? soft : tone(line.colour)])]) {
+      ...panel.lines.filter((line) => line.name).map((line) => [line.name, tone(line.colour)])]) {
       g.fillStyle = tint;
-      g.fillText(words, at, top + 9);
+      g.fillText(words, at, top - 5);
       at += g.measureText(words).width + 8;
     }
   }
@@ -624,7 +625,7 @@ function curvePane(store) {
     if (!(to >= from)) return [-1, 1];
     if (to - from < 1e-9 * Math.max(1, Math.abs(to))) return [from - 1, to + 1];
     const room = 0.08 * (to - from);
-    return [from - room, to + 2.2 * room]; // the names stand on top
+    return [from - room, to + room];
   }
 
   return { section, open, add };
