@@ -62,6 +62,9 @@ MOST_POINTS = 2_000_000
 WINDOW_POINTS = 1_500
 """Points of a curve that fit into the window of time."""
 
+MOST_AT_ONCE = 250
+"""Points of a curve that go with one picture: to write them is what takes the time."""
+
 FASTEST = 1e9
 
 
@@ -359,7 +362,8 @@ class LiveRun:
         ends = isinstance(self.plant, Arm) or bool(self.asked.get("duration"))
         whole = self.run.count * period
         window = whole if ends else min(whole, self.plant.duration or 1000 * period)
-        self.every = max(1, math.ceil(window / period / WINDOW_POINTS))
+        self.window = math.ceil(window / period)
+        self.every = max(1, math.ceil(self.window / WINDOW_POINTS))
         shown = zip(motion.tracked, shown_units(course), strict=True)
         driven = driven_by(self.loop.controller, self.loop.site)
         drives = [
@@ -400,7 +404,9 @@ class LiveRun:
             "behind": time.perf_counter() - self.behind < 1.0,
         }
         if len(rows) > self.sent:
-            news = {"news": "samples", **state, **self._curves(rows[self.sent :], self.sent)}
+            # What has left the window meanwhile is not sent.
+            first = max(self.sent, len(rows) - self.window)
+            news = {"news": "samples", **state, **self._curves(rows[first:], first)}
             self.sent = len(rows)
             self.job.tell({**news, "drawing": self._drawing()})
         elif tuple(state.values()) != self.told:
@@ -433,11 +439,12 @@ class LiveRun:
         begin = 2 * count + len(self.loop.site.interface.outputs)
         drives = rows[:, [begin + each for each in self.columns]]
         values = np.hstack([wanted, outputs, wanted - outputs, drives])
-        at = np.arange(0, len(values), self.every)
+        every = max(self.every, math.ceil(len(values) / MOST_AT_ONCE))
+        at = np.arange(0, len(values), every)
         times = self.motion.time[self.run.record.taken[first : first + len(rows)][at]]
         found: dict[str, Any] = {"t": [short(t, 9) for t in times.tolist()]}
         found["low"] = _columns(np.minimum.reduceat(values, at))
-        if self.every > 1:
+        if every > 1:
             found["high"] = _columns(np.maximum.reduceat(values, at))
         return found
 
