@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.catalogue import controller_in
-from fuzzyarm.controller.controller import CompiledController, Controller
+from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.law import Gain
 from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of
@@ -86,7 +86,8 @@ class Running:
 
     def describe(self, session: Session, asked: dict[str, Any], job: Job) -> None:
         """Tell which plants there are, and which of them the text fits."""
-        controller = _controller_of(str(asked.get("text", session.text)), session.path)
+        text = str(asked.get("text", session.text))
+        controller = _controller_of(text, session.path)
         found = self.plants.described(controller)
         fitting = [each["name"] for each in found if not each["why"]]
         site = site_by_axes(_text(controller).model)
@@ -96,6 +97,8 @@ class Running:
                 "plants": found,
                 "chosen": chosen or next(iter(fitting), ""),
                 "trajectories": list(TRAJECTORIES),
+                # A rule base takes the place of that of a controller of the catalogue.
+                "direct": "" if _is_in(controller, text) else controller.name,
             }
         )
 
@@ -107,6 +110,11 @@ def _controller_of(text: str, path: str) -> CompiledController:
     except RuleBaseError as error:
         first = error.diagnostics[0].message
         raise FuzzyarmError(f"the text has mistakes: {first}") from error
+
+
+def _is_in(controller: CompiledController, text: str) -> bool:
+    """Whether a controller stands in a text, which else is a rule base."""
+    return _text(controller).source == text
 
 
 def _text(controller: CompiledController) -> ControllerText:
@@ -147,7 +155,7 @@ class LiveRun:
     def _begin(self) -> None:
         """Make everything of the text as it is now, and tell the page."""
         self.job.tell({"news": "note", "text": ""})
-        self.controller: Controller = _controller_of(self.text, self.path)
+        self.controller = _controller_of(self.text, self.path)
         self.used = self._used()
         self._forget_written()
         words = words_of(self._within_folder())
@@ -317,14 +325,13 @@ class LiveRun:
 
     def _own_gains(self) -> Sequence[Any]:
         """Return the gains that stand in the text: none, where it is a rule base."""
-        text = _text(next(_compiled(self.controller)))
-        return text.model.gains if text.source == self.text else ()
+        return _text(self.controller).model.gains if _is_in(self.controller, self.text) else ()
 
     # --- The files that the controller uses ---
 
     def _used(self) -> dict[Path, int]:
         folder = Path(self.path).parent
-        text = _text(next(_compiled(self.controller)))
+        text = _text(self.controller)
         files = [sheet_path(file, folder) for use in text.model.uses for file in use.files]
         return {path: path.stat().st_mtime_ns for path in files if path.exists()}
 
@@ -342,7 +349,7 @@ class LiveRun:
     # --- What the page is told ---
 
     def _gains(self) -> list[dict[str, Any]]:
-        text = _text(next(_compiled(self.controller)))
+        text = _text(self.controller)
         tunes = {each.name: each.tune for each in text.model.gains}
         own = {each.name for each in self._own_gains()}
         return [
@@ -480,10 +487,6 @@ class LiveRun:
                 far = {"port": label, "value": short(value), "bound": short(output.bound)}
                 return {"how": "diverged", "at": short(stopped), **far, "unit": output.unit}
         return {"how": "diverged", "at": short(stopped)}
-
-
-def _compiled(controller: Controller) -> Any:
-    return (each for each in controller.parts() if isinstance(each, CompiledController))
 
 
 def _columns(values: NDArray[np.float64]) -> list[list[float | None]]:

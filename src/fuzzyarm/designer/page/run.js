@@ -135,6 +135,7 @@ export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] }
 function formPane(changed) {
   const { section, bar, body } = pane("run-form", S.run);
   let plants = [];
+  let direct = ""; // the controller that asks the text, where it is a rule base
   let touched = false; // by a hand: what it chose stays
   const text = (label, hint, size) => {
     const field = el("input", { type: "text", title: hint, size, spellcheck: false, autocomplete: "off", onchange: changed });
@@ -195,6 +196,7 @@ function formPane(changed) {
   function offer(news) {
     const before = JSON.stringify(plants);
     plants = news.plants;
+    direct = news.direct;
     if (JSON.stringify(plants) === before) return;
     const kept = touched && plants.some((each) => each.name === plant.value) ? plant.value : news.chosen || plants[0].name;
     plant.replaceChildren(...plants.map((each) => el("option", {
@@ -222,7 +224,8 @@ function formPane(changed) {
     if (!details.open) return;
     const want = asked();
     const file = document.querySelector("header select")?.value ?? document.querySelector("header strong")?.textContent ?? "";
-    const words = ["fuzzyarm", "simulate", file, "--plant", want.plant];
+    const words = ["fuzzyarm", "simulate", ...(direct ? [direct, "--rulebase", file] : [file])];
+    if (want.plant !== "arm") words.push("--plant", want.plant);
     const add = (option, values) => values.forEach((each) => words.push(option, each));
     if (want.trajectory) words.push("--trajectory", want.trajectory, ...(want.payload ? ["--payload"] : []));
     add("--reference", want.reference ?? []);
@@ -538,7 +541,7 @@ function curvePane(store) {
     g.lineWidth = 1;
     g.textAlign = "right";
     g.fillStyle = soft;
-    for (const tick of ticks(from, to, (bottom - top) / 22)) {
+    for (const tick of ticks(from, to, Math.max(3, (bottom - top) / 24))) {
       g.beginPath();
       g.moveTo(left, y(tick));
       g.lineTo(right, y(tick));
@@ -710,6 +713,7 @@ function metricPane() {
   const table = el("table", { class: "metrics" });
   let units = {};
   let drive = "";
+  body.tabIndex = 0; // it scrolls
   body.append(table);
 
   function open(ready) {
