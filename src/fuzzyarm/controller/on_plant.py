@@ -50,7 +50,7 @@ class Site:
     interface : Interface
         Its ports.
     extra : int
-        Numbers behind its outputs that are no port, see :mod:`fuzzyarm.plant.driven_arm`.
+        Numbers behind its outputs that are not ports, see :mod:`fuzzyarm.plant.driven_arm`.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
     """
