@@ -167,7 +167,7 @@ def _shape(
         return None
     spelling = classes[name.text]
     if spelling.kind == "ramp" and len(values) in (2, 3) and values[0] == values[1]:
-        findings.error("unordered-corners", "a Ramp from a number to itself is nowhere", name)
+        findings.error("unordered-corners", "the start and the end of a Ramp must differ", name)
         return None
     return spelled_shape(spelling, values, inputs, name, findings, FLL)
 
