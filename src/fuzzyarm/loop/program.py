@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.controller import on_plant
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
-from fuzzyarm.controller.on_plant import TextLaw
-from fuzzyarm.kernels import build, routine
+from fuzzyarm.kernels import address_of, build, routine
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import (
     LOOP_ARRAYS,
@@ -28,6 +28,8 @@ from fuzzyarm.loop.loop import (
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
+    Plant,
+    dynamics_of,
     is_compiled,
     plain_motion,
     plain_outputs,
@@ -51,6 +53,22 @@ def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
     Each precision has its own: what is stored need not be asked whether to be rounded.
     """
     return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=compiled)
+
+
+def ask_for_kernels(
+    controller: Controller, plant: Plant, arithmetic: Arithmetic, *, finely: bool
+) -> None:
+    """Ask for the address of all that a compiled loop is made of.
+
+    See :func:`fuzzyarm.compilers.foreseen`; `finely` is that of
+    :func:`fuzzyarm.plant.plant.dynamics_of`.
+    """
+    if is_compiled(plant):
+        address_of(run_loop, LOOP_ARRAYS, _held(arithmetic.single), compiled=True)
+        dynamics_of(plant, arithmetic, finely=finely)
+    for part in controller.parts():
+        if isinstance(part, CompiledController):
+            on_plant.ask_for_kernels(part.law, arithmetic)
 
 
 def _held(single: bool) -> dict[str, Callable[..., Any]]:
@@ -108,7 +126,7 @@ class Program:
         """
         found: list[Any] = []
         for law, block in zip(self._laws, self._blocks, strict=True):
-            if isinstance(law, TextLaw):
+            if isinstance(law, on_plant.TextLaw):
                 model, written = law.text.model, law.program(self.arithmetic)
                 found += [model.period, model.every, model.axis_names]
                 found += [written.instructions(), len(written.memory())]
@@ -123,7 +141,7 @@ class Program:
         begin = 0
         for law, block in zip(self._laws, self._blocks, strict=True):
             own: Sequence[int] = range(len(block.memory))
-            if isinstance(law, TextLaw):
+            if isinstance(law, on_plant.TextLaw):
                 own = law.program(self.arithmetic).memory()
             found += [begin + each for each in own]
             begin += len(block.memory)

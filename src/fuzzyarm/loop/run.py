@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.compilers import foreseen
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
@@ -18,7 +20,9 @@ from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
     Program,
+    ask_for_kernels,
     error_taps,
+    loop_of_laws,
     scales,
     shown_errors,
     shown_units,
@@ -363,12 +367,26 @@ class ClosedLoop:
         self.site = site_of(followed.plants[0], connect)
         self.controller = controller_on(controller, self.site)
         self.arithmetic = options.arithmetic(conventions)
-        self.program = Program(self.controller, self.arithmetic)
-        self.compiled = self.program.compiled and is_compiled(followed.plants[0])
-        driven = torques_only(self.site)
-        if self.program.compilable:
-            driven = driven_by(self.controller, self.site)
-        self.course = Course(followed, conventions, options, driven=driven, as_array=self.compiled)
+        plant = followed.plants[0]
+        need = partial(
+            ask_for_kernels,
+            self.controller,
+            plant,
+            self.arithmetic,
+            finely=options.runge_kutta > 0,
+        )
+        with foreseen(need):
+            self.program = Program(self.controller, self.arithmetic)
+            self.compiled = self.program.compiled and is_compiled(plant)
+            driven = torques_only(self.site)
+            if self.program.compilable:
+                driven = driven_by(self.controller, self.site)
+            self.course = Course(
+                followed, conventions, options, driven=driven, as_array=self.compiled
+            )
+            if self.compiled:  # so that a run begins at once
+                loop_of_laws(compiled=True, single=conventions.single)
+                self.program.inputs()
         self.taps = [
             *error_taps(self.course),
             *map(self.course.output_cell, self.site.interface.outputs),
@@ -413,11 +431,8 @@ class ClosedLoop:
     def answer(self, found: OpenRun) -> Run:
         """Return what has come of a run so far."""
         program, record, course = found.program, found.record, found.course
-        followed, inputs, label = (
-            course.motion,
-            self.site.interface.inputs,
-            self.site.interface.label,
-        )
+        followed, interface = course.motion, self.site.interface
+        inputs, label = interface.inputs, interface.label
         taken = record.taken
         # A row for each tap, for all that follows goes along one of them.
         taps = np.ascontiguousarray(record.rows.T)
