@@ -49,13 +49,18 @@ def open_run(browser: Any, address: str, name: str, scheme: str = "light") -> An
     while not page.locator(".run-form select").nth(1).input_value():
         page.wait_for_timeout(50)
     page.get_by_role("button", name="Start").click()
+    while not (page.locator(".metrics td").count() and page.evaluate(SIMULATED) > 2.2):
+        page.wait_for_timeout(50)
     return page
+
+
+SIMULATED = "parseFloat(document.querySelector('output.clock').textContent)"
+"""The time of a run, s."""
 
 
 def run(browser: Any, address: str) -> None:
     """Draw the view Run: the motor turned by hand, the cart on its way."""
     page = open_run(browser, address, "servo")
-    page.wait_for_timeout(3200)
     box = page.locator(".run-picture canvas").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x + 60, y - 90)
@@ -66,7 +71,6 @@ def run(browser: Any, address: str) -> None:
     page.close()
 
     page = open_run(browser, address, "cartpole", "dark")
-    page.wait_for_timeout(2500)
     page.locator(".run-picture canvas").focus()
     page.keyboard.down("ArrowLeft")
     page.wait_for_timeout(600)

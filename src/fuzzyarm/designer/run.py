@@ -154,7 +154,6 @@ class LiveRun:
 
     def _begin(self) -> None:
         """Make everything of the text as it is now, and tell the page."""
-        self.job.tell({"news": "note", "text": ""})
         self.controller = _controller_of(self.text, self.path)
         self.used = self._used()
         self._forget_written()

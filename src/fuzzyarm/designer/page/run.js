@@ -62,6 +62,7 @@ function runView(store, hand) {
     }
     state.over = false;
     state.sent = hand.text();
+    form.note(S.runStarting);
     state.job = hand.start("run", asked(), hear);
     form.running(state);
   }

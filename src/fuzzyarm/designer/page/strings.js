@@ -89,6 +89,7 @@ export const S = {
   runStopHint: "End the run",
   runTime: "Simulated time",
   runBehind: "slower than asked for",
+  runStarting: "starting …",
   runNextTime: "This counts from the next start on.",
   runTaken: "The text of now runs.",
   runRestart: "The text has another structure now: Restart runs it.",
