@@ -313,8 +313,10 @@ class _Training:
         arguments = self.arguments
         if arguments.plant == "arm":
             return _trajectory_words(arguments)
-        references = " ".join(arguments.reference) or f"step {arguments.step or 1:g}"
-        return f"{Path(arguments.plant).name} {references}"
+        from fuzzyarm.learning.self_organizing import reference_words
+
+        plant = Path(arguments.plant).name
+        return reference_words(plant, arguments.reference, arguments.step or 1.0)
 
     def data(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the state of a training as JSON data."""

@@ -110,7 +110,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
         save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), arguments.plot)
     if arguments.json:
-        print_json(_as_json(tuned, written))
+        print_json({**tuned.as_data(), "files": [os.fspath(each) for each in written]})
     else:
         say(*_lines(tuned, path, written))
     if tuned.found.interrupted:
@@ -375,53 +375,6 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
     yield from change_lines(tuned)
     if written:
         yield f"wrote {', '.join(map(os.fspath, written))}"
-
-
-def _as_json(tuned: Tuned, written: list[Path]) -> dict[str, Any]:
-    found = tuned.found
-    return {
-        "cost": tuned.cost,
-        "over": tuned.over,
-        "method": tuned.plan.method,
-        "seed": tuned.plan.seed,
-        "trials": len(found.trials),
-        "refused": found.refused,
-        "seconds": round(found.seconds, 3),
-        "interrupted": found.interrupted,
-        "digits": tuned.digits,
-        "scenarios": list(tuned.scenarios),
-        "unseen": list(tuned.unseen),
-        "rows": {
-            row.name: {name: _score(score) for name, score in row.scores.items()}
-            for row in tuned.rows
-        },
-        "claim": tuned.claim(),
-        "parameters": [
-            {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
-            for each in tuned.parameters
-        ],
-        "on_a_bound": list(tuned.on_a_bound),
-        "changes": [dict(zip(("what", "old", "new"), each, strict=True)) for each in tuned.changes],
-        "curve": [_finite(value) for value in found.curve],
-        "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
-        "files": [os.fspath(path) for path in written],
-    }
-
-
-def _score(score: Any) -> dict[str, Any]:
-    return {
-        "cost": _finite(score.cost),
-        "rms": _finite(score.error),
-        "chatter": _finite(score.chatter),
-        "diverged": score.diverged,
-        "each": [_finite(part) for part in score.parts],
-    }
-
-
-def _finite(value: float) -> float | None:
-    import math
-
-    return value if math.isfinite(value) else None
 
 
 def _unset(each: Argument) -> Argument:

@@ -276,7 +276,12 @@ class Trainee:
         return replace(table, provenance=tuple(provenance.items()))
 
     def provenance(
-        self, along: str, passes: int, start: str, performance: str = "", conventions: str = "plain"
+        self,
+        along: str,
+        passes: int | str,
+        start: str,
+        performance: str = "",
+        conventions: str = "plain",
     ) -> dict[str, str]:
         """Return where a learned table comes from.
 
@@ -284,7 +289,7 @@ class Trainee:
         ----------
         along : str
             What it was trained on.
-        passes : int
+        passes : int or str
             How often.
         start : str
             What it began with; empty for what the text says.
@@ -326,6 +331,11 @@ def error_words(snapshot: Snapshot) -> str:
     units = ["°" if unit == "degrees" else f" {unit}" for unit in snapshot.units]
     words = [f"{error:.4f}{unit}" for error, unit in zip(snapshot.rms, units, strict=True)]
     return " and ".join(words)
+
+
+def reference_words(plant: str, references: Sequence[str], step: float = 1.0) -> str:
+    """Say along which references of a plant was trained; without any it was a step."""
+    return f"{plant} {' '.join(references) or f'step {step:g}'}"
 
 
 def trajectory_words(
