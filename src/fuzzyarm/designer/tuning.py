@@ -162,7 +162,9 @@ def order_of(session: Session, asked: dict[str, Any], job: Job) -> Order:
 
 def tune(session: Session, asked: dict[str, Any], job: Job) -> None:
     """Search, tell, report; goes on until the page wants no more."""
-    report = _searched(order_of(session, asked, job), job)
+    order = order_of(session, asked, job)
+    prepared(order)  # what does not fit is said at once
+    report = _searched(order, job)
     files = report.pop("files")
     job.tell({"report": report})
     while True:
@@ -258,11 +260,16 @@ def _listen(pipe: Connection, enough: threading.Event) -> None:
         os._exit(0)
 
 
-def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str, Any]:
+def prepared(order: Order) -> tuple[ControllerText | RuleBase, dict[str, Any]]:
+    """Return what is tuned, and the arguments of `fuzzyarm.tuning.tune`.
+
+    Raises
+    ------
+    TextError, GroundsError, TuneError, RuleBaseError
+        If something does not fit.
+    """
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.loop.course import Options
-    from fuzzyarm.tuning import tune as tune_it
-    from fuzzyarm.tuning.design import Design
     from fuzzyarm.tuning.tune import read_tuning, stage_of
 
     subject = subject_of(order.path, order.text)
@@ -276,6 +283,14 @@ def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str,
         given |= _samples(order, subject)
     lines = given["tuning"]
     given["tuning"] = None if lines is None else read_tuning(lines)
+    return subject, given
+
+
+def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str, Any]:
+    from fuzzyarm.tuning import tune as tune_it
+    from fuzzyarm.tuning.design import Design
+
+    subject, given = prepared(order)
     teller = Teller(pipe, Design(subject, given["tuning"]), enough)
     tuned = tune_it(
         subject, **given, watch=teller.search, watch_linear=teller.linear, text=order.text

@@ -166,7 +166,8 @@ function learnPanes(store, hand) {
   } });
   const whichLabel = el("label", { class: "small", hidden: true }, S.axis, which);
   const readout = el("span", { class: "readout", "aria-live": "polite" });
-  left.bar.append(el("span", { class: "space" }), whichLabel);
+  const moment = el("span", { class: "readout" });
+  left.bar.append(el("span", { class: "space" }), moment, whichLabel);
   right.bar.append(el("span", { class: "space" }), readout);
   const values = stage(store, left.body, (paper) => cells(paper, paintValue));
   const visits = stage(store, right.body, (paper) => cells(paper, paintVisits));
@@ -187,6 +188,7 @@ function learnPanes(store, hand) {
 
   function describe() {
     const table = news?.tables[axis];
+    moment.textContent = news ? S.moment(news) : "";
     const label = table ? S.tableLabel(begin.axes[axis], table, shape()[0] * shape()[1]) : S.noTraining;
     values.canvas.setAttribute("aria-label", label);
     visits.canvas.setAttribute("aria-label", table ? S.visitsLabel(begin.axes[axis], Math.max(...table.visits)) : S.noTraining);

@@ -99,6 +99,7 @@ export const S = {
     const lost = news.diverged === null ? "" : ` Diverged at ${news.diverged.toFixed(3)} s.`;
     return `${begin.title} on ${begin.along}: pass ${news.pass} of ${news.limit}${what}; RMS error ${news.words}; ${table} cells visited.${lost}`;
   },
+  moment: (news) => `pass ${news.pass}${news.complete ? "" : `, ${news.time.toFixed(2)} s`}`,
   table: "What is learned",
   visits: "Visits",
   errorOfPasses: "Error of each pass",
@@ -150,6 +151,7 @@ export const S = {
     : `${count} of ${evals} trials; the best costs ${best === null ? "nothing known" : best.toPrecision(4)}.`),
   stopped: (report) => `Stopped after ${report.trials} trials; the best is kept.`,
   tuned: (report) => `${report.trials} trials in ${report.seconds.toFixed(1)} s.`,
+  searchState: (count, best, seconds) => `${count} trials, ${seconds.toFixed(0)} s, best ${best === null ? "–" : best.toPrecision(4)}`,
   costOfTrials: "Cost of the trials",
   trials: "trials",
   best: "best so far",
@@ -165,9 +167,8 @@ export const S = {
   noReport: "Start a search; its report stands here: cost on what it was tuned on, on unseen scenarios and with noise, and what changed.",
   costs: (report) => `${report.cost}, ${report.over} of ${report.scenarios.length === 1 ? "1 scenario" : `${report.scenarios.length} scenarios`}`,
   sets: { train: "train", unseen: "unseen", noisy: "noisy" },
-  rowNames: {},
-  rmsOf: "rms",
-  chatterOf: "chatter",
+  rmsOf: (set) => `rms (${set})`,
+  chatterOf: (set) => `chatter (${set})`,
   diverge: (count) => `${count} diverge`,
   onABound: (names) => `On a bound of its range: ${names}.`,
   refused: (count) => `${count} trials broke an expect or prove line.`,

@@ -166,6 +166,7 @@ function tunePanes(store, hand) {
     start.disabled = running || !facts || (facts.loop ? !facts.plants.length : !facts.samples.length);
     stop.disabled = !running || ending;
     for (const input of fields.querySelectorAll("input, select, textarea")) input.disabled = running;
+    counted.textContent = state ? S.searchState(costs.search.length, state.best, state.seconds) : "";
     curve.canvas.setAttribute("aria-label", S.costLabel(costs.search.length, state?.best ?? null));
     curve.redraw();
     drawNumbers();
@@ -177,6 +178,8 @@ function tunePanes(store, hand) {
   const left = pane("cost", S.costOfTrials);
   const right = pane("numbers", S.numbersThatMove);
   const below = pane("report", S.whatCameOfIt);
+  const counted = el("span", { class: "readout" });
+  left.bar.append(el("span", { class: "space" }), counted);
   const curve = stage(store, left.body, (paper) => {
     const best = falling(costs.search);
     const least = best.filter((v) => v !== null).at(-1) ?? 1;
@@ -264,13 +267,13 @@ function tunePanes(store, hand) {
     const columns = ["train", "unseen", "noisy"].filter((name) => report.rows.tuned[name]);
     const loop = Object.values(report.rows).some((row) => row.train.chatter !== null);
     const last = columns[Math.min(1, columns.length - 1)];
-    const head = [...columns.map((name) => S.sets[name]), ...(loop ? [S.rmsOf, S.chatterOf] : [])];
+    const head = [...columns.map((name) => S.sets[name]), ...(loop ? [S.rmsOf(S.sets[last]), S.chatterOf(S.sets[last])] : [])];
     const body = Object.entries(report.rows).map(([name, row]) => {
       const score = row[last] ?? row.train;
       const cells = columns.map((each) => (row[each]
         ? row[each].diverged ? S.diverge(row[each].diverged) : shown(row[each].cost) : "–"));
       if (loop) cells.push(shown(score.rms), shown(score.chatter));
-      return el("tr", {}, el("th", { scope: "row", textContent: S.rowNames[name] ?? name }),
+      return el("tr", {}, el("th", { scope: "row", textContent: name }),
         ...cells.map((text) => el("td", { textContent: text })));
     });
     return el("table", { class: "scores" }, el("caption", { textContent: S.costs(report) }),
