@@ -203,6 +203,8 @@ def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, caps
     # Every candidate is told once, and where the best of them lies between its bounds.
     told = [news for news in heard if news.get("phase") == "search"]
     assert sum(len(news["costs"]) for news in told) == report["trials"] == 12
+    costs = [cost for news in told for cost in news["costs"]]
+    assert np.minimum.accumulate(costs).tolist() == report["curve"]
     assert told[-1]["best"] == report["curve"][-1]
     assert len(told[-1]["best_shares"]) == len(heard[0]["moving"]) == 3
     # It becomes one change of the text as it is meanwhile.

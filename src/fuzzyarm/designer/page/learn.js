@@ -317,7 +317,8 @@ function learnPanes(store, hand) {
     g.beginPath();
     g.rect(box.x, box.y, box.w, box.h);
     g.clip();
-    g.strokeStyle = colours.line;
+    g.strokeStyle = colours.soft;
+    g.globalAlpha = 0.4;
     g.lineWidth = 1;
     g.beginPath();
     // Along the whole canvas, so that the lines of neighbours meet.

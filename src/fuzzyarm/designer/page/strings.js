@@ -159,7 +159,7 @@ export const S = {
   costLabel: (count, best) => (count
     ? `Cost of ${count} trials; the best so far costs ${best === null ? "nothing known" : best.toPrecision(4)}.` : "No trial yet."),
   numbersThatMove: "Numbers that move, between their bounds",
-  numberLabel: (each, value) => `${each.name}: ${value}, between ${each.low.toPrecision(3)} and ${each.high.toPrecision(3)}; ${each.start.toPrecision(4)} in the file`,
+  numberLabel: (name, value, [low, high, start]) => `${name}: ${value}, between ${low} and ${high}; ${start} in the file`,
   inTheFile: "in the file",
   noSearch: "Nothing is being searched.",
   whatCameOfIt: "What came of it",

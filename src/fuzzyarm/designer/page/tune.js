@@ -218,7 +218,7 @@ function tunePanes(store, hand) {
       now.hidden = !running || phase !== "search";
       const shown = shortNumber(state?.values?.[i] ?? each.start);
       value.textContent = shown;
-      track.setAttribute("aria-label", S.numberLabel(each, shown));
+      track.setAttribute("aria-label", S.numberLabel(each.name, shown, [each.low, each.high, each.start].map((v) => shortNumber(v))));
       track.classList.toggle("bound", Math.min(at, 1 - at) < 1e-3);
     });
   }
@@ -255,12 +255,12 @@ function tunePanes(store, hand) {
       below.body.replaceChildren(el("p", { class: "note", textContent: running ? S.waiting : S.noReport }));
       return;
     }
-    const facts_ = el("div", {}, table(), el("p", { textContent: report.claim }));
-    if (report.on_a_bound.length) facts_.append(el("p", { textContent: S.onABound(report.on_a_bound.join(", ")) }));
-    if (report.refused) facts_.append(el("p", { textContent: S.refused(report.refused) }));
-    const parts = [facts_];
-    if (report.changes.length) parts.push(el("div", {}, changes(), difference()));
-    below.body.replaceChildren(el("div", { class: "two" }, ...parts));
+    const found = el("div", {}, table(), el("p", { textContent: report.claim }));
+    if (report.on_a_bound.length) found.append(el("p", { textContent: S.onABound(report.on_a_bound.join(", ")) }));
+    if (report.refused) found.append(el("p", { textContent: S.refused(report.refused) }));
+    if (report.changes.length) found.append(difference());
+    const changed = report.changes.length ? [el("div", { class: "listed" }, changes())] : [];
+    below.body.replaceChildren(el("div", { class: "two" }, found, ...changed));
   }
 
   function table() {
