@@ -669,7 +669,7 @@ def rounded(
     while True:
         candidate = design.at(best.point, digits)
         if not promises.expected(candidate) and not promises.proof(candidate):
-            score = examining.scores([best.point], digits)[0]
+            (score,) = examining.scores_of([candidate])  # here: a cluster may have gone
             worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
             if digits >= MOST_DIGITS or not worse:
                 return candidate, digits, score
