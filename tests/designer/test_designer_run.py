@@ -307,7 +307,7 @@ def test_a_rule_base_runs_on_the_arm(open_page):
 
 def test_a_run_that_is_stopped_leaves_no_thread(open_page):
     def jobs():
-        return [each for each in threading.enumerate() if each.name.startswith("job")]
+        return [each for each in threading.enumerate() if each.name == "fuzzyarm-job"]
 
     page = open_page("servo.frb")
     for paused in (True, False):

@@ -27,6 +27,7 @@ from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.law import Gain
 from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText, sheet_path
+from fuzzyarm.designer.grounds import trajectory_named
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.stage import Painter, Plants, loads_of, short, words_of
 from fuzzyarm.errors import FuzzyarmError, WordError
@@ -180,11 +181,7 @@ class LiveRun:
     def _experiment(self, words: PlantWords, plant: Plant) -> tuple[Motion, Options]:
         options = words.options(plant)
         if isinstance(plant, Arm):
-            name = str(self.asked.get("trajectory") or "reach-return")
-            if name not in TRAJECTORIES:
-                known = ", ".join(TRAJECTORIES)
-                raise WordError(f"no trajectory is called '{name}'", hint=f"one of {known}")
-            way = TRAJECTORIES[name]()
+            way = trajectory_named(str(self.asked.get("trajectory") or ""))
             arms = schedule(way, payload=bool(self.asked.get("payload")), conventions=PLAIN)
             return arm_motion(way, arms, PLAIN, options), options
         site = site_of(plant, words.connections())
@@ -215,7 +212,7 @@ class LiveRun:
             every = 1.0 / min(self.rate, DEAR if self.painter.dear else self.rate)
             idle = self.paused or self.run.over
             # A run that stands still waits for a word, and looks after the files it uses.
-            pause = 0.5 if idle else max(0.001, every - (time.perf_counter() - started))
+            pause = 0.2 if idle else max(0.001, every - (time.perf_counter() - started))
             for said in self.job.heard(pause):
                 self._take(said)
             self.job.check()

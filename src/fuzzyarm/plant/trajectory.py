@@ -195,11 +195,11 @@ def pick_and_place(angles: Pair = (45.0, -45.0), segment: float = 2.0) -> Trajec
 
 
 TRAJECTORIES: Mapping[str, Callable[..., Trajectory]] = {
-    "reach": reach,
     "reach-return": reach_return,
     "pick-and-place": pick_and_place,
+    "reach": reach,
 }
-"""What the arm can follow by a name."""
+"""What the arm can follow by a name; the first is taken by default."""
 
 
 def through(

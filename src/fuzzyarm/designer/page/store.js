@@ -59,6 +59,7 @@ export class Store {
     this.axes = { x: 0, y: 1, output: 0 };
     this.stale = false; // whether the text has mistakes now, or nothing to be drawn
     this.sound = false; // whether the text has no mistakes
+    this.view = ""; // which one is shown
   }
 
   on(name, listener) {
