@@ -1,6 +1,7 @@
 // Run: the text controls a plant. The loop of the server steps it; here it is drawn, pushed and tuned.
 
-import { el, pane, choice, shortNumber, context, colourOf, ticks, hue, eachFrame } from "./draw.js";
+import { stage as canvasStage } from "./charts.js";
+import { el, pane, shortNumber, colourOf, ticks, hue } from "./draw.js";
 import { S } from "./strings.js";
 
 const SPEEDS = [0.2, 1, 5, 60, 600];
@@ -19,7 +20,7 @@ const quoted = (word) => (/^[\w./:=,+-]+$/.test(word) ? word : `'${word.replaceA
 
 function runView(store, hand) {
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
-  const state = { job: null, ready: null, paused: false, over: false, sent: "", known: [] };
+  const state = { job: null, ready: null, paused: false, over: false, sent: "", described: "" };
   const picture = picturePane(store, (pull) => state.job?.say({ pull }));
   const curves = curvePane(store);
   const gains = gainPane(hand, (values) => state.job?.say({ gains: values }));
@@ -45,7 +46,10 @@ function runView(store, hand) {
 
   /** Ask which plants there are, and which of them the text fits. */
   function describe() {
-    hand.start("plants", { text: hand.text() }, (news) => {
+    const text = hand.text();
+    if (store.view !== RUN.name || !store.sound || text === state.described) return;
+    state.described = text;
+    hand.start("plants", { text }, (news) => {
       if (news.plants) form.offer(news);
       else if (news.end === "failed") form.note(news.message);
     });
@@ -122,9 +126,10 @@ function runView(store, hand) {
     if (!store.sound) return;
     const text = hand.text();
     if (state.job && text !== state.sent) say({ text });
-    if (!state.job || text !== state.sent) describe();
     state.sent = text;
+    describe();
   });
+  store.on("view", describe);
   form.running(state);
   return view;
 }
@@ -264,7 +269,7 @@ function formPane(changed) {
 
 function picturePane(store, push) {
   const { section, bar, body } = pane("run-picture", S.runPicture);
-  const canvas = el("canvas", { tabIndex: 0, role: "img", "aria-label": S.runPictureLabel });
+  const { canvas, redraw } = canvasStage(store, body, draw);
   const said = el("span", { class: "small" });
   const keys = new Map(); // arrow keys that are held
   const colours = new Map();
@@ -273,13 +278,9 @@ function picturePane(store, push) {
   let held = null; // where the pointer is, in the stage
   let scale = null;
   bar.append(el("span", { class: "space" }), said);
-  body.append(canvas);
-  const redraw = eachFrame(draw);
-  new ResizeObserver(redraw).observe(body);
-  store.on("theme", () => {
-    colours.clear();
-    redraw();
-  });
+  canvas.tabIndex = 0;
+  canvas.setAttribute("aria-label", S.runPictureLabel);
+  store.on("theme", () => colours.clear());
 
   /** Colours by what they stand for; a plant that draws itself brings its own. */
   function colour(name) {
@@ -319,9 +320,7 @@ function picturePane(store, push) {
     redraw();
   }
 
-  function draw() {
-    const { g, width, height } = context(canvas, body.clientWidth, body.clientHeight);
-    if (!width || !height) return;
+  function draw({ g, width, height }) {
     const [left, right, bottom, top] = stage();
     const size = Math.min(width / (right - left), height / (top - bottom));
     const [ox, oy] = [0.5 * (width - size * (left + right)), 0.5 * (height + size * (bottom + top))];
@@ -459,7 +458,7 @@ function arrow(g, [x, y], [dx, dy], reach, colour) {
 
 function curvePane(store) {
   const { section, bar, body } = pane("run-curves", S.runCurves);
-  const canvas = el("canvas", { role: "img", "aria-label": S.runCurvesLabel });
+  const { canvas, redraw } = canvasStage(store, body, draw);
   const key = el("span", { class: "key" });
   let panels = [];
   let ready = null;
@@ -467,10 +466,7 @@ function curvePane(store) {
   let low = [];
   let high = [];
   bar.append(el("span", { class: "space" }), key);
-  body.append(canvas);
-  const redraw = eachFrame(draw);
-  new ResizeObserver(redraw).observe(body);
-  store.on("theme", redraw);
+  canvas.setAttribute("aria-label", S.runCurvesLabel);
 
   /** Outputs with their references, errors, and the drives of each unit. */
   function open(news) {
@@ -516,9 +512,8 @@ function curvePane(store) {
     redraw();
   }
 
-  function draw() {
-    const { g, width, height } = context(canvas, body.clientWidth, body.clientHeight);
-    if (!ready || !width || !height) return;
+  function draw({ g, width, height }) {
+    if (!ready) return;
     const last = t[t.length - 1] ?? 0;
     const end = Math.max(ready.window, last);
     const [begin, foot, gap] = [end - ready.window, 18, 6];
