@@ -59,8 +59,11 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
     page = open_run(server, chromium, "servo")
     before = text_of(page)
     assert page.locator(".run-form select").nth(1).input_value() == "motor"
-    assert page.get_by_label("Reference", exact=True).input_value() == "position=step:1"
-    page.get_by_role("button", name="Start").click()
+    assert (
+        page.locator(".run").get_by_label("Reference", exact=True).input_value()
+        == "position=step:1"
+    )
+    page.locator(".run").get_by_role("button", name="Start").click()
     until(lambda: clock(page) > 0.6, "it moves")
     until(lambda: abs(final_error(page)) < 1e-3, "it arrives")
     drawn = page.locator(".run-picture canvas").evaluate("canvas => canvas.toDataURL()")
@@ -84,11 +87,11 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
 
     # Space pauses, a step is a sample.
     page.keyboard.press("Space")
-    page.get_by_role("button", name="Go on").wait_for()
+    page.locator(".run").get_by_role("button", name="Go on").wait_for()
     at = clock(page)
-    page.get_by_role("button", name="Step").click()
+    page.locator(".run").get_by_role("button", name="Step").click()
     until(lambda: clock(page) == pytest.approx(at + 0.001), "a step")
-    page.get_by_role("button", name="Go on").click()
+    page.locator(".run").get_by_role("button", name="Go on").click()
 
     # A slider is an edit of the text, which is taken up and can be undone.
     page.get_by_label("G_u", exact=True).focus()
@@ -108,10 +111,10 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
     page.keyboard.press("Delete")
     page.keyboard.type("2")  # period 2 ms
     page.get_by_text("Restart runs it").wait_for()
-    page.get_by_role("button", name="Restart").click()
+    page.locator(".run").get_by_role("button", name="Restart").click()
     until(lambda: clock(page) < at, "it begins again")
-    page.get_by_role("button", name="Stop").click()
-    page.get_by_role("button", name="Start").wait_for()
+    page.locator(".run").get_by_role("button", name="Stop").click()
+    page.locator(".run").get_by_role("button", name="Start").wait_for()
     stopped = clock(page)
     page.wait_for_timeout(200)
     assert clock(page) == stopped
@@ -121,7 +124,7 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
 
 def test_a_rule_base_runs_on_the_arm_and_a_dragged_corner_counts(server, chromium):
     page = open_run(server, chromium, "pd7", bypass_csp=AXE.exists(), color_scheme="dark")
-    page.get_by_role("button", name="Start").click()
+    page.locator(".run").get_by_role("button", name="Start").click()
     until(lambda: clock(page) > 0.2, "it moves")
     assert page.get_by_label("G_e", exact=True).is_enabled()
     page.get_by_role("tab", name="Design").click()
