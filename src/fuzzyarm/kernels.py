@@ -490,10 +490,24 @@ def _linked_only(codegen: Any) -> Iterator[None]:
     library = _library_without_native_code()
     codegen._library_class = library
     codegen.set_env = lambda *_: None  # belongs to native code
+    from numba.cpython import slicing
+    from numba.np import arrayobj
+    from numba.core import types as T
+    a, b = arrayobj.fix_integer_index, slicing.fix_slice
+    def fi(context, builder, idxty, idx, size):
+        return context.cast(builder, idx, idxty, T.intp)
+    def fs(builder, slice, size):
+        from numba.core import cgutils
+        import llvmlite.ir as ir
+        big = builder.icmp_signed('>=', slice.stop, size)
+        slice.stop = builder.select(big, size, slice.stop)
+    arrayobj.fix_integer_index = fi
+    slicing.fix_slice = fs
     try:
         yield
     finally:
         del codegen._library_class, codegen.set_env
+        arrayobj.fix_integer_index, slicing.fix_slice = a, b
 
 
 @functools.cache

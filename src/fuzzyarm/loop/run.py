@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -189,6 +189,22 @@ class Run(Shown):
         """Return the samples by name: references, outputs and drives."""
         wanted = {f"{label} wanted": values for label, values in self.wanted.items()}
         return {**wanted, **self.outputs, **self.drives}
+
+
+class Judged(NamedTuple):
+    """Errors and chatter of a run; see :attr:`Run.rms` and :attr:`Metrics.chatter`.
+
+    Attributes
+    ----------
+    rms, chatter : mapping of str to float
+        By the names of :func:`judged_names`.
+    diverged : float or None
+        When the run was stopped because it had diverged, s.
+    """
+
+    rms: Mapping[str, float]
+    chatter: Mapping[str, float]
+    diverged: float | None
 
 
 # --- Runs ---
@@ -401,7 +417,44 @@ class ClosedLoop:
             In place of that of the options.
         """
         program, course = program or self.program, course or self.course
-        record = Record(course, program.memory, self.taps, seed)
+        record, seconds = self._recorded(program, course, seed, self.taps)
+        return self._answer(program, record, seconds, seed)
+
+    def judged(
+        self,
+        program: Program | None = None,
+        course: Course | None = None,
+        seed: int | None = None,
+    ) -> Judged:
+        """Run once, and return no more than errors and chatter: for searches, in less time.
+
+        Parameters
+        ----------
+        program, course, seed : optional
+            See :meth:`run`.
+        """
+        program, course = program or self.program, course or self.course
+        taps = self.taps[: 2 * len(course.motion.tracked)]
+        record, _ = self._recorded(program, course, seed, taps)
+        stopped = None if course.plant.ended else record.diverged()
+        errors = shown_errors(course, record.samples)
+        chatter = self._chatter(record)
+        found = rms(errors).tolist()
+        tracked = course.motion.tracked
+        axes = [axis for axis, _ in tracked]
+        labels = judged_names(axes, list(map(self.site.interface.label, tracked)))
+        first = {axis: next((n for n in chatter if n.rpartition(".")[0] == axis), "") for axis in axes}
+        return Judged(
+            dict(zip(labels, found, strict=True)),
+            {label: chatter.get(first[axis], 0.0) for label, axis in zip(labels, axes, strict=True)},
+            stopped,
+        )
+
+    def _recorded(
+        self, program: Program, course: Course, seed: int | None, taps: list[int]
+    ) -> tuple[Record, float]:
+        """Run the loop; return what it has written, and how long it took."""
+        record = Record(course, program.memory, taps, seed)
         if not self.compiled:
             program.controller.prepare(self.arithmetic)
         loop = loop_for(program, course, record)
@@ -409,7 +462,12 @@ class ClosedLoop:
         begin = time.perf_counter()
         with np.errstate(all="ignore"), plain_errors(course.plant):
             loop(*course.inputs(seed), *own, *record.outputs)
-        return self._answer(program, record, time.perf_counter() - begin, seed)
+        return record, time.perf_counter() - begin
+
+    def _chatter(self, record: Record) -> dict[str, float]:
+        interface = self.site.interface
+        found = np.sqrt(record.changes(SQUARES)).tolist()
+        return dict(zip(map(interface.label, interface.inputs), found, strict=True))
 
     def _answer(self, program: Program, record: Record, seconds: float, seed: int | None) -> Run:
         course = record.course
@@ -447,7 +505,7 @@ class ClosedLoop:
             followed.period * followed.every,
             course.options.seed if seed is None else seed,
             stopped if over else None,
-            dict(zip(map(label, inputs), np.sqrt(record.changes(SQUARES)).tolist(), strict=True)),
+            self._chatter(record),
         )
 
 
