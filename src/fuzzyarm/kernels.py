@@ -1,10 +1,10 @@
 """Plain functions that run as they stand or as machine code.
 
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
-is given (it makes none), and calls nothing but :mod:`math` and other kernels by their bare
-names. It becomes callable in one of three ways, as machine code or as the very same Python,
-line by line, for a debugger; both give the same bits, for the compiled code neither reorders
-nor fuses floating-point operations:
+is given (it makes none, and never counts from their end), and calls nothing but :mod:`math` and
+other kernels by their bare names. It becomes callable in one of three ways, as machine code or
+as the very same Python, line by line, for a debugger; both give the same bits, for the compiled
+code neither reorders nor fuses floating-point operations:
 
 - :func:`address_of` gives an address, under which another kernel may :func:`call` it. So a
   program is compiled once, and what it is asked to do with the rows that it holds (a norm, a
@@ -490,24 +490,37 @@ def _linked_only(codegen: Any) -> Iterator[None]:
     library = _library_without_native_code()
     codegen._library_class = library
     codegen.set_env = lambda *_: None  # belongs to native code
-    from numba.cpython import slicing
-    from numba.np import arrayobj
-    from numba.core import types as T
-    a, b = arrayobj.fix_integer_index, slicing.fix_slice
-    def fi(context, builder, idxty, idx, size):
-        return context.cast(builder, idx, idxty, T.intp)
-    def fs(builder, slice, size):
-        from numba.core import cgutils
-        import llvmlite.ir as ir
-        big = builder.icmp_signed('>=', slice.stop, size)
-        slice.stop = builder.select(big, size, slice.stop)
-    arrayobj.fix_integer_index = fi
-    slicing.fix_slice = fs
     try:
         yield
     finally:
         del codegen._library_class, codegen.set_env
-        arrayobj.fix_integer_index, slicing.fix_slice = a, b
+
+
+@contextlib.contextmanager
+def _counted_from_the_front() -> Iterator[None]:
+    """Have numba take every index as it is: kernels never count from the end of an array.
+
+    It would look at each whether it is negative, and bring both ends of each slice into the
+    array; three instructions an element are a third of the time of a rule base at a point. Only
+    the end of a slice may lie behind the array. The tests run kernels on arrays that refuse the
+    rest.
+    """
+    from numba.core import types
+    from numba.cpython import slicing
+    from numba.np import arrayobj
+
+    def as_it_is(context: Any, builder: Any, kind: Any, index: Any, _size: Any) -> Any:
+        return context.cast(builder, index, kind, types.intp)
+
+    def ended(builder: Any, part: Any, size: Any) -> None:
+        part.stop = builder.select(builder.icmp_signed(">=", part.stop, size), size, part.stop)
+
+    before = arrayobj.fix_integer_index, slicing.fix_slice
+    arrayobj.fix_integer_index, slicing.fix_slice = as_it_is, ended
+    try:
+        yield
+    finally:
+        arrayobj.fix_integer_index, slicing.fix_slice = before
 
 
 @functools.cache
@@ -546,7 +559,7 @@ def _compile(
     scalars = {"f": numba_types.float64, "i": numba_types.int64}
     signature = tuple(numba_types.Array(scalars[letter], 1, "C") for letter in types)
     context = inner.targetctx
-    with global_compiler_lock, _linked_only(context.codegen()):
+    with global_compiler_lock, _linked_only(context.codegen()), _counted_from_the_front():
         inner.compile(signature)
     made = inner.overloads[signature]
     word, eight = ir.IntType(64), ir.Constant(ir.IntType(64), 8)

@@ -151,9 +151,7 @@ def evaluate(block: Any) -> None:
     head = k[OUTPUTS_AT]
     for o in range(outputs):
         groups = at
-        at = _fold_heights_of_point(
-            k, f, room, at, k[head + AGGREGATION], heights, width, operands
-        )
+        at = _fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, width, operands)
         if k[head + IS_CLOSED] != 0:
             total, moment, at = _closed_at_point(k, f, room, k[groups], at, heights, width)
         else:
@@ -162,7 +160,7 @@ def evaluate(block: Any) -> None:
             at = k[NEXT]
         bounds = k[head + FLOATS_AT]
         value = moment
-        if k[head + IS_MEAN] != 0:
+        if k[head + IS_MEAN] != 0 and total > 0.0:
             value = mean_of(f[bounds + 3], moment, total)
         low, high, silent = f[bounds], f[bounds + 1], f[bounds + 2]
         value = settled(k[head + OUT_MODE], low, high, silent, total, value)
@@ -570,9 +568,7 @@ def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: 
 
 
 @kernel
-def settled(
-    mode: int, low: float, high: float, silent: float, total: float, value: float
-) -> float:
+def settled(mode: int, low: float, high: float, silent: float, total: float, value: float) -> float:
     """Return a value brought into the range, or what holds where nothing fired."""
     found = silent
     if total > 0.0:
@@ -657,13 +653,13 @@ def _add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> Non
     start, depth, a1, a2 = layer[0], layer[1], layer[2], layer[3]
     b1, b2, b3 = layer[4], layer[5], layer[6]
     for point in range(total.shape[0]):
-        x = reach(one[point], other[point], start, depth)
+        x = part_of_layer(one[point], other[point], start, depth)
         total[point] += layer_area(x, a1, a2)
         moment[point] += layer_moment(x, b1, b2, b3)
 
 
 @kernel
-def reach(one: float, other: float, start: float, depth: float) -> float:
+def part_of_layer(one: float, other: float, start: float, depth: float) -> float:
     """Return how far the smaller of two heights reaches into a layer."""
     return min(max(min(one, other) - start, 0.0), depth)
 
@@ -701,7 +697,7 @@ def _closed_at_point(
     for _ in range(terms):
         layer = k[at + 2]
         one, other = room[first + k[at] * width], room[first + k[at + 1] * width]
-        x = reach(one, other, f[layer], f[layer + 1])
+        x = part_of_layer(one, other, f[layer], f[layer + 1])
         total += layer_area(x, f[layer + 2], f[layer + 3])
         moment += layer_moment(x, f[layer + 4], f[layer + 5], f[layer + 6])
         at += 3

@@ -535,6 +535,10 @@ class _Writer:
         ]
         programs = len(self.whole)
         self._write_programs(writers, strides, stride)
+        # Behind the programs, for how many buckets there are depends on numbers, not on the form.
+        for i, cells in enumerate(self.cells):
+            self.whole[at.HEAD + at.INPUT_HEAD * i + at.STARTS_AT] = len(self.whole)
+            self.whole += cells.starts
         work = row + max([writer.heights for writer in writers], default=0)
         samples = max([writer.samples for writer in writers], default=0)
         self.whole[: at.POINTS] = [
@@ -563,11 +567,12 @@ class _Writer:
             if len(self.whole) - first <= MOST_KEPT:
                 if len(_programs) >= MOST_KNOWN:
                     _programs.pop(next(iter(_programs)), None)
-                heights = tuple(writer.heights for writer in writers)
-                _programs[key] = (tuple(self.whole[first:]), heights)
+                rows = tuple(writer.heights for writer in writers)
+                _programs[key] = (tuple(self.whole[first:]), rows)
             return
-        self.whole += known[0]
-        for writer, heights in zip(writers, known[1], strict=True):
+        programs, rows = known
+        self.whole += programs
+        for writer, heights in zip(writers, rows, strict=True):
             writer.heights = heights
 
     def _write_each_program(
@@ -594,8 +599,6 @@ class _Writer:
             low, high = variable.low, variable.high
             clamped = variable.outside == "clamp"
         self.floats[at.RANGE * i : at.RANGE * (i + 1)] = [low, high, cells.first, cells.scale]
-        starts = len(self.whole)
-        self.whole += cells.starts
         edges = len(self.floats)
         self.floats += cells.edges
         listed = [sorted(lines) for lines in cells.lines]
@@ -621,7 +624,7 @@ class _Writer:
         )
         head = at.HEAD + at.INPUT_HEAD * i
         self.whole[head : head + at.INPUT_HEAD] = [
-            int(clamped), len(cells.starts), starts, edges, stride, row, most, len(always), curves,
+            int(clamped), len(cells.starts), 0, edges, stride, row, most, len(always), curves,
         ]  # fmt: skip
 
     def _active(self, strides: Sequence[int], programs: int) -> list[list[_Rule]]:

@@ -437,17 +437,16 @@ class ClosedLoop:
         taps = self.taps[: 2 * len(course.motion.tracked)]
         record, _ = self._recorded(program, course, seed, taps)
         stopped = None if course.plant.ended else record.diverged()
-        errors = shown_errors(course, record.samples)
+        names = list(map(self.site.interface.label, course.motion.tracked))
+        labels = judged_names([axis for axis, _ in course.motion.tracked], names)
+        errors = rms(shown_errors(course, record.samples)).tolist()
         chatter = self._chatter(record)
-        found = rms(errors).tolist()
-        tracked = course.motion.tracked
-        axes = [axis for axis, _ in tracked]
-        labels = judged_names(axes, list(map(self.site.interface.label, tracked)))
-        first = {axis: next((n for n in chatter if n.rpartition(".")[0] == axis), "") for axis in axes}
+        first: dict[str, float] = {}  # of the first drive of each axis
+        for name, value in chatter.items():
+            first.setdefault(name.rpartition(".")[0], value)
+        calm = [first.get(name.rpartition(".")[0], 0.0) for name in names]
         return Judged(
-            dict(zip(labels, found, strict=True)),
-            {label: chatter.get(first[axis], 0.0) for label, axis in zip(labels, axes, strict=True)},
-            stopped,
+            dict(zip(labels, errors, strict=True)), dict(zip(labels, calm, strict=True)), stopped
         )
 
     def _recorded(
