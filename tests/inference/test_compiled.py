@@ -22,8 +22,8 @@ from fuzzyarm.inference import (
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
-from fuzzyarm.kernels import Compiling, watch_compiling
 from fuzzyarm.language import parse
+from fuzzyarm.machine_code import Compiling, watch_compiling
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,

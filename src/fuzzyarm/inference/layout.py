@@ -351,7 +351,12 @@ class _Rule(NamedTuple):
 
 
 def lay_out(
-    plan: Plan, *, compiled: bool = False, addresses: Addresses | None = None, loose: str = ""
+    plan: Plan,
+    *,
+    compiled: bool = False,
+    addresses: Addresses | None = None,
+    loose: str = "",
+    alone: bool = False,
 ) -> Layout:
     """Write a plan as numbers.
 
@@ -367,18 +372,21 @@ def lay_out(
         A variable whose terms are to have numbers of their own, so that they can be changed in
         place: an input without cells, an output without closed forms. It takes longer to
         evaluate, and its last bits differ.
+    alone : bool
+        For :func:`fuzzyarm.inference.kernel.evaluate` only: the address of what it does by itself
+        is 0, and is not compiled.
 
     Returns
     -------
     Layout
-        For :func:`fuzzyarm.inference.kernel.sweep`.
+        For :func:`fuzzyarm.inference.kernel.sweep`, too, unless `alone`.
 
     Raises
     ------
     NotCoveredError
         If the kernel cannot evaluate it.
     """
-    return _Writer(plan, addresses or InMemory(compiled), loose=loose).layout()
+    return _Writer(plan, addresses or InMemory(compiled), loose=loose, alone=alone).layout()
 
 
 def what_is_not_covered(plan: Plan) -> str:
@@ -398,12 +406,13 @@ MOST_KNOWN, MOST_KEPT = 16, 50_000
 
 
 class _Writer:
-    def __init__(self, plan: Plan, addresses: Addresses, *, loose: str) -> None:
+    def __init__(self, plan: Plan, addresses: Addresses, *, loose: str, alone: bool) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
             raise NotCoveredError("there is nothing to evaluate")
         self.plan = plan
         self.addresses = addresses
         self.loose = loose
+        self.alone = alone
         self.marks: list[Mark] = []
         self.numbers: dict[Proposition, int] = {}
         self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
@@ -544,7 +553,7 @@ class _Writer:
         self.whole[: at.POINTS] = [
             inputs, len(outputs), self.operands, row, work, programs, heads, stride, samples,
         ]  # fmt: skip
-        self.whole[at.RUN] = self.addresses.program(at.run)
+        self.whole[at.RUN] = 0 if self.alone else self.addresses.program(at.run)
         rows = work + at.WORK_ROWS
         return Layout(self.whole, self.floats, stride, rows, samples, tuple(self.marks))
 
@@ -704,8 +713,10 @@ class _OutputWriter:
         fold = base.norm(SNORMS[output.aggregation], "S")
         # The quadratures of both sides and both ends would be compiled many times over.
         inline = self.defuzzifier not in REDUCED_INTEGRALS
-        address = base.addresses.program(self.defuzzifier, inline=inline)
         is_closed = self.defuzzifier is at.closed_centroid
+        address = 0
+        if not (is_closed and base.alone):
+            address = base.addresses.program(self.defuzzifier, inline=inline)
         whole[head : head + at.OUTPUT_HEAD] = [
             address, floats, fold, mode, detail, int(is_mean), int(is_closed),
         ]  # fmt: skip
