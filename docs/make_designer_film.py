@@ -52,7 +52,8 @@ CONTROLLER = [
 HELPERS = """
 const hand = document.createElement("div");
 hand.style.cssText = "position:fixed;z-index:99;width:18px;height:18px;margin:-9px;"
-  + "border-radius:9px;background:#d55e0088;border:2px solid #d55e00;pointer-events:none;left:-50px";
+  + "border-radius:9px;background:#d55e0088;border:2px solid #d55e00;"
+  + "pointer-events:none;left:-50px";
 const words = document.createElement("div");
 words.style.cssText = "position:fixed;z-index:98;left:50%;bottom:14px;transform:translateX(-50%);"
   + "font:600 19px system-ui;background:#1b2330;color:#fff;padding:7px 18px;border-radius:8px;"
