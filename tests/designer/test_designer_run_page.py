@@ -1,9 +1,10 @@
 """The view Run in a browser: it starts, moves, is pushed, tuned by slider and stopped."""
 
 import re
+import time
 
 import pytest
-from test_designer_page import AXE, CHROMIUM, Served, put, sync_api, text_of, until
+from test_designer_page import AXE, CHROMIUM, Served, put, sync_api, text_of
 
 from fuzzyarm.shipped_files import shipped
 
@@ -28,11 +29,20 @@ def chromium():
         found.close()
 
 
+def until(condition, what):
+    """Wait; the first run of a machine compiles its kernels."""
+    for _ in range(2400):
+        if condition():
+            return
+        time.sleep(0.025)
+    raise AssertionError(f"did not happen: {what}")
+
+
 def open_run(server, chromium, name, **options):
     """Open a shipped file in the view Run; its faults are kept."""
     address = put(server, f"{name}.frb", shipped(f"{name}.frb").read_text())[1]
     context = chromium.new_context(viewport={"width": 1280, "height": 720}, **options)
-    context.set_default_timeout(10_000)
+    context.set_default_timeout(60_000)
     page = context.new_page()
     page.faults = []
     page.on("pageerror", lambda error: page.faults.append(str(error)))
