@@ -24,7 +24,17 @@ from fuzzyarm.language.queries.references import (
     references,
     rename,
 )
-from fuzzyarm.language.queries.reshape import ReshapeError, set_cell, set_shapes
+from fuzzyarm.language.queries.reshape import (
+    Reshaped,
+    ReshapeError,
+    add_term,
+    remove_term,
+    rename_term,
+    set_cell,
+    set_range,
+    set_rule,
+    set_shapes,
+)
 from fuzzyarm.lazy import lazily
 
 __all__ = [
@@ -41,7 +51,9 @@ __all__ = [
     "Reading",
     "RenameError",
     "ReshapeError",
+    "Reshaped",
     "Symbol",
+    "add_term",
     "apply_edits",
     "coloured",
     "complete",
@@ -52,8 +64,12 @@ __all__ = [
     "plain",
     "read",
     "references",
+    "remove_term",
     "rename",
+    "rename_term",
     "set_cell",
+    "set_range",
+    "set_rule",
     "set_shapes",
     "symbols",
 ]
