@@ -187,6 +187,75 @@ def test_while_a_corner_is_held_the_surface_is_that_of_the_new_term(served, wind
         assert held == pytest.approx(settled, abs=1e-12)
 
 
+CURVED = """\
+rulebase curved
+input x 0 .. 10
+output y 0 .. 1
+term x low:  gaussian 2 1
+term x high: bell 8 1 2
+term y no:  singleton 0
+term y yes: singleton 1
+rule if x is low then y is no
+rule if x is high then y is yes
+"""
+
+
+def test_widths_have_handles_and_numbers(served, window):
+    page = window(put(served, "curved.frb", CURVED)[1])
+    page.locator('text[data-term="low"]').focus()
+    page.locator('path.width[aria-label="x low: deviation"]').focus()
+    page.keyboard.press("Control+ArrowRight")
+    until(lambda: "gaussian 2 2\n" in text_of(page), "the deviation")
+    page.locator('text[data-term="high"]').focus()
+    field = page.locator('.details input[aria-label="x high, slope"]')
+    field.fill("3")
+    field.press("Enter")
+    until(lambda: "bell 8 1 3\n" in text_of(page), "the slope")
+    drag(page, 'path.width[aria-label="x high: width"]', -12)
+    until(lambda: "bell 8 1 3\n" not in text_of(page), "the width")
+    assert 0.3 < float(text_of(page).split("bell 8 ")[1].split()[0]) < 1
+
+
+def test_a_lower_function_stays_below_the_upper_one(served, window):
+    page = window(put(served, "below.frb", shipped("tipper2.frb").read_text())[1])
+    page.locator('text[data-variable="food"][data-term="rancid"]').focus()
+    assert page.locator(".footprint").count() == 8
+    right = page.get_by_label("food rancid: lower corner 4")
+    right.focus()
+    for _ in range(3):
+        page.keyboard.press("Control+ArrowRight")
+    until(lambda: "trapezoid -1.8 0 1 3 height 0.9" in text_of(page), "it stops at the upper one")
+    model = fuzzyarm.language.parse(text_of(page)).rulebase
+    until(lambda: page.evaluate("!designer.store.reshaped.size"), "the text is drawn")
+    expected = fuzzyarm.infer(model, service=2, food=2.9)["tip"]
+    assert value_at(page, 2, 2.9) == pytest.approx(expected, abs=1e-12)
+
+
+def test_terms_are_added_renamed_and_removed_and_ranges_set(served, window):
+    page = window(put(served, "whole.frb")[1])
+    before = text_of(page)
+
+    def ask(button, answer):
+        page.locator(".details").get_by_role("button", name=button).click()
+        page.locator("dialog input").fill(answer)
+        page.keyboard.press("Enter")
+
+    page.locator('text[data-variable="ce"][data-term="ZE"]').focus()
+    ask("Add …", "about zero")
+    until(lambda: "term ce 'about zero': triangle " in text_of(page), "the new term")
+    until(lambda: page.locator('text[data-term="about zero"]').count() == 1, "drawn")
+    page.locator('text[data-term="about zero"]').focus()
+    ask("Rename", "near")
+    until(lambda: "term ce near: " in text_of(page), "the new name")
+    until(lambda: page.locator('text[data-term="near"]').count() == 1, "drawn")
+    page.locator('text[data-term="near"]').focus()
+    page.locator(".details").get_by_role("button", name="Remove").click()
+    until(lambda: text_of(page) == before, "removed")
+    page.locator('text[data-variable="u"][data-term="PB"]').focus()
+    ask("Range …", "-6 .. 8")
+    until(lambda: "output u   -6 .. 8  " in text_of(page), "the range")
+
+
 def test_mistakes_are_found_and_the_last_sound_picture_stays(served, window):
     page = window(put(served, "broken.frb")[1])
     page.evaluate("designer.text.goTo([7, 0])")

@@ -16,7 +16,7 @@ from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_
 from fuzzyarm.inference.sets import straight_pieces
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_cell, set_shapes
 from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import polyline
+from fuzzyarm.model.shapes import membership_function, polyline
 from fuzzyarm.shipped_files import shipped
 
 pytest.importorskip("starlette", reason="the extra designer is not installed")
@@ -121,6 +121,46 @@ def test_corners_and_pieces_in_the_page_are_those_of_python(tmp_path):
         assert corners == [number for corner in expected for number in corner], kind
         cut = [tuple(piece[:4]) for piece in straight_pieces(expected, -1.0, 1.0)]
         assert list(zip(*[iter(pieces)] * 4, strict=True)) == cut, kind
+
+
+CURVES = [
+    ("gaussian", (2.0, 0.5)), ("two-sided-gaussian", (1.0, 0.25, 3.0, 0.75)), ("bell", (2.0, 1.0, 3.0)),
+    ("sigmoid", (2.0, -4.0)), ("sigmoid-difference", (1.0, 4.0, 3.0, 2.0)), ("cosine", (2.0, 1.0)),
+    ("sigmoid-product", (1.0, 4.0, 3.0, -2.0)), ("spike", (2.0, 5.0)), ("s", (1.0, 2.0)),
+    ("z", (1.0, 2.0)), ("pi", (0.0, 1.0, 2.0, 4.0)), ("ramp", (1.0, 3.0)), ("concave", (1.0, 3.0)),
+    ("arc", (3.0, 1.0)), ("semi-ellipse", (1.0, 2.0)), ("triangle", (0.0, 1.0, 3.0)),
+]  # fmt: skip
+
+WIDTHS_AND_MIRRORS = """
+import { WIDTHS } from "./store.js";
+import { mirrorOf } from "./terms.js";
+import { readFileSync } from "fs";
+console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, p]) => [
+  mirrorOf(kind, p, 10),
+  Object.entries(WIDTHS[kind] ?? {}).map(([i, { at, to }]) => [p[i], to(p, at(p)), at(p)]),
+])));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_widths_lead_to_handles_and_back_and_mirrors_are_mirrors(tmp_path):
+    for name in ("engine.js", "store.js", "terms.js", "draw.js", "strings.js"):
+        (tmp_path / name).write_bytes(asset(name)[0])
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "run.js").write_text(WIDTHS_AND_MIRRORS)
+    done = subprocess.run(
+        ["node", str(tmp_path / "run.js")], input=json.dumps(CURVES), capture_output=True,
+        text=True, check=True, timeout=60,
+    )  # fmt: skip
+    for (kind, numbers), (mirrored, widths) in zip(CURVES, json.loads(done.stdout), strict=True):
+        other = {"s": "z", "z": "s"}.get(kind, kind)
+        one = membership_function(Shape(kind, numbers))
+        image = membership_function(Shape(other, tuple(mirrored)))
+        for x in (-1.0, 0.3, 1.25, 1.8, 2.6, 3.9):
+            assert one(x) == pytest.approx(image(10.0 - x), abs=1e-12), kind
+        for number, back, position in widths:
+            assert back == pytest.approx(number), kind
+            assert -1.0 < position < 5.0
 
 
 # --- the file on disk ---

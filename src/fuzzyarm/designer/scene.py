@@ -208,6 +208,7 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
         "twoSided": bool(found.sides),
         "noRule": output.no_rule if isinstance(output.no_rule, str) else _finite(output.no_rule),
         "members": members,
+        "asserted": [list(each) for each in found.contributions],
     }
 
 

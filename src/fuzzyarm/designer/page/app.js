@@ -1,5 +1,6 @@
 // The page of the server: one socket, one file at a time.
 
+import { ask } from "./dialogs.js";
 import { clean, el } from "./draw.js";
 import { DESIGN, frame } from "./frame.js";
 import { Store } from "./store.js";
@@ -72,6 +73,8 @@ function mark(changed) {
 const text = textPane(link, start.nonce);
 const hand = {
   edit: (shapes) => text.edit("shapes", { shapes }),
+  change: (what, details) => text.edit(what, details),
+  askFor: ask,
   numbers: (variable) => text.numbers(variable),
   ask: (question) => link.ask(question),
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
