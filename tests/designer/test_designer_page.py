@@ -113,7 +113,9 @@ def until(condition, what=""):
 
 
 def drag(page, selector, dx):
-    box = page.locator(selector).bounding_box()
+    boxes = []
+    until(lambda: boxes.append(page.locator(selector).bounding_box()) or boxes[-1], selector)
+    box = boxes[-1]  # what is drawn anew meanwhile has none
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
     page.mouse.down()
@@ -172,6 +174,7 @@ def test_while_a_corner_is_held_the_surface_is_that_of_the_new_term(served, wind
     page = window(put(served, "held.frb")[1])
     for variable, term in (("e", "PS"), ("u", "PS")):
         selector = f'circle[data-variable="{variable}"][data-term="{term}"]'
+        page.locator(selector).first.hover(force=True)
         box = page.locator(selector).first.bounding_box()
         page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
         page.mouse.down()
@@ -254,6 +257,80 @@ def test_terms_are_added_renamed_and_removed_and_ranges_set(served, window):
     page.locator('text[data-variable="u"][data-term="PB"]').focus()
     ask("Range …", "-6 .. 8")
     until(lambda: "output u   -6 .. 8  " in text_of(page), "the range")
+
+
+FOUND = """\
+rulebase found
+input a 0 .. 10
+output y 0 .. 10
+terms a, y: triangles LOW HIGH
+rule if a is LOW then y is HIGH
+rule if a is HIGH then y is LOW
+rule if a is HIGH then y is LOW
+"""
+
+
+def choose(page, label, text):
+    page.locator(".surface .bar label", has_text=label).locator("select").select_option(label=text)
+
+
+def test_a_cut_is_moved_by_hand_and_by_keys(served, window):
+    page = window(put(served, "cut.frb")[1])
+    choose(page, "cut", "e")
+    slider = page.locator(".surface .below input")
+    slider.focus()
+    before = page.evaluate("designer.store.point[0]")
+    page.keyboard.press("ArrowRight")
+    until(lambda: page.evaluate("designer.store.point[0]") > before, "the cut has moved")
+    line = page.locator(".surface .line canvas")
+    until(lambda: "u over ce, cut at e" in (line.get_attribute("aria-label") or ""), "a name")
+    line.click(position={"x": 60, "y": 30})
+    assert page.evaluate("designer.store.point[1]") < -4
+    at = page.evaluate("designer.store.point[0]")
+    page.keyboard.press("ArrowLeft")
+    section = page.evaluate("[...designer.store.section(1).z]")
+    model = fuzzyarm.load(shipped("pd7.frb"))
+    assert section[0] == fuzzyarm.infer(model, e=at, ce=-6)["u"]
+    assert len(section) == 121
+
+
+def test_what_the_page_does_not_compute_is_the_server_s(served, window):
+    text = shipped("pd7.frb").read_text().replace("centroid exact", "mean-of-maximum")
+    text = text[: text.index("\nexpect")] + "\n" if "\nexpect" in text else text
+    page = window(put(served, "maxima.frb", text)[1])
+    until(lambda: page.evaluate("!!designer.store.far"), "a surface")
+    canvas = page.locator(".surface .main canvas")
+    until(lambda: "by the server" in canvas.get_attribute("aria-label"), "it is said")
+    model = fuzzyarm.language.parse(text).rulebase
+    page.evaluate("designer.store.setPoint(0, -3.5)")
+    page.evaluate("designer.store.setPoint(1, 2.25)")
+    value = fuzzyarm.infer(model, e=-3.5, ce=2.25)["u"]
+    until(lambda: page.evaluate("designer.store.value()") == value, "the point")
+    corner = fuzzyarm.infer(model, e=6, ce=-6)["u"]
+    assert page.evaluate("designer.store.far.z[60]") == corner
+    until(lambda: page.locator(".rules td.lit").count() == 4, "the cells that fire")
+
+
+def test_sentences_are_written_in_the_list_and_findings_stand_there(served, window):
+    page = window(put(served, "found.frb", FOUND)[1])
+    signs = page.locator(".rules li .sign")
+    assert "already stands on line 6" in signs.get_attribute("aria-label")
+    page.get_by_label("remove rule 3", exact=False).click()
+    until(lambda: text_of(page).count("\nrule") == 2, "removed")
+    until(lambda: signs.count() == 0, "no finding is left")
+    page.get_by_label("edit rule 2", exact=False).click()
+    field = page.get_by_label("rule 2", exact=True)
+    field.fill("if a is NONE then y is LOW")
+    field.press("Enter")
+    page.locator('.write[aria-invalid="true"]').wait_for()
+    field.fill("if a is HIGH then y is LOW with 0.25")
+    field.press("Enter")
+    until(lambda: "then y is LOW with 0.25\n" in text_of(page), "changed")
+    new = page.get_by_label("A new rule")
+    new.fill("if a is not LOW then y is HIGH")
+    new.press("Enter")
+    until(lambda: text_of(page).endswith("rule if a is not LOW then y is HIGH\n"), "added")
+    until(lambda: page.locator(".rules li").count() == 3, "listed")
 
 
 def test_mistakes_are_found_and_the_last_sound_picture_stays(served, window):

@@ -13,6 +13,7 @@ from fuzzyarm.designer.assets import asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_source
+from fuzzyarm.inference import infer
 from fuzzyarm.inference.sets import straight_pieces
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_cell, set_shapes
 from fuzzyarm.model.rulebase import Shape
@@ -124,11 +125,12 @@ def test_corners_and_pieces_in_the_page_are_those_of_python(tmp_path):
 
 
 CURVES = [
-    ("gaussian", (2.0, 0.5)), ("two-sided-gaussian", (1.0, 0.25, 3.0, 0.75)), ("bell", (2.0, 1.0, 3.0)),
-    ("sigmoid", (2.0, -4.0)), ("sigmoid-difference", (1.0, 4.0, 3.0, 2.0)), ("cosine", (2.0, 1.0)),
-    ("sigmoid-product", (1.0, 4.0, 3.0, -2.0)), ("spike", (2.0, 5.0)), ("s", (1.0, 2.0)),
-    ("z", (1.0, 2.0)), ("pi", (0.0, 1.0, 2.0, 4.0)), ("ramp", (1.0, 3.0)), ("concave", (1.0, 3.0)),
-    ("arc", (3.0, 1.0)), ("semi-ellipse", (1.0, 2.0)), ("triangle", (0.0, 1.0, 3.0)),
+    ("gaussian", (2.0, 0.5)), ("two-sided-gaussian", (1.0, 0.25, 3.0, 0.75)),
+    ("bell", (2.0, 1.0, 3.0)), ("sigmoid", (2.0, -4.0)), ("cosine", (2.0, 1.0)),
+    ("sigmoid-difference", (1.0, 4.0, 3.0, 2.0)), ("sigmoid-product", (1.0, 4.0, 3.0, -2.0)),
+    ("spike", (2.0, 5.0)), ("s", (1.0, 2.0)), ("z", (1.0, 2.0)), ("pi", (0.0, 1.0, 2.0, 4.0)),
+    ("ramp", (1.0, 3.0)), ("concave", (1.0, 3.0)), ("arc", (3.0, 1.0)),
+    ("semi-ellipse", (1.0, 2.0)), ("triangle", (0.0, 1.0, 3.0)),
 ]  # fmt: skip
 
 WIDTHS_AND_MIRRORS = """
@@ -323,6 +325,37 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         assert end(socket, 4)["end"] == "failed"
         socket.send_text(json.dumps({"do": "start", "what": "none", "id": 5}))
         assert json.loads(socket.receive_text())["is"] == "failed"
+
+
+def test_a_surface_is_computed_beside_and_its_question_is_not_trusted(client, tmp_path):
+    text = PD7.replace("centroid exact", "mean-of-maximum")
+    corner = read(text).model.rules[-1].span
+    text = apply_edits(text, set_cell(read(text), corner.line, corner.column, None))
+    (tmp_path / "inside" / "maxima.frb").write_text(text)
+    asked = {"x": 0, "y": 1, "output": 0, "point": [1.5, -2.0], "across": 3, "fired": True,
+             "ends": [[-6, 6], [-6, 6]]}  # fmt: skip
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "maxima.frb"}))
+
+        def news(**changed):
+            start = {"do": "start", "what": "surface", "id": 7, **asked, **changed}
+            socket.send_text(json.dumps(start))
+            heard = []
+            while not heard or "end" not in heard[-1]:
+                message = json.loads(socket.receive_text())
+                heard += [message] if message["is"] == "job" else []
+            return heard
+
+        model = read(text).model
+        fired, surface, end = news()
+        assert len(fired["strengths"]) == len(model.rules)
+        assert fired["outputs"] == [infer(model, e=1.5, ce=-2.0)["u"]]
+        assert end["end"] == "done"
+        assert surface["z"][0] == infer(model, e=-6, ce=-6)["u"]
+        assert surface["z"][8] is None  # no rule fires there
+        for wrong in ({"x": 9}, {"point": [1]}, {"point": None}, {"ends": [[0, 0], [1, 0]]},
+                      {"across": "x"}, {"output": 4}, {"ends": [[0, "inf"], [0, 1]]}):  # fmt: skip
+            assert news(**wrong)[-1]["end"] == "failed", wrong
 
 
 # --- pages without a server ---

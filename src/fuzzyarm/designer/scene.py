@@ -13,7 +13,7 @@ from fuzzyarm.inference.layout import NotCoveredError, norm_number
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.trace import sentence
 from fuzzyarm.language.queries import Reading
-from fuzzyarm.language.rules import GridNode
+from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.lsp.session import UTF16, to_position
 from fuzzyarm.model.rulebase import (
     KARNIK_MENDEL,
@@ -92,7 +92,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
             }
             for each in rulebase.outputs
         ],
-        "rules": _rules(rulebase, made, positions),
+        "rules": _rules(rulebase, made, reading, positions),
         "grids": _grids(rulebase, reading, positions),
         "numbers": numbers,
         "functions": functions.described,  # those of the curves to be drawn among them
@@ -212,7 +212,9 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
     }
 
 
-def _rules(rulebase: RuleBase, made: Plan, positions: Positions) -> list[dict[str, Any]]:
+def _rules(
+    rulebase: RuleBase, made: Plan, reading: Reading, positions: Positions
+) -> list[dict[str, Any]]:
     if len(made.rules) > MOST_RULES:
         return []
     concluded: dict[int, list[list[int]]] = {}
@@ -220,11 +222,16 @@ def _rules(rulebase: RuleBase, made: Plan, positions: Positions) -> list[dict[st
         for member, index in output.contributions:
             concluded.setdefault(index, []).append([o, member])
     names = [each.name for each in rulebase.inputs]
+    nodes = (statement.node for statement in reading.document.statements)
+    written = {node.span.line: " ".join(node.parts) for node in nodes if isinstance(node, RuleNode)}
     found = []
     for number, rule in enumerate(rulebase.rules):
         found.append(
             {
                 "text": sentence(rule),
+                "written": "" if rule.in_grid else written.get(rule.span.line, ""),
+                "line": rule.span.line,
+                "range": positions.of(rule.span),
                 "weight": rule.weight,
                 "at": positions.of(rule.span)[0],
                 "inGrid": rule.in_grid,
@@ -261,6 +268,7 @@ def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[d
             "column": part.column.text,
             "columns": [word.text for word in part.columns],
             "joined": bool(grid.joined),
+            "range": positions.of(part.span),
             "rows": [
                 {
                     "label": row.label.text,

@@ -36,6 +36,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.designer.assets import asset, index_page
+from fuzzyarm.designer.computed import surface
 from fuzzyarm.designer.jobs import Job, Work
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.errors import FuzzyarmError
@@ -43,7 +44,7 @@ from fuzzyarm.errors import FuzzyarmError
 SUFFIXES = (".frb", ".lut")
 """Files that are opened."""
 
-WORKS: dict[str, Work] = {}
+WORKS: dict[str, Work] = {"surface": surface}
 """Long work that a page may start → what does it."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024

@@ -3,6 +3,7 @@
 import { ask } from "./dialogs.js";
 import { clean, el } from "./draw.js";
 import { DESIGN, frame } from "./frame.js";
+import { askServer } from "./remote.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
 import { S } from "./strings.js";
@@ -25,6 +26,7 @@ let dirty = false;
 let lost = false;
 let turning = false; // to another file of this page
 let asked = 0;
+let latest = null; // findings, which come in front of the picture of the same text
 const answers = new Map();
 const jobs = new Map(); // what hears of long work, by its number
 
@@ -81,6 +83,7 @@ const hand = {
   setCell: (cell, term) => text.edit("cell", { cell, term }),
   goTo: (at) => text.goTo(at),
 };
+askServer(store, hand.start);
 const banner = el("div", { class: "banner", role: "alert", hidden: true });
 const chooser = start.files.length > 1 ? files : el("strong", { textContent: file });
 frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })], VIEWS);
@@ -140,9 +143,13 @@ const TAKEN = {
     mark(text.state().text !== saved);
   },
   updates: (message) => text.receive(message),
-  findings: (message) => text.show(message),
+  findings(message) {
+    text.show(message);
+    latest = message;
+  },
   scene(message) {
     if (message.version !== text.version()) return;
+    store.findings = latest?.version === message.version ? latest.findings : [];
     if (message.scene) store.show(message.scene);
     else store.mistaken(message.why);
   },

@@ -80,6 +80,9 @@ export function rangeOf(variable) {
   return [low, high];
 }
 
+const evenly = ([low, high], points) =>
+  Float64Array.from({ length: points }, (_, k) => low + ((high - low) * k) / (points - 1));
+
 export class Store {
   constructor() {
     this.listeners = {};
@@ -91,6 +94,9 @@ export class Store {
     this.point = [];
     this.axes = { x: 0, y: 1, output: 0 };
     this.stale = false; // whether the text has mistakes now
+    this.findings = []; // of the text that is drawn
+    this.far = null; // the surface as the server computed it
+    this.told = null; // what the server said of the point, where the page does not compute it
   }
 
   on(name, listener) {
@@ -121,7 +127,7 @@ export class Store {
     this.engine = scene.numbers ? new Engine(scene.numbers) : null;
     const none = { whole: "", floats: "", functions: scene.functions };
     this.curves = this.engine ?? new Engine(none); // sets are drawn in any case
-    this.held = null;
+    this.held = this.far = this.told = this.cost = null;
     // What a hand still holds is newer than this text.
     if (!this.busy) this.reshaped.clear();
     this.stale = false;
@@ -143,6 +149,12 @@ export class Store {
       this.stale = true;
       this.emit("stale");
     }
+  }
+
+  /** The value of the output shown at the point; NaN where there is none, or it is not known. */
+  value() {
+    const outputs = this.running ? this.running.at(this.point) : this.told?.outputs;
+    return outputs?.[this.axes.output] ?? NaN;
   }
 
   /** The engine whose numbers are those of the picture. */
@@ -230,23 +242,71 @@ export class Store {
 
   // --- values ---
 
-  /** The output shown over the two inputs of the axes, row by row; NaN where there is no value. */
-  surface(points = ACROSS) {
+  /** Which surface is shown: what else it depends on than the point within it. */
+  surfaceKey() {
+    const { x, y, output } = this.axes;
+    return JSON.stringify([x, y, output, this.point.filter((_, i) => i !== x && i !== y)]);
+  }
+
+  /** How many points along an axis are computed within a tenth of a second. */
+  across() {
+    const few = this.scene.functions.some((each) => /^integrated_|_integral$/.test(each.program ?? "")) ? 15 : ACROSS;
+    const known = this.cost ? Math.floor(Math.sqrt(100 / this.cost)) : few;
+    return Math.min(ACROSS, Math.max(9, known));
+  }
+
+  /**
+   * The output shown over the two inputs of the axes, row by row; NaN where there is no value. It
+   * is the server's (`far`) where the page does not compute it, or not as finely; null before.
+   */
+  surface(points = this.across()) {
+    const isFar = this.far?.key === this.surfaceKey() && !this.reshaped.size;
+    const isCoarse = points < ACROSS;
+    if (isCoarse !== this.coarse) {
+      this.coarse = isCoarse;
+      this.emit("coarse");
+    }
+    if (isFar && (this.coarse || !this.running)) return this.far;
+    if (!this.running) return null;
     const { x, y, output } = this.axes;
     const flat = x === y; // one input
     const rows = flat ? 1 : points;
     const columns = this.scene.inputs.map((_, i) => new Float64Array(points * rows).fill(this.point[i]));
-    const [xs, ys] = [x, y].map((i) => {
-      const [low, high] = rangeOf(this.scene.inputs[i]);
-      return Float64Array.from({ length: points }, (_, k) => low + ((high - low) * k) / (points - 1));
-    });
+    const [xs, ys] = [x, y].map((i) => evenly(rangeOf(this.scene.inputs[i]), points));
     for (let j = 0; j < rows; j++) {
       for (let i = 0; i < points; i++) {
         columns[x][j * points + i] = xs[i];
         if (!flat) columns[y][j * points + i] = ys[j];
       }
     }
-    return { xs, ys, z: this.running.many(columns)[output], rows };
+    const start = performance.now();
+    const z = this.running.many(columns)[output];
+    const cost = (performance.now() - start) / (points * rows);
+    this.cost = Math.min(cost, this.cost ?? cost);
+    return { xs, ys, z, rows };
+  }
+
+  /** The output shown along one input through the point; of the server's surface by its lines. */
+  section(input, points = 2 * ACROSS - 1) {
+    const xs = evenly(rangeOf(this.scene.inputs[input]), points);
+    if (this.running) {
+      const few = this.coarse ? ACROSS : points;
+      const at = few === points ? xs : evenly([xs[0], xs[points - 1]], few);
+      const columns = this.scene.inputs.map((_, i) => (i === input ? at : new Float64Array(few).fill(this.point[i])));
+      return { xs: at, z: this.running.many(columns)[this.axes.output] };
+    }
+    const found = this.surface();
+    if (!found) return null;
+    const { x, y } = this.axes;
+    if (x === y) return { xs: found.xs, z: found.z };
+    const other = input === x ? y : x;
+    const lines = other === x ? found.xs : found.ys;
+    const n = lines.length;
+    const share = ((this.point[other] - lines[0]) / (lines[n - 1] - lines[0])) * (n - 1);
+    const low = Math.min(n - 2, Math.max(0, Math.floor(share)));
+    const value = (i, k) => (other === x ? found.z[i * n + k] : found.z[k * n + i]);
+    const z = Float64Array.from({ length: n }, (_, i) => value(i, low) + (share - low) * (value(i, low + 1) - value(i, low)));
+    return { xs: input === x ? found.xs : found.ys, z };
   }
 
   /**
