@@ -311,6 +311,37 @@ def test_what_the_page_does_not_compute_is_the_server_s(served, window):
     until(lambda: page.locator(".rules td.lit").count() == 4, "the cells that fire")
 
 
+def test_the_rules_are_those_that_fire_or_all_in_their_order(served, window):
+    page = window(put(served, "viewer.frb")[1])
+    fired = page.locator(".rules-fired .fired")
+    until(lambda: fired.count() == 4, "those that fire")
+    model = fuzzyarm.load(shipped("pd7.frb"))
+    point = page.evaluate("designer.store.point")
+    trace = fuzzyarm.explain(model, e=point[0], ce=point[1])
+    expected = [f"{each.number}: {each.strength:.3g}" for each in trace.fired]
+    assert sorted(page.locator(".degree").all_inner_texts()) == sorted(expected)
+    page.locator(".inference select").select_option("text")
+    until(lambda: fired.first.inner_text().startswith("1: 0"), "from the first on")
+    assert fired.count() < 30  # those that are seen
+    page.evaluate("document.querySelector('.rules-fired').scrollTop = 1e6")
+    until(lambda: fired.last.inner_text().startswith("49: "), "to the last")
+
+
+def test_both_strengths_and_both_ends_of_an_interval_are_shown(served, window):
+    page = window(put(served, "ends.frb", shipped("tipper2.frb").read_text())[1])
+    page.evaluate("designer.store.setPoint(0, 2)")
+    page.evaluate("designer.store.setPoint(1, 3)")
+    page.get_by_text("tip = 7.43782 (5.42028 … 9.45535)", exact=True).wait_for()
+    model = fuzzyarm.load(shipped("tipper2.frb"))
+    trace = fuzzyarm.explain(model, service=2, food=3)
+    first = trace.fired[0]
+    assert page.locator(".degree").first.inner_text() == (
+        f"{first.number}: {first.lower:.3g} … {first.strength:.3g}"
+    )
+    assert page.locator(".foot .interval").count() == 1
+    assert page.locator(".foot path.cut").count() == 2
+
+
 def test_sentences_are_written_in_the_list_and_findings_stand_there(served, window):
     page = window(put(served, "found.frb", FOUND)[1])
     signs = page.locator(".rules li .sign")

@@ -193,7 +193,13 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
                 "term": upper.get(member.term.name, member.term.name),
                 "isLower": member.term.name in upper,
                 "side": found.sides[i] if found.sides else UPPER,
-                "words": " ".join([*(hedge.name for hedge in member.hedges), member.term.name]),
+                "hedged": bool(member.hedges),
+                "words": " ".join(
+                    [
+                        *(hedge.name for hedge in member.hedges),
+                        upper.get(member.term.name, member.term.name),
+                    ]
+                ),
                 "value": None if member.value is None else _finite(member.value),
                 "curve": curve
                 and {"address": curve.address, "numbers": list(map(_number, curve.numbers))},
@@ -238,6 +244,9 @@ def _rules(
                 "parts": list(_parts(rule, names)),
                 "readings": list(made.readings[number]),
                 "concludes": concluded.get(made.readings[number][0], []),
+                "concludesLower": [
+                    each for index in made.readings[number][1:] for each in concluded.get(index, [])
+                ],
             }
         )
     return found
