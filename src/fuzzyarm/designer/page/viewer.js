@@ -46,7 +46,7 @@ export function viewerPane(store) {
       return { range, number };
     });
     const { scene } = store;
-    const first = scene.rules.some((rule) => rule.readings.length > 1) ? "7.6em" : "4.6em";
+    const first = scene.rules.some((rule) => rule.readings.length > 1) ? "8.4em" : "4.6em";
     const columns = `${first} repeat(${scene.inputs.length + scene.outputs.length}, minmax(0, 1fr))`;
     for (const part of [head, foot]) part.style.gridTemplateColumns = columns;
     rows.style.setProperty("--columns", columns);
@@ -75,8 +75,9 @@ export function viewerPane(store) {
       ...store.scene.outputs.map((output, o) => whole(output, o, found)));
   }
 
+  const small = (x) => (x > 0 && x < 1e-3 ? x.toExponential(0) : shortNumber(x, 3));
   const degree = (found, number) => {
-    const [high, low] = [found.strengths[number], found.lower[number]].map((x) => shortNumber(x, 3));
+    const [high, low] = [found.strengths[number], found.lower[number]].map(small);
     return high === low ? high : S.between(low, high);
   };
 
