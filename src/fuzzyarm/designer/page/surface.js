@@ -45,6 +45,7 @@ export function surfacePane(store, { start }) {
   let cut = ""; // "x" or "y": the axis that the cut is at a value of
   let image = null; // what the solid is filled into
   let layer = null;
+  let scale = null; // of the colours, made once
   let size = { width: 0, height: 0 };
   let lineSize = { width: 0, height: 0 };
   let handle = null; // of the cut in the solid: where it is, and the ends of its way
@@ -164,15 +165,20 @@ export function surfacePane(store, { start }) {
     return low < high ? [low, high] : [low - 1, low + 1];
   }
 
+  function scaleImage() {
+    const colours = new ImageData(1, 256);
+    SHADES.forEach((shade, i) => colours.data.set([...shade, 255], 4 * (255 - i)));
+    const made = new OffscreenCanvas(1, 256);
+    made.getContext("2d").putImageData(colours, 0, 0);
+    return made;
+  }
+
   /** What the colours stand for. */
   function drawScale({ g, width, height, low, high }) {
     const [right, top, tall, wide] = [width - 10, 26, Math.min(150, height - 70), 9];
     if (tall < 40) return;
-    for (let i = 0; i < tall; i++) {
-      const shade = SHADES[Math.round((255 * (tall - 1 - i)) / (tall - 1))];
-      g.fillStyle = `rgb(${shade.join(" ")})`;
-      g.fillRect(right - wide, top + i, wide, 1.5);
-    }
+    scale ??= scaleImage();
+    g.drawImage(scale, right - wide, top, wide, tall);
     g.fillStyle = colourOf("--soft");
     g.font = "11px system-ui, sans-serif";
     g.textAlign = "right";

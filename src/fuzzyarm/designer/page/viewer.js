@@ -125,7 +125,7 @@ export function viewerPane(store) {
   function row(found, number) {
     const { scene } = store;
     const rule = scene.rules[number];
-    const made = el("div", { class: found.strengths[number] > 0 ? "fired" : "fired silent", title: rule.text });
+    const made = el("div", { class: found.strengths[number] > 0 ? "fired" : "fired silent", title: `${rule.text} (${S.strength} ${degree(found, number)})` });
     made.append(el("span", { class: "degree", textContent: `${number + 1}: ${degree(found, number)}` }));
     scene.inputs.forEach((variable, i) => made.append(premise(variable, i, rule)));
     scene.outputs.forEach((output, o) => made.append(conclusion(output, o, rule, found, number)));
