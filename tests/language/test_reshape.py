@@ -10,9 +10,9 @@ from fuzzyarm.language.queries import (
     read,
     remove_term,
     rename_term,
-    set_range,
     set_rule,
     set_shapes,
+    set_variable_range,
 )
 from fuzzyarm.model.rulebase import Shape
 from fuzzyarm.shipped_files import shipped
@@ -81,10 +81,10 @@ def test_a_name_changes_wherever_it_stands():
 
 
 def test_a_range_is_written_and_must_rise():
-    assert "output u   -3 .. 3.5  " in edited(PD7, set_range, "u", -3.0, 3.5)
+    assert "output u   -3 .. 3.5  " in edited(PD7, set_variable_range, "u", -3.0, 3.5)
     for low, high in ((1.0, 1.0), (2.0, 1.0), (float("nan"), 1.0)):
         with pytest.raises(ReshapeError):
-            set_range(read(PD7), "u", low, high)
+            set_variable_range(read(PD7), "u", low, high)
 
 
 def test_sentences_are_written_changed_and_removed():

@@ -1,6 +1,7 @@
 """Tuning finds less cost, keeps what is promised, and says no more than it knows."""
 
 import math
+from concurrent.futures import CancelledError, Executor, Future
 from dataclasses import replace
 
 import numpy as np
@@ -343,3 +344,44 @@ def test_a_rule_base_alone_needs_to_be_told_what_is_good():
     shape = made.model.variable("error").term("COOL").shape
     assert shape.parameters[1] == pytest.approx(3.0, abs=0.1)
     assert math.isnan(made.found.best.score.error)
+
+
+class GoingAway(Executor):
+    """A cluster that goes after some examinations."""
+
+    def __init__(self, examinations):
+        self.left = examinations
+
+    def submit(self, function, /, *words):
+        future = Future()
+        self.left -= 1
+        if self.left < 0:
+            future.cancel()
+        else:
+            future.set_result(function(*words))
+        return future
+
+
+def test_the_best_is_kept_where_the_workers_go():
+    gone = heated(evals=500, executor=GoingAway(20), linear=True)
+    assert gone.found.interrupted
+    assert len(gone.found.trials) == 20
+    assert gone.row("linear PD") is None
+    again = heated(evals=20)
+    assert gone.text == again.text
+    with pytest.raises(CancelledError):
+        heated(executor=GoingAway(0))
+
+
+def test_an_opponent_whose_search_was_ended_is_left_out():
+    def enough(found):
+        if len(found.trials) == 3:
+            raise KeyboardInterrupt
+
+    told = []
+    half = heated(
+        linear=True, watch_linear=enough, watch=lambda found: told.append(len(found.trials))
+    )
+    assert told[-1] == len(half.found.trials) == 12
+    assert half.found.interrupted
+    assert "linear" not in half.claim()

@@ -38,13 +38,21 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from fuzzyarm.designer.assets import asset, index_page
 from fuzzyarm.designer.computed import surface
 from fuzzyarm.designer.jobs import Job, Work
+from fuzzyarm.designer.learning import learn, learnable
 from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
 
 SUFFIXES = (".frb", ".lut")
 """Files that are opened."""
 
-WORKS: dict[str, Work] = {"surface": surface}
+WORKS: dict[str, Work] = {
+    "surface": surface,
+    "learnable": learnable,
+    "learn": learn,
+    "tunable": tunable,
+    "tune": tune,
+}
 """Long work that a page may start → what does it."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
@@ -75,12 +83,40 @@ class Workspace:
         self.folder = path if path.is_dir() else path.parent
         self._open: dict[str, SharedText] = {}
 
+    def listed(self, *suffixes: str) -> list[str]:
+        """Return the names of the folder's files of some kinds; with one file open, none."""
+        if self.only is not None:
+            return []
+        found = (each for each in self.folder.iterdir() if each.suffix.lower() in suffixes)
+        return sorted(each.name for each in found if self._is_inside(each))
+
+    def beside(self, name: str, suffix: str) -> Path:
+        """Return where a file of the folder stands that may be written.
+
+        Raises
+        ------
+        OutsideError
+            If it is not in the folder, or the designer was opened with one file alone.
+        """
+        if self.only is not None:
+            raise OutsideError("the designer has one file open; open its folder to write others")
+        path = self.folder / name
+        plain = name.isprintable() and Path(name).name == name and not name.startswith(".")
+        if not plain or not self._is_inside(path):
+            raise OutsideError(f"'{name}' is not the name of a file in this folder")
+        if path.suffix.lower() != suffix:
+            raise OutsideError(f"the name must end with {suffix}, as in {path.stem}{suffix}")
+        return path
+
+    def _is_inside(self, path: Path) -> bool:
+        """Whether a path leads to a file of the folder; a link may lead out of it."""
+        return path.resolve().parent == self.folder
+
     def files(self) -> list[str]:
         """Return the names of the files that can be opened."""
         if self.only is not None:
             return [self.only]
-        found = [each.name for each in self.folder.iterdir() if each.suffix.lower() in SUFFIXES]
-        return sorted(found)
+        return self.listed(*SUFFIXES)
 
     def text(self, name: str) -> SharedText:
         """Return the open file of a name.
@@ -91,9 +127,7 @@ class Workspace:
             If it is not one of the folder's.
         """
         if name not in self._open:
-            # A link of the folder may lead out of it.
-            listed = name in self.files()
-            if not listed or (self.folder / name).resolve().parent != self.folder:
+            if name not in self.files() or not self._is_inside(self.folder / name):
                 raise OutsideError(f"'{name}' is not a file of this folder")
             self._open[name] = SharedText(self.folder / name)
         return self._open[name]
@@ -213,7 +247,7 @@ class Designer:
     def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
         work, number = WORKS[message["what"]], int(message["id"])
-        job = window.jobs[number] = Job(number, window.tell)
+        job = window.jobs[number] = Job(number, window.tell, self.workspace)
 
         async def run() -> None:
             await job.run(work, shared.session.copy(), message)

@@ -26,12 +26,14 @@ from fuzzyarm.language.queries import (
     Reshaped,
     ReshapeError,
     add_term,
+    add_tuning,
     remove_term,
     rename_term,
     set_cell,
-    set_range,
+    set_ranges,
     set_rule,
     set_shapes,
+    set_variable_range,
 )
 from fuzzyarm.lsp.session import UTF16, Session, to_place
 from fuzzyarm.model.rulebase import Shape
@@ -317,7 +319,9 @@ class SharedText:
 
     def _range(self, asked: dict[str, Any]) -> dict[str, Any]:
         low, high = float(asked["low"]), float(asked["high"])
-        return self._edits(set_range(self.session.reading, str(asked["variable"]), low, high))
+        return self._edits(
+            set_variable_range(self.session.reading, str(asked["variable"]), low, high)
+        )
 
     def _rule(self, asked: dict[str, Any]) -> dict[str, Any]:
         line = None if asked["line"] is None else int(asked["line"])
@@ -328,6 +332,30 @@ class SharedText:
         term = asked["term"]
         term = None if term is None else str(term)
         return self._edits(set_cell(self.session.reading, int(line), int(column), term))
+
+    def _movable(self, _asked: dict[str, Any]) -> dict[str, Any]:
+        """Write into the text what tuning moves where nothing is said, and ranges of gains."""
+        from fuzzyarm.tuning.design import default_ranges, everything
+
+        reading = self.session.reading
+        parsed = reading.parsed if isinstance(reading, Reading) else None
+        if parsed is None or (parsed.rulebase is None and parsed.controller is None):
+            return {"error": "a text with mistakes, or a table, does not say what may move"}
+        edits = []
+        if parsed.rulebase is not None and parsed.rulebase.tuning is None:
+            edits += add_tuning(reading, everything(parsed.rulebase))
+        if parsed.controller is not None:
+            edits += set_ranges(reading, default_ranges(parsed.controller))
+        if not edits:
+            return {"error": "there is nothing in this text that may move"}
+        return self._edits(edits)
+
+    def _merge(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Bring the change from one text to another into the text as it is now."""
+        both = merged(str(asked["old"]), self.text, str(asked["new"]))
+        if both is None:
+            return {"error": "the text has changed in the same lines meanwhile"}
+        return {"version": self.version, "changes": difference(self.text, both)}
 
     def _numbers(self, asked: dict[str, Any]) -> dict[str, Any]:
         rulebase = self.session.reading.parsed.rulebase
@@ -343,6 +371,8 @@ _QUESTIONS = {
     "rename": SharedText._rename,
     "fixes": SharedText._fixes,
     "format": SharedText._format,
+    "merge": SharedText._merge,
+    "movable": SharedText._movable,
     "shapes": SharedText._shapes,
     "term": SharedText._term,
     "range": SharedText._range,

@@ -3,12 +3,14 @@
 import { ask } from "./dialogs.js";
 import { clean, el } from "./draw.js";
 import { DESIGN, frame } from "./frame.js";
+import { LEARN } from "./learn.js";
 import { askServer } from "./remote.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
+import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN];
+const VIEWS = [DESIGN, LEARN, TUNE];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
@@ -43,7 +45,7 @@ const link = {
   start(what, asked_for, hear) {
     const id = ++asked;
     if (send({ do: "start", id, what, ...asked_for })) jobs.set(id, hear);
-    else hear({ end: "failed", message: S.gone });
+    else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
     return {
       say: (words) => send({ do: "say", id, ...words }),
       stop: () => send({ do: "stop", id }),
@@ -75,7 +77,7 @@ function mark(changed) {
 const text = textPane(link, start.nonce);
 const hand = {
   edit: (shapes) => text.edit("shapes", { shapes }),
-  change: (what, details) => text.edit(what, details),
+  change: (what, details) => text.edit(what, details), // an edit that the server makes
   askFor: ask,
   numbers: (variable) => text.numbers(variable),
   ask: (question) => link.ask(question),
@@ -146,6 +148,7 @@ const TAKEN = {
   findings(message) {
     text.show(message);
     latest = message;
+    store.emit("text"); // what was asked of an older text may be asked again
   },
   scene(message) {
     if (message.version !== text.version()) return;

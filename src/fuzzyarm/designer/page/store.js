@@ -97,6 +97,7 @@ export class Store {
     this.findings = []; // of the text that is drawn
     this.far = null; // the surface as the server computed it
     this.told = null; // what the server said of the point, where the page does not compute it
+    this.view = ""; // which one is shown
   }
 
   on(name, listener) {

@@ -28,12 +28,14 @@ from fuzzyarm.language.queries.reshape import (
     Reshaped,
     ReshapeError,
     add_term,
+    add_tuning,
     remove_term,
     rename_term,
     set_cell,
-    set_range,
+    set_ranges,
     set_rule,
     set_shapes,
+    set_variable_range,
 )
 from fuzzyarm.lazy import lazily
 
@@ -54,6 +56,7 @@ __all__ = [
     "Reshaped",
     "Symbol",
     "add_term",
+    "add_tuning",
     "apply_edits",
     "coloured",
     "complete",
@@ -68,9 +71,10 @@ __all__ = [
     "rename",
     "rename_term",
     "set_cell",
-    "set_range",
+    "set_ranges",
     "set_rule",
     "set_shapes",
+    "set_variable_range",
     "symbols",
 ]
 

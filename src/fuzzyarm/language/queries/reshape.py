@@ -1,19 +1,28 @@
-"""What a hand changes in a picture, as edits of the text: terms, ranges, cells of grids, rules."""
+"""What a hand changes in a picture, as edits of the text: terms, cells, rules, what is tuned."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.controllers import ControllerHeading, GainNode
 from fuzzyarm.language.phrases import Kind, ShapeNode
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.queries.references import rename
 from fuzzyarm.language.rules import CellNode, GridNode, RuleNode
-from fuzzyarm.language.statements import EvenTermsNode, StatementNode, TermNode, VariableNode
+from fuzzyarm.language.statements import (
+    EvenTermsNode,
+    Heading,
+    StatementNode,
+    TermNode,
+    VariableNode,
+)
 from fuzzyarm.language.tokens import Figure, Word, name_text
-from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.language.tune import TuneItem, TuneNode
+from fuzzyarm.language.writer import tuning_node
+from fuzzyarm.model.rulebase import PeakTuning, Shape, Tuning
 from fuzzyarm.text.diagnostic import Span
 
 
@@ -294,7 +303,7 @@ def rename_term(reading: Reading, variable: str, term: str, name: str) -> list[E
     raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
 
 
-def set_range(reading: Reading, variable: str, low: float, high: float) -> list[Edit]:
+def set_variable_range(reading: Reading, variable: str, low: float, high: float) -> list[Edit]:
     """Return the edit that gives a variable another range; evenly spaced terms follow it.
 
     Raises
@@ -412,4 +421,70 @@ def _understood(reading: Reading, edits: list[Edit], line: int) -> list[Edit]:
     for each in parsed.diagnostics:
         if each.is_error and each.span.line == line:
             raise ReshapeError(each.message)
+    return edits
+
+
+# --- What may be tuned ---
+
+
+def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
+    """Return the edit that writes a ``tune`` block behind what a rule base has.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    tuning : Tuning
+        What may move.
+
+    Raises
+    ------
+    ReshapeError
+        If the text has no rule base, or such a block already.
+    """
+    last = _end_of_rulebase(reading)
+    if last is None:
+        raise ReshapeError("the text has no rule base")
+    if any(isinstance(each.node, TuneNode) for each in reading.document.statements):
+        raise ReshapeError("the text has a tune block already")
+    node = tuning_node(tuning)
+    usual = 100.0 * PeakTuning(()).gap
+    short = [each._replace(gap=None) if _gap(each) == usual else each for each in node.items]
+    node = node._replace(items=tuple(short))
+    lines = [str(node), *(line for line, _ in node.below())]
+    end = len(reading.raw_line(last)) + 1
+    return [Edit(Span(last, end, last, end), "\n\n" + "\n".join(lines))]
+
+
+def _gap(item: TuneItem) -> float | None:
+    return None if item.gap is None else item.gap.value
+
+
+def _end_of_rulebase(reading: Reading) -> int | None:
+    """Return the last line of what belongs to the rule base in a text."""
+    last, inside = None, False
+    for node, _, end in reading.extents:
+        inside = not isinstance(node, ControllerHeading) and (inside or isinstance(node, Heading))
+        if inside:
+            last = end
+    return last
+
+
+def set_ranges(reading: Reading, ranges: Mapping[str, tuple[float, float]]) -> list[Edit]:
+    """Return the edits that let gains of a controller move between two ends, by their logarithm.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    ranges : mapping of str to (float, float)
+        By the names of the gains; one that has a range keeps it.
+    """
+    edits = []
+    for statement in reading.document.statements:
+        node = statement.node
+        if isinstance(node, GainNode) and node.low is None and node.name.text in ranges:
+            low, high = map(Figure, ranges[node.name.text])
+            line, column = node.span.end_line, node.span.end_column
+            edits.append(Edit(Span(line, column, line, column), f", tune {low} .. {high} log"))
     return edits
