@@ -92,9 +92,16 @@ def draw(browser: Any, address: str) -> None:
     page.close()
 
     page = open_page(browser, address, "thermostat", "dark")
-    page.locator(".surface select").last.select_option("contour")
+    page.locator(".surface .bar label", has_text="view").locator("select").select_option("contour")
     page.wait_for_timeout(400)
     page.screenshot(path=HERE / "designer_dark.png")
+    page.close()
+
+    page = open_page(browser, address, "tipper2")
+    page.locator('text[data-variable="food"][data-term="delicious"]').focus()
+    page.locator(".surface .bar select").last.select_option("x")
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_type2.png")
     page.close()
 
     page = open_page(browser, address, "tipper")
@@ -107,7 +114,7 @@ def draw(browser: Any, address: str) -> None:
 def main() -> None:
     """Serve copies of shipped files, and look at them."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in ("pd7", "thermostat", "tipper", "servo", "cartpole"):
+        for name in ("pd7", "thermostat", "tipper", "tipper2", "servo", "cartpole"):
             shutil.copy(ROOT / "rulebases" / f"{name}.frb", folder)
         words = [sys.executable, "-m", "fuzzyarm", "designer", folder, "--no-browser"]
         state = {**os.environ, "XDG_STATE_HOME": folder}

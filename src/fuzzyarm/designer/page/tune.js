@@ -41,7 +41,7 @@ function tunePanes(store, hand) {
   const lines = el("textarea", { rows: 2, cols: 34, spellcheck: false, placeholder: S.linesExample });
   const inLoop = [
     field(S.plant, plant), field(S.reference, reference, S.referenceHint), field(S.seconds, seconds),
-    field(S.scenarios, scenarios, S.scenariosHint), field(S.over, over),
+    field(S.scenarios, scenarios, S.scenariosHint), field(S.overScenarios, over),
     el("label", { class: "check", title: S.linearHint }, linear, S.linear),
   ];
   const onSamples = [field(S.samples, data)];
