@@ -332,7 +332,7 @@ function learnPanes(store, hand) {
   }
 
   function paintValue(value, _visits, _most, never, colours) {
-    const words = [shortNumber(value, 2), shortNumber(value, 1)];
+    const words = [shortNumber(value, 2), shortNumber(value, 1), value.toFixed(1)];
     if (never) return [null, colours.soft, value === 0 ? [] : words];
     const span = begin.high - begin.low;
     const [fill, ink] = heat(span > 0 ? (value - begin.low) / span : 0.5);
@@ -343,7 +343,7 @@ function learnPanes(store, hand) {
     if (never) return [null, "", []];
     const share = Math.log10(1 + count) / Math.log10(1 + most);
     const [r, g, b] = SHADES[Math.round(255 * share)];
-    return [`rgb(${r} ${g} ${b})`, share > 0.6 ? "#000" : "#fff", [String(count)]];
+    return [`rgb(${r} ${g} ${b})`, share > 0.6 ? "#000" : "#fff", [String(count), `${(count / 1000).toFixed(count < 10000 ? 1 : 0)}k`]];
   }
 
   store.on("view", ask);
