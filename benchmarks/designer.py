@@ -157,9 +157,10 @@ def searching(browser: object, address: str) -> Iterator[None]:
     page.goto(f"{address}#file=heater.frb")
     page.get_by_role("tab", name="Tune").click()
     page.get_by_text("What may move, as the text says").wait_for()
-    page.get_by_label("Trials", exact=True).fill("100000")
-    page.get_by_label("Reference", exact=True).last.fill("temperature=step:20")
-    page.locator("#view-tune").get_by_role("button", name="Start").click()
+    tune = page.locator("#view-tune")
+    tune.get_by_label("Trials", exact=True).fill("100000")
+    tune.get_by_label("Reference", exact=True).fill("temperature=step:20")
+    tune.get_by_role("button", name="Start").click()
     page.get_by_role("img", name="the best so far costs").wait_for()
     yield
     page.close()
