@@ -23,9 +23,10 @@ import json
 import os
 import secrets
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from starlette.applications import Starlette
@@ -37,14 +38,26 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.designer.assets import asset, index_page
 from fuzzyarm.designer.jobs import Job, Work
+from fuzzyarm.designer.learning import learn, learnable
 from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
+
+if TYPE_CHECKING:
+    from fuzzyarm.designer.run import Running
+    from fuzzyarm.designer.stage import Plants
+    from fuzzyarm.lsp.session import Session
 
 SUFFIXES = (".frb", ".lut")
 """Files that are opened."""
 
-WORKS: dict[str, Work] = {}
-"""Long work that a page may start → what does it."""
+WORKS: dict[str, Work] = {
+    "learnable": learnable,
+    "learn": learn,
+    "tunable": tunable,
+    "tune": tune,
+}
+"""Long work that a page may start → what does it; `Designer` adds what needs its plants."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
 LOOK_EVERY = 0.4
@@ -74,12 +87,40 @@ class Workspace:
         self.folder = path if path.is_dir() else path.parent
         self._open: dict[str, SharedText] = {}
 
+    def listed(self, *suffixes: str) -> list[str]:
+        """Return the names of the folder's files of some kinds; with one file open, none."""
+        if self.only is not None:
+            return []
+        found = (each for each in self.folder.iterdir() if each.suffix.lower() in suffixes)
+        return sorted(each.name for each in found if self._is_inside(each))
+
+    def beside(self, name: str, suffix: str) -> Path:
+        """Return where a file of the folder stands that may be written.
+
+        Raises
+        ------
+        OutsideError
+            If it is not in the folder, or the designer was opened with one file alone.
+        """
+        if self.only is not None:
+            raise OutsideError("the designer has one file open; open its folder to write others")
+        path = self.folder / name
+        plain = name.isprintable() and Path(name).name == name and not name.startswith(".")
+        if not plain or not self._is_inside(path):
+            raise OutsideError(f"'{name}' is not the name of a file in this folder")
+        if path.suffix.lower() != suffix:
+            raise OutsideError(f"the name must end with {suffix}, as in {path.stem}{suffix}")
+        return path
+
+    def _is_inside(self, path: Path) -> bool:
+        """Whether a path leads to a file of the folder; a link may lead out of it."""
+        return path.resolve().parent == self.folder
+
     def files(self) -> list[str]:
         """Return the names of the files that can be opened."""
         if self.only is not None:
             return [self.only]
-        found = [each.name for each in self.folder.iterdir() if each.suffix.lower() in SUFFIXES]
-        return sorted(found)
+        return self.listed(*SUFFIXES)
 
     def text(self, name: str) -> SharedText:
         """Return the open file of a name.
@@ -90,9 +131,7 @@ class Workspace:
             If it is not one of the folder's.
         """
         if name not in self._open:
-            # A link of the folder may lead out of it.
-            listed = name in self.files()
-            if not listed or (self.folder / name).resolve().parent != self.folder:
+            if name not in self.files() or not self._is_inside(self.folder / name):
                 raise OutsideError(f"'{name}' is not a file of this folder")
             self._open[name] = SharedText(self.folder / name)
         return self._open[name]
@@ -118,9 +157,21 @@ class Window:
 
 
 class Designer:
-    """The open files and the windows on them."""
+    """The open files and the windows on them.
 
-    def __init__(self, workspace: Workspace, token: str) -> None:
+    Parameters
+    ----------
+    workspace : Workspace
+        The files.
+    token : str
+        What an address has to begin with.
+    plants : Plants, optional
+        What may be run; the shipped ones by default.
+    """
+
+    def __init__(self, workspace: Workspace, token: str, plants: Plants | None = None) -> None:
+        self._plants = plants
+        self.works: dict[str, Work] = {"run": self._run, "plants": self._describe}
         self.workspace = workspace
         self.token = token
         self.windows: list[Window] = []
@@ -143,6 +194,22 @@ class Designer:
         task.cancel()
         for window in self.windows:
             window.stop()
+
+    # --- Runs ---
+
+    @cached_property
+    def _runs(self) -> Running:
+        """What runs controllers; it brings the loop and all plants, which a page may not need."""
+        from fuzzyarm.designer.run import Running
+        from fuzzyarm.designer.stage import Plants
+
+        return Running(self._plants or Plants())
+
+    def _run(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+        self._runs(session, asked, job)
+
+    def _describe(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+        self._runs.describe(session, asked, job)
 
     # --- Pages ---
 
@@ -211,8 +278,8 @@ class Designer:
 
     def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
-        work, number = WORKS[message["what"]], int(message["id"])
-        job = window.jobs[number] = Job(number, window.tell)
+        work, number = {**WORKS, **self.works}[message["what"]], int(message["id"])
+        job = window.jobs[number] = Job(number, window.tell, self.workspace)
 
         async def run() -> None:
             await job.run(work, shared.session.copy(), message)
@@ -399,7 +466,9 @@ def token_for(folder: Path) -> str:
     return hmac.new(secret, str(folder).encode(), hashlib.sha256).hexdigest()[:32]
 
 
-def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
+def serve(
+    path: Path, port: int, announce: Callable[[str], None], plants: Sequence[str] = ()
+) -> None:
     """Serve a folder or a file until it is interrupted.
 
     Parameters
@@ -410,15 +479,24 @@ def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
         Where; 0 for any that is free.
     announce : callable
         Takes the address with its token, when it can be opened.
+    plants : sequence of str, optional
+        What a page may run beside the shipped plants; Python files are executed.
 
     Raises
     ------
     PortError
         If the port is taken.
+    PlantError
+        If a plant cannot be made.
     """
     import uvicorn
 
     workspace = Workspace(path)
+    known = None
+    if plants:
+        from fuzzyarm.designer.stage import Plants
+
+        known = Plants(tuple(plants))
     token = token_for(path.resolve())
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -428,7 +506,7 @@ def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
             raise PortError(f"port {port} cannot be used: {error.strerror}") from None
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
-            Designer(workspace, token).app(),
+            Designer(workspace, token, known).app(),
             log_level="error",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,

@@ -184,14 +184,8 @@ def parse_fll(
 
     Parameters
     ----------
-    text : str
-        The file.
-    path : str
-        Its name, for the findings.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    text, path, lossy, strict
+        As there.
 
     Returns
     -------
@@ -426,12 +420,8 @@ def write_fll(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) 
 
     Parameters
     ----------
-    rulebase : RuleBase
-        Any.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    rulebase, lossy, strict
+        As there.
 
     Returns
     -------

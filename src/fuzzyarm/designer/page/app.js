@@ -2,11 +2,14 @@
 
 import { clean, el } from "./draw.js";
 import { DESIGN, frame } from "./frame.js";
+import { LEARN } from "./learn.js";
+import { RUN } from "./run.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
+import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN];
+const VIEWS = [DESIGN, RUN, LEARN, TUNE];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
@@ -40,7 +43,7 @@ const link = {
   start(what, asked_for, hear) {
     const id = ++asked;
     if (send({ do: "start", id, what, ...asked_for })) jobs.set(id, hear);
-    else hear({ end: "failed", message: S.gone });
+    else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
     return {
       say: (words) => send({ do: "say", id, ...words }),
       stop: () => send({ do: "stop", id }),
@@ -76,7 +79,10 @@ const hand = {
   ask: (question) => link.ask(question),
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
   setCell: (cell, term) => text.edit("cell", { cell, term }),
+  setGain: (name, values) => text.edit("gain", { name, values }),
+  text: () => text.state().text,
   goTo: (at) => text.goTo(at),
+  change: (what, details) => text.edit(what, details), // an edit that the server makes
 };
 const banner = el("div", { class: "banner", role: "alert", hidden: true });
 const chooser = start.files.length > 1 ? files : el("strong", { textContent: file });
@@ -137,11 +143,15 @@ const TAKEN = {
     mark(text.state().text !== saved);
   },
   updates: (message) => text.receive(message),
-  findings: (message) => text.show(message),
+  findings(message) {
+    text.show(message);
+    store.emit("text"); // what was asked of an older text may be asked again
+  },
   scene(message) {
     if (message.version !== text.version()) return;
     if (message.scene) store.show(message.scene);
     else store.mistaken(message.why);
+    store.judge(message.why !== "mistakes");
   },
   answer(message) {
     answers.get(message.id)?.(message);

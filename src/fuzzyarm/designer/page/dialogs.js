@@ -36,3 +36,11 @@ export async function choose(title, texts) {
   const found = await opened(el("strong", {}, title), choices, row);
   return found === "" ? null : Number(found);
 }
+
+/** Whether a person wants it. */
+export async function confirm(question, button) {
+  const row = el("div", { class: "row" },
+    el("button", { value: "", textContent: S.cancel, type: "submit" }),
+    el("button", { value: "ok", textContent: button, type: "submit" }));
+  return (await opened(el("p", {}, question), row)) === "ok";
+}

@@ -24,7 +24,14 @@ from fuzzyarm.language.queries.references import (
     references,
     rename,
 )
-from fuzzyarm.language.queries.reshape import ReshapeError, set_cell, set_shapes
+from fuzzyarm.language.queries.reshape import (
+    ReshapeError,
+    add_tuning,
+    set_cell,
+    set_gain,
+    set_ranges,
+    set_shapes,
+)
 from fuzzyarm.lazy import lazily
 
 __all__ = [
@@ -42,6 +49,7 @@ __all__ = [
     "RenameError",
     "ReshapeError",
     "Symbol",
+    "add_tuning",
     "apply_edits",
     "coloured",
     "complete",
@@ -54,6 +62,8 @@ __all__ = [
     "references",
     "rename",
     "set_cell",
+    "set_gain",
+    "set_ranges",
     "set_shapes",
     "symbols",
 ]
