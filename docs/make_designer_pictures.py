@@ -41,6 +41,45 @@ def drag(page: Any, selector: str, dx: int) -> None:
     page.wait_for_timeout(300)
 
 
+def open_run(browser: Any, address: str, name: str, scheme: str = "light") -> Any:
+    """Open a controller in the view Run, and start it."""
+    page = browser.new_page(viewport=SIZE, color_scheme=scheme)
+    page.goto(f"{address}#file={name}.frb")
+    page.get_by_role("tab", name="Run").click()
+    while not page.locator(".run-form select").nth(1).input_value():
+        page.wait_for_timeout(50)
+    page.get_by_role("button", name="Start").click()
+    while not (page.locator(".metrics td").count() and page.evaluate(SIMULATED) > 2.2):
+        page.wait_for_timeout(50)
+    return page
+
+
+SIMULATED = "parseFloat(document.querySelector('output.clock').textContent)"
+"""The time of a run, s."""
+
+
+def run(browser: Any, address: str) -> None:
+    """Draw the view Run: the motor turned by hand, the cart on its way."""
+    page = open_run(browser, address, "servo")
+    box = page.locator(".run-picture canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x + 60, y - 90)
+    page.mouse.down()
+    page.mouse.move(x + 105, y - 40, steps=4)
+    page.wait_for_timeout(700)
+    page.screenshot(path=HERE / "designer_run.png")
+    page.close()
+
+    page = open_run(browser, address, "cartpole", "dark")
+    page.locator(".run-picture canvas").focus()
+    page.keyboard.down("ArrowLeft")
+    page.wait_for_timeout(600)
+    page.keyboard.up("ArrowLeft")
+    page.wait_for_timeout(500)
+    page.screenshot(path=HERE / "designer_run_dark.png")
+    page.close()
+
+
 def draw(browser: Any, address: str) -> None:
     """Draw every picture."""
     page = open_page(browser, address, "pd7")
@@ -75,7 +114,7 @@ def draw(browser: Any, address: str) -> None:
 def main() -> None:
     """Serve copies of shipped files, and look at them."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in ("pd7", "thermostat", "tipper", "tipper2"):
+        for name in ("pd7", "thermostat", "tipper", "tipper2", "servo", "cartpole"):
             shutil.copy(ROOT / "rulebases" / f"{name}.frb", folder)
         words = [sys.executable, "-m", "fuzzyarm", "designer", folder, "--no-browser"]
         state = {**os.environ, "XDG_STATE_HOME": folder}
@@ -87,6 +126,7 @@ def main() -> None:
                     executable_path=shutil.which("chromium"), args=["--no-sandbox"]
                 )
                 draw(browser, address)
+                run(browser, address)
                 browser.close()
             server.terminate()
 

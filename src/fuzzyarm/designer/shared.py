@@ -8,6 +8,7 @@ a conflict, which is shown until a person decides. Nothing is overwritten in sil
 
 from __future__ import annotations
 
+import math
 import secrets
 from collections.abc import Sequence
 from pathlib import Path
@@ -30,6 +31,7 @@ from fuzzyarm.language.queries import (
     remove_term,
     rename_term,
     set_cell,
+    set_gain,
     set_ranges,
     set_rule,
     set_shapes,
@@ -357,6 +359,12 @@ class SharedText:
             return {"error": "the text has changed in the same lines meanwhile"}
         return {"version": self.version, "changes": difference(self.text, both)}
 
+    def _gain(self, asked: dict[str, Any]) -> dict[str, Any]:
+        values = [float(value) for value in asked["values"]]
+        if not all(map(math.isfinite, values)):
+            raise ValueError
+        return self._edits(set_gain(self.session.reading, str(asked["name"]), values))
+
     def _numbers(self, asked: dict[str, Any]) -> dict[str, Any]:
         rulebase = self.session.reading.parsed.rulebase
         if rulebase is None:
@@ -378,6 +386,7 @@ _QUESTIONS = {
     "range": SharedText._range,
     "cell": SharedText._cell,
     "rule": SharedText._rule,
+    "gain": SharedText._gain,
     "numbers": SharedText._numbers,
 }
 """What a page may ask → who answers."""

@@ -5,12 +5,13 @@ import { clean, el } from "./draw.js";
 import { DESIGN, frame } from "./frame.js";
 import { LEARN } from "./learn.js";
 import { askServer } from "./remote.js";
+import { RUN } from "./run.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
 import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN, LEARN, TUNE];
+const VIEWS = [DESIGN, RUN, LEARN, TUNE];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
@@ -83,6 +84,8 @@ const hand = {
   ask: (question) => link.ask(question),
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
   setCell: (cell, term) => text.edit("cell", { cell, term }),
+  setGain: (name, values) => text.edit("gain", { name, values }),
+  text: () => text.state().text,
   goTo: (at) => text.goTo(at),
 };
 askServer(store, hand.start);
@@ -155,6 +158,7 @@ const TAKEN = {
     store.findings = latest?.version === message.version ? latest.findings : [];
     if (message.scene) store.show(message.scene);
     else store.mistaken(message.why);
+    store.judge(message.why !== "mistakes");
   },
   answer(message) {
     answers.get(message.id)?.(message);
