@@ -169,7 +169,10 @@ class Engine {
     const block = this.block(1);
     const k = block.whole;
     k[PROGRAM] = 0;
-    const outputs = this.at(values);
+    block.set(values, k[COLUMNS]);
+    table = this.functions;
+    sweep(block); // which notes the program of its points, and leaves its rows as they were
+    const outputs = Array.from(block.subarray(k[RESULTS], k[RESULTS] + k[OUTPUTS]));
     if (!k[PROGRAM]) return null;
     const f = block.subarray(k[FLOATS], k[ROOM]);
     const room = block.subarray(k[ROOM], k[COLUMNS]);
