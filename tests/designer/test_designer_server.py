@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 import subprocess
 
@@ -383,3 +384,10 @@ def test_the_modules_of_a_page_are_one_script():
                 if line.startswith(("function ", "const ", "class ", "let "))]  # fmt: skip
     assert len(declared) == len(set(declared))
     assert MODULES[-1] == "exported"
+
+
+def test_every_word_of_the_page_has_a_name_of_its_own():
+    words = asset("strings.js")[0].decode()
+    names = re.findall(r"^  (\w+):", words, re.MULTILINE)
+    assert len(names) > 100
+    assert sorted(names) == sorted(set(names))

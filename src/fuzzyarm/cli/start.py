@@ -237,6 +237,9 @@ def _read_variable(text: str) -> _Variable:
 
 def _new(arguments: argparse.Namespace) -> int:
     path = Path(arguments.name if arguments.name.endswith(".frb") else f"{arguments.name}.frb")
+    if not path.name.removesuffix(".frb").strip("."):
+        message = f"'{arguments.name}' is not a name for a rule base"
+        raise NewFileError(message, hint="take one such as joint")
     kind = _KINDS[arguments.kind]
     inputs = arguments.input or [_read_variable(text) for text in kind.inputs]
     output = arguments.output or _read_variable(kind.output)

@@ -385,8 +385,8 @@ _QUESTIONS = {
     "term": SharedText._term,
     "range": SharedText._range,
     "cell": SharedText._cell,
-    "rule": SharedText._rule,
     "gain": SharedText._gain,
+    "rule": SharedText._rule,
     "numbers": SharedText._numbers,
 }
 """What a page may ask → who answers."""

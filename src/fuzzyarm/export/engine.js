@@ -169,10 +169,7 @@ class Engine {
     const block = this.block(1);
     const k = block.whole;
     k[PROGRAM] = 0;
-    block.set(values, k[COLUMNS]);
-    table = this.functions;
-    sweep(block); // which notes the program of its points, and leaves its rows as they were
-    const outputs = Array.from(block.subarray(k[RESULTS], k[RESULTS] + k[OUTPUTS]));
+    const outputs = this.many(values.map((value) => [value])).map(([value]) => value); // row by row: it notes its program
     if (!k[PROGRAM]) return null;
     const f = block.subarray(k[FLOATS], k[ROOM]);
     const room = block.subarray(k[ROOM], k[COLUMNS]);

@@ -143,13 +143,12 @@ class _Function:
         targets = [self.target(target) for target in each.targets]
         return [f"{' = '.join(targets)} = {self.value(each.value)};"]
 
+    def typed(self, each: ast.AnnAssign) -> list[str]:
+        assert each.value is not None
+        return [f"{self.target(each.target)} = {self.value(each.value)};"]
+
     def left(self, _each: ast.Break) -> list[str]:
         return ["break;"]
-
-    def annotated(self, each: ast.AnnAssign) -> list[str]:
-        if each.value is None:
-            raise NotTranslatedError(each)
-        return [f"{self.target(each.target)} = {self.value(each.value)};"]
 
     def changed(self, each: ast.AugAssign) -> list[str]:
         return [f"{self.target(each.target)} {_BINARY[type(each.op)]}= {self.value(each.value)};"]
@@ -183,7 +182,7 @@ class _Function:
         ast.Expr: plain,
         ast.Return: returned,
         ast.Assign: assigned,
-        ast.AnnAssign: annotated,
+        ast.AnnAssign: typed,
         ast.AugAssign: changed,
         ast.Break: left,
         ast.If: chosen,

@@ -93,11 +93,11 @@ export class Store {
     this.busy = false; // whether a hand moves a term, or has just let go
     this.point = [];
     this.axes = { x: 0, y: 1, output: 0 };
+    this.stale = false; // whether the text has mistakes now, or nothing to be drawn
+    this.sound = false; // whether the text has no mistakes
     this.findings = []; // of the text that is drawn
     this.far = null; // the surface as the server computed it
     this.told = null; // what the server said of the point, where the page does not compute it
-    this.stale = false; // whether the text has mistakes now, or nothing to be drawn
-    this.sound = false; // whether the text has no mistakes
     this.view = ""; // which one is shown
   }
 
@@ -153,16 +153,16 @@ export class Store {
     }
   }
 
-  /** The value of the output shown at the point; NaN where there is none, or it is not known. */
-  value() {
-    const outputs = this.running ? this.running.at(this.point) : this.told?.outputs;
-    return outputs?.[this.axes.output] ?? NaN;
-  }
-
   /** Take whether the text of now is sound. */
   judge(sound) {
     this.sound = sound;
     this.emit("judged");
+  }
+
+  /** The value of the output shown at the point; NaN where there is none, or it is not known. */
+  value() {
+    const outputs = this.running ? this.running.at(this.point) : this.told?.outputs;
+    return outputs?.[this.axes.output] ?? NaN;
   }
 
   /** The engine whose numbers are those of the picture. */

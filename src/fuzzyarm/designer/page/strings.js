@@ -226,7 +226,7 @@ export const S = {
   samples: "Samples",
   scenarios: "Scenarios",
   scenariosHint: "Tune on so many: the named ones, then drawn ones",
-  over: "Over them",
+  overScenarios: "Over them",
   mean: "mean",
   worst: "worst",
   evals: "Trials",
