@@ -1,7 +1,8 @@
 """Compile a rule base to a lookup table or to source text, or a controller to a program.
 
-The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json. Source text:
-.h (a C99 header on its own), .c (with a .h beside it) or .st (IEC 61131-3 Structured Text);
+The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
+and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
+beside it) or .st (IEC 61131-3 Structured Text);
 .mjs or .js is a module of JavaScript that infers the rules themselves.
 FILE may be a table already; it is then rewritten in the other format.
 
@@ -25,7 +26,7 @@ with --table looked up in tables that are made as above.
 from __future__ import annotations
 
 import argparse
-import re
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -47,9 +48,7 @@ from fuzzyarm.cli.command import (
     require_suffix,
     say,
 )
-from fuzzyarm.language.tokens import Cursor, Fault, tokenize
 from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
-from fuzzyarm.text.diagnostic import Diagnostic
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -58,6 +57,7 @@ if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.proof.compiled import Making
     from fuzzyarm.table import CompileReport, LookupTable
+    from fuzzyarm.table.compiler import Levels
 
 
 _EXPORTS = (".h", ".c", ".st")
@@ -74,13 +74,15 @@ _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.table import SUFFIXES
+    from fuzzyarm.table.files import LATEX
 
+    tables = (*SUFFIXES, LATEX)
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
-    suffix = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS, _UNIT, *_MODULES))
+    suffix = require_suffix(arguments.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
     if suffix in _MODULES:
         _write_module(arguments)
         return 0
-    exports = suffix not in SUFFIXES
+    exports = suffix not in tables
     controller = load_controller(arguments.file) if exports else None
     if controller is not None:
         _export_controller(controller, suffix, arguments)
@@ -185,7 +187,7 @@ def _making(arguments: argparse.Namespace) -> Making:
     return Making(
         source=arguments.file,
         output=arguments.output,
-        levels=None if arguments.levels is None else _read_levels(arguments.levels),
+        levels=None if arguments.levels is None else _levels(arguments.levels),
         tolerance=number(arguments.tolerance, "--tolerance"),
         rounding=number(arguments.round, "--round"),
         mode=arguments.mode,
@@ -197,6 +199,16 @@ def _making(arguments: argparse.Namespace) -> Making:
         name=arguments.name,
         fmi=arguments.fmi or 2,
     )
+
+
+def _levels(text: str) -> Levels | Mapping[str, Levels]:
+    from fuzzyarm.table.axis import TableError
+    from fuzzyarm.table.levels import read_levels
+
+    try:
+        return read_levels(text)
+    except TableError as error:
+        raise WordError(f"--{error.message}") from None
 
 
 def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
@@ -269,54 +281,6 @@ def _export_controller(
         return
     lines = [line for report in reports for line in report_lines(report, arguments.out)]
     say(*lines, *controller_lines(exported))
-
-
-# --- The `--levels`, in the words of the language ---
-
-Levels = int | tuple[float, ...]
-
-_NAMED = re.compile(r"\s*(?P<name>[^=:]+?)\s*[=:]\s*(?P<rest>.+)", re.DOTALL)
-
-
-def _read_levels(text: str) -> Levels | dict[str, Levels]:
-    """Return what ``--levels`` asks for.
-
-    That many even levels for every input (``49``), these levels (``-6 .. 6 step 1``,
-    ``0 1 5``), or either for named inputs (``e = 49, ce = -6 .. 6 step 1``).
-    """
-    parts = [part for part in re.split(r"[,;]", text) if part.strip()]
-    if not parts:
-        raise WordError("--levels says nothing")
-    if len(parts) == 1 and not _NAMED.match(parts[0]):
-        return _levels_of_one(parts[0])
-    levels: dict[str, Levels] = {}
-    for part in parts:
-        match = _NAMED.match(part)
-        if match is None:
-            raise WordError(f"--levels '{part.strip()}' does not say for which input")
-        levels[match["name"].strip("'")] = _levels_of_one(match["rest"])
-    return levels
-
-
-def _levels_of_one(text: str) -> Levels:
-    from fuzzyarm.table.header import read_number_list
-
-    if re.fullmatch(r"\s*[0-9]+\s*", text):
-        return int(text)
-    diagnostics: list[Diagnostic] = []
-    lines = tokenize(text, diagnostics)
-    tokens = lines[0].tokens if lines else ()
-    if diagnostics or not tokens:
-        raise WordError(f"--levels '{text.strip()}' is not a list of numbers")
-    cursor = Cursor(tokens)
-    try:
-        values = read_number_list(cursor, "levels")
-        cursor.finish()
-    except Fault as fault:
-        raise WordError(f"--levels '{text.strip()}': {fault.diagnostic.message}") from None
-    if len(values) == 1:
-        raise WordError(f"--levels '{text.strip()}' is not a whole number of levels")
-    return values
 
 
 # --- What --json says of tables and of source text ---

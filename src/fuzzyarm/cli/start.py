@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import re
 import sys
 import tempfile
 from pathlib import Path
@@ -22,7 +21,7 @@ from fuzzyarm.cli.command import (
     write_text,
 )
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.shipped_files import shipped, shipped_names, what_it_is
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.names import typed
 
@@ -67,9 +66,6 @@ taken. To change one, copy it first.
   fuzzyarm shipped pd7.frb -o .      a copy in this folder
 """
 
-_HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)
-"""The line of a file that says what it is: of a table that of its output."""
-
 
 def _list_shipped(arguments: argparse.Namespace) -> int:
     if not arguments.names:
@@ -113,9 +109,7 @@ def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
 
 def _what_is(name: str) -> tuple[str, str]:
     """Return of which kind a shipped file is, and what it says of itself."""
-    found = _HEAD.search(shipped(name).read_text(encoding="utf-8"))
-    kinds = {"rulebase": "rule base", "controller": "controller", "output": "table"}
-    return (kinds[found[1]], found[2]) if found else ("", "")
+    return what_it_is(shipped(name).read_text(encoding="utf-8"))
 
 
 # --- The whole story ---

@@ -9,9 +9,13 @@ from __future__ import annotations
 
 import asyncio
 import queue
+import secrets
+from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
+from pathlib import Path
 from typing import Any, Protocol
+from urllib.parse import quote
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
@@ -19,8 +23,48 @@ from fuzzyarm.lsp.session import Session
 Tell = Callable[[dict[str, Any]], Awaitable[None]]
 
 
+MOST_KEPT, LARGEST_KEPT = 64, 200_000_000
+"""Files for download, and their bytes, beyond which the oldest are dropped."""
+
+
 class StoppedError(FuzzyarmError, RuntimeError):
     """The page wants no more of this work."""
+
+
+class Folder(Protocol):
+    """The files that a page may name."""
+
+    def beside(self, name: str, suffix: str) -> Path:
+        """Return where a file of the folder stands that may be written."""
+
+    def listed(self, *suffixes: str) -> list[str]:
+        """Return the names of the folder's files of some kinds."""
+
+    def session(self, name: str) -> Session:
+        """Return a file of the folder as it is now."""
+
+
+class Downloads:
+    """Files that a page may load, each under a key of its own; the oldest go."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[str, tuple[str, bytes]] = OrderedDict()
+
+    def offer(self, name: str, content: bytes) -> str:
+        """Keep a file; return its address below the page."""
+        key = secrets.token_urlsafe(12)
+        self._kept[key] = name, content
+        while len(self._kept) > MOST_KEPT or sum(map(_size, self._kept.values())) > LARGEST_KEPT:
+            self._kept.popitem(last=False)
+        return f"download/{key}/{quote(name)}"
+
+    def find(self, key: str) -> tuple[str, bytes] | None:
+        """Return the name and the content of a file that is kept."""
+        return self._kept.get(key)
+
+
+def _size(kept: tuple[str, bytes]) -> int:
+    return len(kept[1])
 
 
 class Work(Protocol):
@@ -39,10 +83,16 @@ class Job:
         The page's own number of it, which goes with all that is told.
     tell : callable
         Sends a message to the window.
+    folder : Folder
+        Whose files it may read and write.
+    downloads : Downloads
+        Where it puts what the page is to load.
     """
 
-    def __init__(self, number: int, tell: Tell) -> None:
+    def __init__(self, number: int, tell: Tell, folder: Folder, downloads: Downloads) -> None:
         self.number = number
+        self.folder = folder
+        self._downloads = downloads
         self._tell = tell
         self._loop = asyncio.get_running_loop()
         self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
@@ -97,6 +147,14 @@ class Job:
         """Raise `StoppedError` if the page wants no more."""
         if self.stopped:
             raise StoppedError("stopped")
+
+    def progress(self, words: str) -> None:
+        """Tell what is going on."""
+        self.tell({"doing": words})
+
+    def offer(self, name: str, content: bytes) -> str:
+        """Keep a file for the page to load; return its address."""
+        return self._downloads.offer(name, content)
 
     async def _send(self, news: dict[str, Any]) -> None:
         await self._tell({"is": "job", "id": self.number, **news})
