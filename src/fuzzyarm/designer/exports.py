@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.designer.folder import clean_name, in_words
+from fuzzyarm.designer.names import clean_name, in_words
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.formats.findings import Imported

@@ -9,12 +9,19 @@ from __future__ import annotations
 import contextlib
 import re
 import tempfile
-import unicodedata
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from fuzzyarm.builder.starting import STARTS, starting_text
+from fuzzyarm.designer.names import (
+    OutsideError,
+    clean_name,
+    demand_name,
+    finding_words,
+    in_words,
+    with_suffix,
+)
 from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats import read as read_foreign
@@ -26,18 +33,15 @@ from fuzzyarm.shipped_files import what_it_is
 from fuzzyarm.table import SUFFIXES as TABLES
 from fuzzyarm.table import read_table
 from fuzzyarm.table.files import table_as
-from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity
+from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.files import stamp_of, write_atomically
 from fuzzyarm.text.names import printable
 
 __all__ = [
     "LARGEST_IMPORT",
     "SUFFIXES",
-    "OutsideError",
     "Workspace",
-    "clean_name",
     "converted_file",
-    "in_words",
 ]
 
 SUFFIXES = (".frb", ".lut")
@@ -48,53 +52,6 @@ IMPORTS = (*READABLE, *TABLES)
 
 LARGEST_IMPORT = 8_000_000
 """Bytes of a file that is dropped."""
-
-LONGEST_NAME = 120
-"""Bytes of a file name, which leaves room for the names of temporary files."""
-
-_RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³])(\.|\Z)", re.IGNORECASE)
-"""Names that are devices on some systems, whatever their suffix."""
-
-_MARKS = re.compile(r'[<>:"/\\|?*]')
-"""Marks that some system does not take in a name."""
-
-
-class OutsideError(FuzzyarmError, ValueError):
-    """A file that is not in the folder, or a name that cannot stand there."""
-
-
-def demand_name(name: str) -> str:
-    """Return a name that a file of the folder may have on every system.
-
-    Raises
-    ------
-    OutsideError
-        If it is none, with the reason.
-    """
-    name = unicodedata.normalize("NFC", name.strip())
-    shown = printable(name[:80])
-    if not Path(name).stem or name.startswith("."):
-        raise OutsideError(f"'{shown}' is not the name of a file")
-    if not name.isprintable() or _MARKS.search(name):
-        raise OutsideError(
-            f"'{shown}' cannot be the name of a file: it has a mark that not every system takes"
-        )
-    if _RESERVED.match(name) or Path(name).stem.endswith((" ", ".")):
-        raise OutsideError(f"'{shown}' cannot be the name of a file on every system")
-    if len(name.encode("utf-8", "replace")) > LONGEST_NAME:
-        raise OutsideError(f"the name has more than {LONGEST_NAME} bytes")
-    return name
-
-
-def clean_name(name: str, suffix: str) -> str:
-    """Return a sound name with a suffix that is as near to somebody's `name` as can be."""
-    name = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
-    stem = "".join(c if c.isprintable() else "_" for c in Path(name).stem)
-    stem = _MARKS.sub("_", stem).strip(" .")
-    while len(stem.encode("utf-8", "replace")) > LONGEST_NAME - len(suffix) - 8:
-        stem = stem[:-1]
-    stem = stem.strip(" .").encode("utf-8", "replace").decode() or "imported"
-    return f"_{stem}{suffix}" if _RESERVED.match(f"{stem}.") else f"{stem}{suffix}"
 
 
 class Workspace:
@@ -229,20 +186,20 @@ class Workspace:
         return {}
 
     def _new(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        name, kind = _with_suffix(str(asked["name"]), ".frb"), str(asked["kind"])
+        name, kind = with_suffix(str(asked["name"]), ".frb"), str(asked["kind"])
         if kind not in STARTS:
             raise KeyError(kind)
         return self._written(name, starting_text(Path(name).stem, kind))
 
     def _duplicate(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         old = str(asked["file"])
-        name = _with_suffix(str(asked["name"]), Path(old).suffix)
+        name = with_suffix(str(asked["name"]), Path(old).suffix)
         return self._written(name, self.session(old).text)
 
     def _rename(self, asked: Mapping[str, Any]) -> dict[str, Any]:
         old = str(asked["file"])
         path = self._path(old)
-        name = _with_suffix(str(asked["name"]), path.suffix)
+        name = with_suffix(str(asked["name"]), path.suffix)
         target = self._reserved(name)
         try:
             path.replace(target)
@@ -375,29 +332,8 @@ def _converted(path: Path) -> dict[str, Any]:
         exported = converted(imported.rulebase, str(path), ".frb")
     found = findings_of(imported, exported, str(path))
     if exported is None or exported.text is None:
-        raise OutsideError("; ".join(_said(each) for each in found if each.is_error))
-    return {"text": exported.text, "findings": [_said(each) for each in found]}
-
-
-def _said(finding: Diagnostic) -> str:
-    place = f"line {finding.span.line}: " if finding.span != NOWHERE else ""
-    label = "" if finding.severity is Severity.ERROR else f"{finding.severity}: "
-    return f"{label}{place}{finding.message}"
-
-
-def in_words(error: Exception) -> str:
-    """Return an error without the path that it happened at."""
-    if isinstance(error, RuleBaseError):
-        return "; ".join(_said(each) for each in error.diagnostics)
-    if isinstance(error, OSError) and error.strerror:
-        name = Path(str(error.filename)).name if error.filename else ""
-        return f"{name}: {error.strerror}" if name else error.strerror
-    return str(error)
-
-
-def _with_suffix(name: str, suffix: str) -> str:
-    name = demand_name(name)
-    return name if Path(name).suffix.lower() == suffix.lower() else demand_name(f"{name}{suffix}")
+        raise OutsideError("; ".join(finding_words(each) for each in found if each.is_error))
+    return {"text": exported.text, "findings": [finding_words(each) for each in found]}
 
 
 def _beginning(path: Path) -> str:

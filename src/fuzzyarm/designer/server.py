@@ -41,13 +41,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from fuzzyarm.designer.assets import asset, index_page
 from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.exports import export
-from fuzzyarm.designer.folder import (
-    LARGEST_IMPORT,
-    Workspace,
-    converted_file,
-    in_words,
-)
+from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
+from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.designer.tables import table_error
 from fuzzyarm.errors import FuzzyarmError
