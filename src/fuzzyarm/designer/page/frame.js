@@ -20,9 +20,9 @@ export const DESIGN = {
 /** Build the page around the text; `hand` says what a change in a picture does. */
 export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   const note = el("p", { class: "note" });
-  const views = shownViews.map(({ name, panes }) => {
+  const views = shownViews.map(({ name, drawn, panes }) => {
     const made = panes.map((make) => make(store, hand));
-    return el("div", { class: `pictures view-${name}`, id: `view-${name}`, hidden: true }, ...made);
+    return el("div", { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true }, ...made);
   });
   const area = el("div", { class: "area" }, note, ...views);
   const main = el("main", { class: "design" }, text, area);
@@ -41,6 +41,9 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
       view.hidden = i !== shown || !note.hidden;
     });
     tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === shown)));
+    if (store.view === shownViews[shown].name) return;
+    store.view = shownViews[shown].name;
+    store.emit("view");
   }
 
   turn(0);
@@ -52,6 +55,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
     area.classList.add("stale"); // what is drawn is that of the last sound text
   });
+  return { turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
 }
 
 function themeButton(store) {
