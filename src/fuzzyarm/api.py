@@ -384,7 +384,7 @@ def judge(rulebase: RuleBase, on_step: Callable[[], None] = lambda: None) -> Jud
             )
         elif not verdict.proved:
             message = f"left undecided: {verdict.statement} ({verdict.reason})"
-            hint = "fuzzyarm prove has more time" if "time is over" in verdict.reason else ""
+            hint = "fuzzyarm prove has more time" if "time ran out" in verdict.reason else ""
             findings.append(
                 Diagnostic("undecided-property", message, claim.span, Severity.INFO, hint=hint)
             )

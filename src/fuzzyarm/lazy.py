@@ -1,4 +1,9 @@
-"""Names of a package that are loaded when they are used, and no others to be seen in it."""
+"""Names of a package that are loaded when they are used, and no others to be seen in it.
+
+A package writes its public names three times: type checkers read its imports and ``__all__`` as
+they are written, and the program reads a table of where each name lives. They agree: a test
+compares them (``tests/project/test_public_names.py``).
+"""
 
 from __future__ import annotations
 

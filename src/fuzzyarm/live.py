@@ -309,7 +309,7 @@ def read_script(
 
 
 _HINTS = {
-    "EOFError": "input() has nobody to ask: write the value down",
+    "EOFError": "input() is not answered: write the value into the script",
     "ModuleNotFoundError": "--python names an interpreter that has it",
 }
 """What helps against some exceptions of a script."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.terminal_theme import TerminalTheme
 
-    from fuzzyarm.model.any_rulebase import AnyRuleBase
+    from fuzzyarm.model.rulebase import AnyRuleBase
 
 __all__ = ["html_of", "html_of_drawing", "text_of"]
 
@@ -198,7 +198,7 @@ _DRAWINGS: dict[str, Callable[[Any], str]] = {
     "fuzzyarm.learning.validation.Validation": _validation,
     "fuzzyarm.loop.analysis.Portrait": _portrait,
     "fuzzyarm.loop.run.Run": _run,
-    "fuzzyarm.model.any_rulebase.AnyRuleBase": _rulebase,
+    "fuzzyarm.model.rulebase.AnyRuleBase": _rulebase,
     "fuzzyarm.model.rulebase.Variable": _variable,
     "fuzzyarm.proof.verdicts.Verdict": _text,
     "fuzzyarm.table.axis.TableHeader": _drawn,

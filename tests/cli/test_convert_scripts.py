@@ -96,7 +96,7 @@ def test_every_system_becomes_a_file(folder: Path, capsys: pytest.CaptureFixture
             "the script ends with ZeroDivisionError: division by zero",
             "2 |     return 1 / x",
         ),
-        ("x = input('x? ')\n", "the script ends with EOFError", "input() has nobody to ask"),
+        ("x = input('x? ')\n", "the script ends with EOFError", "input() is not answered"),
         ("import no_such_module\n", "ModuleNotFoundError: No module named 'no_such_module'", "1 |"),
         ("while True:\n    pass\n", "the script has not ended within 1 s", "--seconds"),
         ("print('nothing')\n", "no fuzzy system found", "a ControlSystem of scikit-fuzzy"),

@@ -11,7 +11,7 @@ import pytest
 
 from fuzzyarm.cli import command as commands
 from fuzzyarm.cli import main
-from fuzzyarm.kernels import Compiling
+from fuzzyarm.machine_code import Compiling
 from fuzzyarm.shipped_files import shipped, shipped_names
 
 

@@ -19,8 +19,8 @@ from fuzzyarm.inference import (
     prepare,
 )
 from fuzzyarm.inference.arrays import infer_arrays
-from fuzzyarm.kernels import Compiling, watch_compiling
 from fuzzyarm.language import parse
+from fuzzyarm.machine_code import Compiling, watch_compiling
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,

@@ -17,7 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm import kernels
+from fuzzyarm import kernels, machine_code
 from fuzzyarm.kernels import address_of, build, call, in_threads, jit_wanted, kernel, routine
 
 
@@ -108,8 +108,8 @@ def test_digest_tells_bindings_apart_that_live_in_one_file():
 
 RUN_AND_TELL = (
     "import sys, json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
-    "from fuzzyarm.loop import simulate; from fuzzyarm import kernels; told = [];"
-    "kernels.watch_compiling(lambda each: told.append(each and each.name));"
+    "from fuzzyarm.loop import simulate; from fuzzyarm import machine_code; told = [];"
+    "machine_code.watch_compiling(lambda each: told.append(each and each.name));"
     "run = simulate(controller('cdid'), reach(segment=0.1, hold=0.1));"
     "print(json.dumps([list(run.rms), 'numba' in sys.modules, told]))"
 )
@@ -170,7 +170,7 @@ def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
 ALL_WAYS = """
 import json, sys
 import numpy as np
-from fuzzyarm import compiled, kernels
+from fuzzyarm import compiled, machine_code
 from fuzzyarm.controller import controller
 from fuzzyarm.language import load_rulebase
 from fuzzyarm.shipped_files import shipped
@@ -180,7 +180,7 @@ from fuzzyarm.plant import reach
 from fuzzyarm.table import lookup
 lookup.ONCE_LOADED = lookup.WORTH_LOADING = 0
 told = []
-kernels.watch_compiling(told.append)
+machine_code.watch_compiling(told.append)
 x = np.linspace(-6.0, 6.0, 7)
 run = simulate(controller("pd"), reach(segment=0.1, hold=0.1))
 control = compiled(load_rulebase(shipped("pd7.frb")))(e=x, ce=x[::-1])
@@ -269,27 +269,27 @@ def test_a_cache_that_cannot_be_written(tmp_path, kept_code):
 
 @given(st.binary(max_size=300), st.data())
 def test_code_is_read_as_it_was_written_or_not_at_all(code, data):
-    whole = kernels._head(code) + code
+    whole = machine_code.checksum_of(code) + code
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.code"
-        assert kernels._read_code(path) is None
+        assert machine_code.read_code(path) is None
         path.write_bytes(whole)
-        assert kernels._read_code(path) == code
+        assert machine_code.read_code(path) == code
         begin = data.draw(st.integers(0, len(whole)))
         end = data.draw(st.integers(begin, len(whole)))
         damaged = whole[:begin] + data.draw(st.binary(max_size=20)) + whole[end:]
         path.write_bytes(damaged)
-        assert kernels._read_code(path) == (code if damaged == whole else None)
+        assert machine_code.read_code(path) == (code if damaged == whole else None)
         path.unlink()
         path.mkdir()
-        assert kernels._read_code(path) is None
+        assert machine_code.read_code(path) is None
 
 
 def test_without_a_home_only_the_folder_of_the_package_is_used(monkeypatch):
     for name in ("HOME", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(os.path, "expanduser", lambda path: path)
-    (only,) = kernels._folders(doubled)
+    (only,) = machine_code.folders_of(doubled)
     assert only == Path(__file__).parent / "__pycache__"
 
 
@@ -385,7 +385,7 @@ def test_digest_covers_every_kernel_file(monkeypatch):
 
     monkeypatch.setattr(kernels.Path, "read_bytes", watched)
     kernels._source_digest(run_loop, {"control": summed_drives})
-    assert {"loop.py", "setting.py", "law.py", "kernels.py"} <= set(read)
+    assert {"loop.py", "setting.py", "law.py", "kernels.py", "machine_code.py"} <= set(read)
     read.clear()
     kernels._source_digest(text_law, {})
     assert {"on_plant.py", "kernel.py", "lookup.py", "setting.py"} <= set(read)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import fuzzyarm
+from fuzzyarm import api
 from fuzzyarm.api import check_text
 from fuzzyarm.cli.main import main
 from fuzzyarm.language import format_text, parse, write
@@ -336,3 +337,13 @@ def test_statements_of_several_outputs() -> None:
     parsed = parse(text + lines)
     assert parsed.rulebase is not None
     assert [each.verdict for each in prove_all(parsed.rulebase)] == ["proved"] * 3
+
+
+def test_a_check_that_has_no_time_says_which_command_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    rulebase = parse(f"{PD7}\nprove u rises with e\n").rulebase
+    assert rulebase is not None
+    monkeypatch.setattr(api, "PROOF_SECONDS", -1.0)
+    findings = api.judge(rulebase).findings
+    (undecided,) = [each for each in findings if each.name == "undecided-property"]
+    assert "time ran out" in undecided.message
+    assert undecided.hint == "fuzzyarm prove has more time"

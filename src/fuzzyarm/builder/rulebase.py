@@ -57,8 +57,7 @@ from fuzzyarm.language.statements import (
     VariableNode,
 )
 from fuzzyarm.language.writer import write
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import Defuzzifier, Input, Output
+from fuzzyarm.model.rulebase import AnyRuleBase, Defuzzifier, Input, Output
 from fuzzyarm.model.rulebase import RuleBase as Model
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.names import shortened

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.kernels import Compiling
+    from fuzzyarm.machine_code import Compiling
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
@@ -435,7 +435,7 @@ def _display() -> Progress:
 @contextmanager
 def _long_work() -> Iterator[Progress]:
     """Give a display, which also shows what is compiled meanwhile."""
-    from fuzzyarm.kernels import watch_compiling
+    from fuzzyarm.machine_code import watch_compiling
 
     with _display() as display:
         before = watch_compiling(CompilingBar(display).show)

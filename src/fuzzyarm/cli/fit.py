@@ -230,7 +230,7 @@ def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options
         told = report["fidelity"]
         worst, mean = (f"{100.0 * told[key]:.2g} %" for key in ("worst_share", "rms_share"))
         lines.append(
-            f"  fidelity: off by {told['worst']:.4g} at most and {told['rms']:.4g} RMS,"
+            f"  fidelity: off by at most {told['worst']:.4g}, {told['rms']:.4g} RMS,"
             f" {worst} and {mean} of the range"
         )
     if made.structure == "linear":

@@ -89,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _prepare_output()
     warnings.formatwarning = _warning_text
     if sys.stderr.isatty():
-        from fuzzyarm.kernels import watch_compiling
+        from fuzzyarm.machine_code import watch_compiling
 
         watch_compiling(CompilingBar().show)
     try:

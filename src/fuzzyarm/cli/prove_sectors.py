@@ -173,7 +173,7 @@ def _sector_lines(output: str, found: Sector) -> list[str]:
         if at:
             lines.append(f"  {word} near {written(at)}")
     if not found.complete:
-        lines.append("  the time was over before the bounds were tight")
+        lines.append("  time ran out before the bounds were tight")
     return [*lines, f"  {found.pieces:,} pieces, in exact arithmetic"]
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import chain
 from typing import Any, Protocol
 
 import numpy as np
@@ -20,11 +22,13 @@ from fuzzyarm.controller.program import (
     SourceError,
     Wiring,
     inference_address,
+    rule_block,
     write_down,
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.kernels import kernel
 from fuzzyarm.model.controller import ControllerModel, Learn, Zoom
+from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import JOINTS, POSES, Arm
 from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of
@@ -46,7 +50,7 @@ class Site:
     interface : Interface
         Its ports.
     extra : int
-        Numbers behind its outputs that are no port, see :mod:`fuzzyarm.plant.driven_arm`.
+        Numbers behind its outputs that are not ports, see :mod:`fuzzyarm.plant.driven_arm`.
     connect : mapping of str to str
         From names of the controller to ports of the plant, where they differ.
     """
@@ -207,12 +211,15 @@ class TextLaw(Law):
         From the name of a partner to its law.
     program : callable
         From the arithmetic of a run to what the kernel reads.
+    partners : callable
+        Gives the controllers that it names.
     """
 
     text: ControllerText = field(kw_only=True)
     site: Site = field(kw_only=True)
     find_law: FindLaw = field(kw_only=True)
     program: Any = field(kw_only=True)
+    partners: Callable[[], Mapping[str, CompiledController]] = field(kw_only=True)
 
     def on(self, site: Site) -> TextLaw:
         """Return the law for another plant."""
@@ -285,7 +292,22 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextL
         site=site,
         find_law=find_law,
         program=program,
+        partners=partners,
     )
+
+
+def ask_for_kernels(law: Law, arithmetic: Arithmetic) -> None:
+    """Ask for the address of all that a law calls, see :func:`fuzzyarm.compilers.foreseen`."""
+    law_address(law, arithmetic)
+    if not isinstance(law, TextLaw):
+        return
+    inference_address(compiled=arithmetic.compiled)
+    for sheet in chain(*law.text.sheets.values()):
+        if isinstance(sheet, RuleBase):
+            with suppress(SourceError):  # said when it is written down
+                rule_block(sheet, compiled=arithmetic.compiled)
+    for partner in law.partners().values():
+        law_address(partner.law, arithmetic)
 
 
 def controller_on(controller: Controller, site: Site) -> Controller:

@@ -31,7 +31,7 @@ def _engine() -> bytes:
 
 
 def asset(name: str) -> tuple[bytes, str] | None:
-    """Return the content and the type of a file of the page; None where there is no such one."""
+    """Return the content and the type of a file of the page; None where it does not exist."""
     if name == "engine.js":
         return _engine(), KINDS[".js"]
     if name not in names():

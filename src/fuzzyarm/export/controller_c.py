@@ -266,7 +266,7 @@ class CController:
     def _learn_function(self, key: str) -> str:
         """Return the name of the function that corrects a table.
 
-        What `learn` in the kernel does, over indices of arrays, which are no expressions.
+        What `learn` in the kernel does, over indices of arrays, which are not expressions.
         """
         table_type = self.table_types[key]
         if table_type in self.functions:

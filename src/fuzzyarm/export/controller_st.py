@@ -239,7 +239,7 @@ class _Controller:
             yield from self._taught(each)
 
     def _parts(self, value: Node) -> tuple[tuple[Statement, ...], Node]:
-        """Return the statements that set parts of a value; a choice is no expression here."""
+        """Return the statements that set parts of a value; a choice is not an expression here."""
         body, result = statements(value, prefix="part_", taken=self.parts)
         self.parts |= set(variables(body))
         return body, result

@@ -52,7 +52,7 @@ def controller_fmu(program: ControllerProgram, prefix: str, version: int = 2) ->
         If there is no C compiler, or it fails.
     """
     if version not in VERSIONS:
-        raise ExportError(f"no version {version} of FMI", hint="there are 2 and 3")
+        raise ExportError(f"version {version} of FMI is not supported", hint="versions 2 and 3 are")
     if program.precision != "float64":
         raise ExportError("an FMU computes in double precision", hint="--precision float64")
     compiler = find_compiler()

@@ -358,7 +358,7 @@ class _Walk:
             found = self.made.variables.get(self.symbols.get(into, ""))
             if found is not None:
                 return found.axis, found.name
-        raise AssertionError("an instruction works for nothing")
+        raise AssertionError("the result of an instruction is not used")
 
     def _local(self, wanted: str = "") -> str:
         """Return the symbol of a new local variable."""
@@ -651,7 +651,7 @@ def _same_table(a: FloatTable | FixedTable, b: FloatTable | FixedTable) -> bool:
 
 
 def _shared(roots: Sequence[Node]) -> Node | None:
-    """Return an innermost part that is used more than once; a condition is no variable."""
+    """Return an innermost part used more than once; a condition does not become a variable."""
     nodes = list(postorder(*roots))
     uses = Counter(child for node in nodes for child in children(node))
     uses.update(roots)

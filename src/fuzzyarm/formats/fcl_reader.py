@@ -209,18 +209,8 @@ def parse_fcl(
 
     Parameters
     ----------
-    text : str
-        The file.
-    path : str
-        Its name, for the findings.
-    dialect : str, optional
-        The producer.
-    block : str, optional
-        Which function block, where there are several.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    text, path, dialect, block, lossy, strict
+        As there.
 
     Returns
     -------

@@ -51,14 +51,8 @@ def write_fcl(
 
     Parameters
     ----------
-    rulebase : RuleBase
-        Any.
-    dialect : str, optional
-        The producer.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    rulebase, dialect, lossy, strict
+        As there.
 
     Returns
     -------

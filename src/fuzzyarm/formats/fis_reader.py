@@ -111,16 +111,8 @@ def parse_fis(
 
     Parameters
     ----------
-    text : str
-        The file.
-    path : str
-        Its name, for the findings.
-    producer : str, optional
-        The program that wrote it.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    text, path, producer, lossy, strict
+        As there.
 
     Returns
     -------

@@ -56,14 +56,8 @@ def write_fis(
 
     Parameters
     ----------
-    rulebase : RuleBase
-        Any.
-    producer : str, optional
-        The program to write for.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    rulebase, producer, lossy, strict
+        As there.
 
     Returns
     -------

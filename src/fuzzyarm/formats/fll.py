@@ -167,7 +167,7 @@ def _shape(
         return None
     spelling = classes[name.text]
     if spelling.kind == "ramp" and len(values) in (2, 3) and values[0] == values[1]:
-        findings.error("unordered-corners", "a Ramp from a number to itself is nowhere", name)
+        findings.error("unordered-corners", "the start and the end of a Ramp must differ", name)
         return None
     return spelled_shape(spelling, values, inputs, name, findings, FLL)
 
@@ -184,14 +184,8 @@ def parse_fll(
 
     Parameters
     ----------
-    text : str
-        The file.
-    path : str
-        Its name, for the findings.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    text, path, lossy, strict
+        As there.
 
     Returns
     -------
@@ -426,12 +420,8 @@ def write_fll(rulebase: RuleBase, *, lossy: bool = False, strict: bool = False) 
 
     Parameters
     ----------
-    rulebase : RuleBase
-        Any.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    rulebase, lossy, strict
+        As there.
 
     Returns
     -------

@@ -159,14 +159,8 @@ def parse_fml(
 
     Parameters
     ----------
-    text : str
-        The file.
-    path : str
-        Its name, for the findings.
-    lossy : bool
-        Whether to go on where numbers would change.
-    strict : bool
-        Whether to refuse slight losses too.
+    text, path, lossy, strict
+        As there.
 
     Returns
     -------

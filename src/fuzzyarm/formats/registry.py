@@ -18,8 +18,7 @@ from fuzzyarm.formats.fis_writer import write_fis
 from fuzzyarm.formats.fll import parse_fll, write_fll
 from fuzzyarm.formats.fml import parse_fml
 from fuzzyarm.formats.writing import note_threshold
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.text.diagnostic import MAX_CHARACTERS as MAX_OWN_CHARACTERS
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span
 

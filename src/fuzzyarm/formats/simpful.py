@@ -96,7 +96,7 @@ class _Reader:
 
     def rulebase(self, name: str) -> RuleBase | None:
         if self.system._detected_type not in (None, "Sugeno"):
-            message = f"simpful finds the type of this system {self.system._detected_type}"
+            message = f"to simpful the type of this system is '{self.system._detected_type}'"
             self.findings.error("unknown-type", message)
             return None
         rules = [self._rule(number, *rule) for number, rule in enumerate(self.system._rules, 1)]

@@ -20,8 +20,7 @@ from fuzzyarm.inference.layout import Block, Layout, NotCoveredError, lay_out, m
 from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
 from fuzzyarm.kernels import address_of, in_threads, is_at_hand, jit_wanted
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 
 CHUNK = 8192
 """Points that go through the kernel together: their inputs and outputs stay in the cache."""

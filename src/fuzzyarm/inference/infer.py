@@ -12,8 +12,7 @@ from fuzzyarm.inference.firing_intervals import Ends, ends
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.plan import part_for, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, prepare
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import Expectation, Outcome, Output, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Expectation, Outcome, Output, RuleBase
 from fuzzyarm.text.diagnostic import Diagnostic, Severity
 
 # --- Evaluate a rule base: one call for scalars and arrays ---

@@ -52,6 +52,11 @@ PAIR_ROWS = 4
 # ── values ───────────────────────────────────────────────────────────────────────────
 
 
+# A point goes the same way in all of Karnik and Mendel's below: write down the upper set (side 0)
+# and the lower one (side 1) of what fired, start at the centroid of both, reach the ends that are
+# asked for. An end costs up to five passes, so that one that is not asked for is left out.
+
+
 @kernel
 def karnik_mendel_values(block: Any) -> None:
     """Find the ends of the average of values with weights between two.
@@ -67,10 +72,11 @@ def karnik_mendel_values(block: Any) -> None:
     least, greatest = heap[:pairs], heap[pairs : 2 * pairs]
     lower, upper = heap[2 * pairs : 3 * pairs], heap[3 * pairs : 4 * pairs]
     for point in range(total.shape[0]):
+        # A pair that does not fire keeps weights of 0; its values are then never looked at.
         for pair in range(pairs):
             lower[pair] = 0.0
             upper[pair] = 0.0
-        at = k[GROUPS] + 1
+        at = k[GROUPS] + 1  # k there: number of rules of a group, its consequent, its rules
         strongest = 0.0
         for group in range(k[HEIGHTS], k[HEIGHTS] + k[k[GROUPS]]):
             consequent = k[at + 1]
@@ -82,6 +88,7 @@ def karnik_mendel_values(block: Any) -> None:
             elif height > 0.0:
                 upper[pair] = height
                 strongest = max(strongest, height)
+                # Coefficients are intervals: which bound is the lesser depends on the inputs.
                 one = value_of(block, k, f, k[consequent + LEAST_AT], point)
                 other = value_of(block, k, f, k[consequent + GREATEST_AT], point)
                 least[pair], greatest[pair] = min(one, other), max(one, other)
@@ -132,10 +139,12 @@ def karnik_mendel_samples(block: Any) -> None:
     upper, lower = heap[:samples], heap[samples : 2 * samples]
     cut = heap[2 * samples : 3 * samples]
     for point in range(total.shape[0]):
-        first, last = samples, 0
+        first, last = samples, 0  # the stretch where either set is not zero
         for side in range(2):
+            # Each side has a stretch of the heap of its own; `cut` is scratch.
             begin, behind = sample(k, f, room, point, side, heap[side * samples :][:samples], cut)
             first, last = min(first, begin), max(last, behind)
+        # A sample counts by its share of the integral: weights of the ends may be a half.
         strongest = 0.0
         for i in range(first, last):
             strongest = max(strongest, upper[i])
@@ -175,6 +184,10 @@ def nie_tan_samples(block: Any) -> None:
 
 
 # ── envelopes of straight sets ───────────────────────────────────────────────────────
+#
+# An envelope is a list of pieces in the heap, each RUN_OF_LINE numbers: where it begins and ends,
+# the degrees there, its area, and its moment about the centre of the range (`add_up`). Moments
+# are about the centre, not about 0: a range far from 0 would eat the digits.
 
 
 @kernel
@@ -189,6 +202,7 @@ def karnik_mendel_envelope(block: Any) -> None:
     heap = room[(k[WORK] + WORK_ROWS) * width :]
     begin = k[k[OUTPUT] + DETAIL]
     for point in range(total.shape[0]):
+        # The upper envelope from `begin` to `middle`, behind it the lower one to `behind`.
         middle = behind = begin
         area = torque = lower_area = 0.0
         for side in range(2):
@@ -197,7 +211,7 @@ def karnik_mendel_envelope(block: Any) -> None:
             area, torque = area + lower_area, torque + more
         total[point] = area
         if area > 0.0:
-            start = centre + torque / area
+            start = centre + torque / area  # Nie and Tan's value lies between the ends
             found = 0.0
             for i in range(2):
                 if i != skipped:
@@ -228,6 +242,7 @@ def add_up(heap: Any, begin: int, end: int, centre: float) -> tuple[float, float
     for piece in range(begin, end, RUN_OF_LINE):
         left, run_of = heap[piece], heap[piece + 1] - heap[piece]
         best, last, part = heap[piece + 2], heap[piece + 3], heap[piece + 4]
+        # Of a trapezoid with degrees a, b over d from x: (x - c) A + d² (a + 2 b) / 6.
         heap[piece + 5] = (left - centre) * part + run_of * run_of * (best + 2.0 * last) / 6.0
         area += part
         torque += heap[piece + 5]
@@ -259,7 +274,8 @@ def reach_end(
     for _ in range(STEPS):
         area, torque = before(heap, one, one_end, c, centre)
         more, further = after(heap, other, other_end, c, centre)
-        following = centre + (torque + further) / (area + more)
+        following = centre + (torque + further) / (area + more)  # φ(c)
+        # Steps only ever go towards the end; one that does not is rounding, and the last.
         if not sign * (following - c) > 0.0:
             break
         c = following
@@ -269,6 +285,7 @@ def reach_end(
 @kernel
 def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
     """Return the end of what a set covers."""
+    # There may be pieces of no height in front and behind; only an area counts.
     found = math.nan
     for piece in range(begin, end, RUN_OF_LINE):
         if heap[piece + 4] > 0.0:
@@ -277,6 +294,10 @@ def last_covered(heap: Any, begin: int, end: int, sign: float) -> float:
             elif math.isnan(found):
                 found = heap[piece]
     return found
+
+
+# What stands in front of c, and its mirror image. Two functions: both stop at c, from their own
+# side, and the piece at c is added last, in which order the bits are those of plain Python.
 
 
 @kernel
@@ -291,6 +312,7 @@ def before(heap: Any, begin: int, end: int, c: float, centre: float) -> tuple[fl
             area += heap[piece + 4]
             torque += heap[piece + 5]
         else:
+            # The part of this piece that is in front of c.
             best, run_of = heap[piece + 2], c - left
             last = best + (heap[piece + 3] - best) * (run_of / (right - left))
             part = 0.5 * run_of * (best + last)
@@ -355,6 +377,7 @@ def karnik_mendel_integral(block: Any) -> None:
 @kernel
 def nie_tan_integral(block: Any) -> None:
     """Integrate both sets."""
+    # (U + L) / 2 has the centroid of U + L, whose area and moment are sums: no third set.
     k, f, room, total, moment = parts_of(block)
     heap = room[(k[WORK] + WORK_ROWS) * k[WIDTH] :]
     infinity = math.inf

@@ -17,10 +17,10 @@ from fuzzyarm.inference.point import Point, Prepared, bring_into_range, prepare
 from fuzzyarm.inference.sets import Piece, crossing
 from fuzzyarm.inference.type_reduction import side_of
 from fuzzyarm.inference.weighted import tsukamoto_at_point
-from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
     KARNIK_MENDEL,
     And,
+    AnyRuleBase,
     Expression,
     Hedge,
     Hedged,

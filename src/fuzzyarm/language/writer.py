@@ -40,10 +40,10 @@ from fuzzyarm.language.statements import (
 )
 from fuzzyarm.language.tokens import Figure, Trivia, Word
 from fuzzyarm.language.tune import TuneItem, TuneNode
-from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.rulebase import (
     WEIGHTED,
     And,
+    AnyRuleBase,
     Defuzzifier,
     Expectation,
     Expression,

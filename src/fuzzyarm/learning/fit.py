@@ -251,7 +251,7 @@ def _check_terms(samples: Samples, options: Options, terms: tuple[int, ...]) -> 
         raise FitError("an input has 1 to 50 terms")
     if math.prod(terms) > MOST_RULES:
         raise FitError(
-            f"a grid of {math.prod(terms):,} rules is too large", hint=f"{MOST_RULES:,} at most"
+            f"a grid of {math.prod(terms):,} rules is too large", hint=f"at most {MOST_RULES:,}"
         )
     if options.start != "grid":
         raise FitError("terms of each input are for a grid, not for clusters")

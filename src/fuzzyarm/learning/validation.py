@@ -22,8 +22,7 @@ from fuzzyarm.inference.sets import degrees
 from fuzzyarm.language.writer import rule_node
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.learning.written import output_names
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Input, RuleBase
 from fuzzyarm.text.shown import Shown, one_line
 
 Array = NDArray[np.float64]

@@ -19,10 +19,9 @@ from fuzzyarm.inference import infer
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import as_controller, simulate, text_of
-from fuzzyarm.model.any_rulebase import AnyRuleBase
 from fuzzyarm.model.controller import Drive, Learn
 from fuzzyarm.model.controller import Signal as SignalLine
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.plant.adapters import EnvironmentPlant, UnitPlant
 from fuzzyarm.plant.control_systems import rate_of
 from fuzzyarm.plant.plant import Plant

@@ -214,7 +214,7 @@ def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
     if found is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
         return plant_class, thing.__bases__[:1]
     if found is not thing:
-        raise pickle.PicklingError(f"{name} is not what {module.__file__} calls so")
+        raise pickle.PicklingError(f"{module.__file__} has another object under the name {name}")
     return _own_thing, (module.__file__, getattr(module, SOURCE), name)
 
 

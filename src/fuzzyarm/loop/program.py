@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.controller import on_plant
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
-from fuzzyarm.kernels import build, routine
+from fuzzyarm.kernels import address_of, build, routine
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop, within
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
+    Plant,
+    dynamics_of,
     is_compiled,
     plain_motion,
     plain_outputs,
@@ -40,6 +43,22 @@ def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
     Each precision has its own: what is stored need not be asked whether to be rounded.
     """
     return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=compiled)
+
+
+def ask_for_kernels(
+    controller: Controller, plant: Plant, arithmetic: Arithmetic, *, finely: bool
+) -> None:
+    """Ask for the address of all that a compiled loop is made of.
+
+    See :func:`fuzzyarm.compilers.foreseen`; `finely` is that of
+    :func:`fuzzyarm.plant.plant.dynamics_of`.
+    """
+    if is_compiled(plant):
+        address_of(run_loop, LOOP_ARRAYS, _held(arithmetic.single), compiled=True)
+        dynamics_of(plant, arithmetic, finely=finely)
+    for part in controller.parts():
+        if isinstance(part, CompiledController):
+            on_plant.ask_for_kernels(part.law, arithmetic)
 
 
 def _held(single: bool) -> dict[str, Callable[..., Any]]:

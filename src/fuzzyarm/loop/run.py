@@ -7,11 +7,13 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.compilers import foreseen
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
@@ -22,8 +24,10 @@ from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.program import (
     Program,
     Record,
+    ask_for_kernels,
     error_taps,
     loop_for,
+    loop_of_laws,
     scales,
     shown_errors,
     shown_units,
@@ -369,12 +373,26 @@ class ClosedLoop:
         self.site = site_of(followed.plants[0], connect)
         self.controller = controller_on(controller, self.site)
         self.arithmetic = options.arithmetic(conventions)
-        self.program = Program(self.controller, self.arithmetic)
-        self.compiled = self.program.compiled and is_compiled(followed.plants[0])
-        driven = torques_only(self.site)
-        if self.program.compilable:
-            driven = driven_by(self.controller, self.site)
-        self.course = Course(followed, conventions, options, driven=driven, as_array=self.compiled)
+        plant = followed.plants[0]
+        need = partial(
+            ask_for_kernels,
+            self.controller,
+            plant,
+            self.arithmetic,
+            finely=options.runge_kutta > 0,
+        )
+        with foreseen(need):
+            self.program = Program(self.controller, self.arithmetic)
+            self.compiled = self.program.compiled and is_compiled(plant)
+            driven = torques_only(self.site)
+            if self.program.compilable:
+                driven = driven_by(self.controller, self.site)
+            self.course = Course(
+                followed, conventions, options, driven=driven, as_array=self.compiled
+            )
+            if self.compiled:  # so that a run begins at once
+                loop_of_laws(compiled=True, single=conventions.single)
+                self.program.inputs()
         self.taps = [
             *error_taps(self.course),
             *map(self.course.output_cell, self.site.interface.outputs),

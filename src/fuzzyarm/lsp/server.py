@@ -184,7 +184,7 @@ class FuzzyarmServer(LanguageServer):
     # ── diagnostics ──────────────────────────────────────────────────────────────────
     #
     # A check runs in a thread of its own, on a copy, and questions are answered beside it. The
-    # next key stroke ends it: its findings would be about a text that is no more.
+    # next key stroke ends it: its findings would be about an old text.
 
     def _schedule(self, uri: str, *, pause: bool = True) -> None:
         """Check a file soon: at once if that is quick, else (with `pause`) when typing pauses."""

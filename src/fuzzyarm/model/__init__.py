@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from fuzzyarm.lazy import lazily
 
 if TYPE_CHECKING:
-    from fuzzyarm.model.any_rulebase import AnyRuleBase
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.model.rulebase import (
         And,
+        AnyRuleBase,
         Consequent,
         Defuzzifier,
         Expectation,
@@ -66,10 +66,10 @@ __all__ = [
 __getattr__, __dir__ = lazily(
     __name__,
     {
-        "any_rulebase": ("AnyRuleBase",),
         "controller": ("ControllerModel",),
         "rulebase": (
             "And",
+            "AnyRuleBase",
             "Consequent",
             "Defuzzifier",
             "Expectation",

@@ -6,12 +6,13 @@ term stood in a file (its `span`) takes no part in equality.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import SHAPES
-from fuzzyarm.model.any_rulebase import AnyRuleBase
+from fuzzyarm.model.questions import Questions
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
@@ -543,6 +544,22 @@ class Tuning:
     peaks: tuple[PeakTuning, ...] = ()
     gains: tuple[GainTuning, ...] = ()
     kept: tuple[tuple[str, str], ...] = ()
+
+
+class AnyRuleBase(Questions):
+    """A rule base: the immutable value that a file means, or one that is being written.
+
+    A file that is loaded gives the value (:class:`fuzzyarm.model.rulebase.RuleBase`), Python
+    writes one statement by statement (:class:`fuzzyarm.RuleBase`). Either can be called, drawn,
+    checked, compiled and written, and every function that takes a rule base takes both.
+    """
+
+    __slots__ = ()
+
+    @property
+    @abstractmethod
+    def model(self) -> RuleBase:
+        """The value: immutable, with equality and hash."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -146,7 +146,12 @@ class Arm(Plant):
         return Dynamics(address(run_arm, **held), actuates=True, extra=POSES)
 
 
-# --- Its kernels: x are positions and velocities, y those and the pose, u torques and voltages ---
+# --- Its kernels ---
+#
+# x: q_1, q_2, v_1, v_2, then the currents where there is inductance. y: the first four of x as
+# they are measured, then the pose. u: both torques, both voltages; driving leaves in u[0], u[1]
+# the torques that act. p: see below. clock: time, control period, steps in it of the finer
+# integrator, whether floats are single, and what is to be done.
 
 POWERED, LIMITS, MOTOR = PLANT_SIZE, PLANT_SIZE + 2, PLANT_SIZE + 4
 """Behind the constants of the arm: which motors are driven, the torque limits, and inductance and
@@ -163,6 +168,7 @@ def run_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Do what the clock says."""
+    # One address serves all four: a plant is one number in the flat program of the loop.
     if clock[4] == ADVANCE:
         advance_arm(x, y, u, p, clock)
     elif clock[4] == ACTUATE:
@@ -196,14 +202,15 @@ def drive_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Make the torque of each joint of the torque asked for and that of its motor."""
+    # Every sum is rounded to the precision of the run: the study's programs stored floats.
     single = clock[3] != 0.0
     first, second = u[0], u[1]
-    if p[9] != 0.0:
+    if p[POWERED] != 0.0:
         first += stored(motor_torque(u[2], x[2], FIRST_RATIO), single)
-    if p[10] != 0.0:
+    if p[POWERED + 1] != 0.0:
         second += stored(motor_torque(u[3], x[3], SECOND_RATIO), single)
-    u[0] = clipped(stored(first, single), p[11])
-    u[1] = clipped(stored(second, single), p[12])
+    u[0] = clipped(stored(first, single), p[LIMITS])
+    u[1] = clipped(stored(second, single), p[LIMITS + 1])
 
 
 @kernel
@@ -228,6 +235,7 @@ def armature_voltage(
 
     Without a voltage of its own the motor gets what makes up for its back-EMF.
     """
+    # The torque stands for a current, and this for a voltage across R: V = k ω N + R τ/(k N).
     wanted = voltage if powered != 0.0 else TORQUE_CONSTANT * (velocity * ratio)
     return clipped(wanted + torque * RESISTANCE / (TORQUE_CONSTANT * ratio), supply)
 
@@ -251,6 +259,7 @@ def armature_torque(
     mean = steady
     if inductance > 0.0:
         periods = RESISTANCE * step / inductance
+        # i(t) = steady + away e^(-Rt/L); its mean over the period is what moves the joint.
         decay = math.exp(-periods)
         away = x[current] - steady
         mean = steady + away * (1.0 - decay) / periods
@@ -274,6 +283,7 @@ def advance_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Advance by a control period, as the study's programs do."""
+    # The pose stands in y already: x has been measured since it moved.
     pose = Pose(y[4], y[5], y[6], y[7])
     state = State((x[0], x[1]), (x[2], x[3]))
     now = semi_implicit(state, (u[0], u[1]), pose, p, 0, clock[1], clock[3] != 0.0)

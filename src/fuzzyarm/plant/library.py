@@ -46,6 +46,7 @@ class Motor(Plant):
     @kernel
     def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
         """Return velocity, acceleration and the rate of the current."""
+        # x: position, velocity, current; u: voltage; p: J, b, k, R, L, T.
         acceleration = (p[2] * x[2] - p[1] * x[1] - p[5]) / p[0]
         return x[1], acceleration, (u[0] - p[3] * x[2] - p[2] * x[1]) / p[4]
 
@@ -87,7 +88,8 @@ class CartPole(Plant):
     @kernel
     def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
         """Return the rates of both positions and both velocities."""
-        # Of a uniform rod that turns about its end: 4/3 m l² is its moment of inertia.
+        # x: x, v, theta, omega; u: f; p: M, m, l, g. The paper's equations without friction;
+        # 4/3 m l² is the moment of inertia of a uniform rod that turns about its end.
         sine, cosine = math.sin(x[2]), math.cos(x[2])
         total = p[0] + p[1]
         force = (u[0] + p[1] * p[2] * x[3] * x[3] * sine) / total
@@ -125,6 +127,7 @@ class Tanks(Plant):
     @kernel
     def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
         """Return the rates of both levels."""
+        # x: both levels; u: pump; p: A, a, k, g.
         # An empty tank gives nothing; a step of the integrator may look a little below empty.
         first = p[1] * math.sqrt(2.0 * p[3] * max(x[0], 0.0))
         second = p[1] * math.sqrt(2.0 * p[3] * max(x[1], 0.0))
@@ -160,6 +163,7 @@ class BallAndBeam(Plant):
     @kernel
     def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
         """Return velocity, acceleration and the rate of the angle."""
+        # x: position, velocity, angle; u: rate of the angle; p: g, inertia.
         gained = x[0] * u[0] * u[0] + p[0] * math.sin(x[2])
         return x[1], gained / (1.0 + p[1]), u[0]
 
@@ -197,6 +201,7 @@ class Room(Plant):
     @kernel
     def derivative(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[float, ...]:
         """Return the rates of both temperatures."""
+        # x: air, walls; u: power in %; p: P, C_a, C_w, R_w, R_o, R_l, outside.
         to_wall = (x[0] - x[1]) / p[3]
         lost = (x[0] - p[6]) / p[5]
         heated = 0.01 * p[0] * u[0]

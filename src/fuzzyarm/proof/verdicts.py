@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse, write
 from fuzzyarm.language.writer import property_node
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import Property, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Property, RuleBase
 from fuzzyarm.proof.arithmetic import Stop
 from fuzzyarm.proof.bounds import LIKE_EXPECT, Bounds, Claim
 from fuzzyarm.proof.prover import Prover, written

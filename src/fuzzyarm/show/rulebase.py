@@ -9,8 +9,16 @@ from typing import TYPE_CHECKING
 from fuzzyarm.language.queries.hover import rule_sentence
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.language.writer import rule_node
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import And, Expression, Is, Output, Rule, RuleBase, RuleBlock
+from fuzzyarm.model.rulebase import (
+    And,
+    AnyRuleBase,
+    Expression,
+    Is,
+    Output,
+    Rule,
+    RuleBase,
+    RuleBlock,
+)
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.show.drawing import Cell, HeatGrid, Scale, number_words, scale_of
 from fuzzyarm.show.terms import TermPlots

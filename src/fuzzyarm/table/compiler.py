@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import Input, Output, RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, Input, Output, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.table import LookupTable
 from fuzzyarm.text.diagnostic import MAX_LEVELS

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.inference.layout import has_envelope
 from fuzzyarm.inference.plan import part_for, plan
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.table.axis import Axis, TableError
 from fuzzyarm.table.compiler import (
     DEFAULT_LEVELS,

@@ -87,7 +87,7 @@ def moved(shape: Shape, to: Map) -> Shape:
         numbers[0::2] = map(to, numbers[0::2])
         return replace(shape, parameters=tuple(numbers))
     if not is_movable(shape.kind):
-        message = f"nobody knows which numbers of a {shape.kind} are positions"
+        message = f"it is not known which numbers of a {shape.kind} are positions"
         raise TuneError(message, name=shape.kind)
     names = SHAPES[shape.kind].parameters
     known = dict(zip(names, shape.parameters, strict=True))
@@ -302,7 +302,7 @@ class Movement:
         for part in self.stretches:
             if self.gap * (len(part.knots) + 1) >= abs(part.end - part.nail):
                 name = self.variable.name
-                message = f"{len(part.knots) + 1} gaps of {self.gap:.4g} have no room in '{name}'"
+                message = f"{len(part.knots) + 1} gaps of {self.gap:.4g} do not fit in '{name}'"
                 raise TuneError(message, name=name, hint="a smaller gap")
 
     def _slid(self, shares: Sequence[float], rounded: Map) -> Variable:

@@ -349,7 +349,7 @@ def short_reaches(subject: Subject) -> Iterator[Diagnostic]:
         if math.isfinite(width) and max(low - output.low, output.high - high) > _NEAR * width:
             yield Diagnostic(
                 "short-reach",
-                f"'{output.name}' reaches {low:.4g} .. {high:.4g} at most, of"
+                f"'{output.name}' reaches at most {low:.4g} .. {high:.4g}, of"
                 f" {output.low:g} .. {output.high:g}: the centroid of its outermost sets",
                 output.span,
                 severity=Severity.INFO,

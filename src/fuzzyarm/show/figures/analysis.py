@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fuzzyarm.loop.analysis import Portrait, describing_function
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 from fuzzyarm.show.figures.style import (
     COLOURS,
     head,

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import RuleBase, Shape, Term, Variable
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, Shape, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.figures.labels import (

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.any_rulebase import AnyRuleBase
-from fuzzyarm.model.rulebase import Output, RuleBase, Variable
+from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Variable
 from fuzzyarm.model.shapes import corner_points
 from fuzzyarm.show.drawing import number_words, scale_of
 from fuzzyarm.show.figures.labels import shortened, text_width, thin_ticks, wrapped

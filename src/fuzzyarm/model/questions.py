@@ -10,31 +10,23 @@ import os
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fuzzyarm.text.shown import Shown
-
-if TYPE_CHECKING:
-    from fuzzyarm.model.rulebase import RuleBase
 
 
 def _function(module: str, name: str) -> Any:
     return getattr(import_module(f"fuzzyarm.{module}"), name)
 
 
-class AnyRuleBase(Shown):
-    """A rule base: the immutable value that a file means, or one that is being written.
-
-    A file that is loaded gives the value (:class:`fuzzyarm.model.rulebase.RuleBase`), Python
-    writes one statement by statement (:class:`fuzzyarm.RuleBase`). Either can be called, drawn,
-    checked, compiled and written, and every function that takes a rule base takes both.
-    """
+class Questions(Shown):
+    """What can be asked of whatever has a `model`: the value of a rule base."""
 
     __slots__ = ()
 
     @property
     @abstractmethod
-    def model(self) -> RuleBase:
+    def model(self) -> Any:
         """The value: immutable, with equality and hash."""
 
     def __call__(
