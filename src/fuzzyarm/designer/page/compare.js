@@ -44,7 +44,10 @@ function comparePane(store, hand) {
     state.classList.remove("error");
     section.classList.remove("stale");
     state.textContent = S.working;
-    await hand.settled();
+    if (!(await hand.settled())) {
+      state.textContent = S.gone;
+      return;
+    }
     const { other, output, x, y } = wanted;
     const at = Object.fromEntries((store.scene?.inputs ?? []).map((each, i) => [each.name, store.point[i]]));
     const mine = hand.start("compare", { other, output, axes: { x, y, at } }, (news) => {

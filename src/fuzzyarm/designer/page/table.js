@@ -145,7 +145,10 @@ function errorPane(store, hand) {
     if (store.view !== "table" || !hand.file()) return;
     state.classList.remove("error");
     state.textContent = S.working;
-    await hand.settled();
+    if (!(await hand.settled())) {
+      state.textContent = S.gone;
+      return;
+    }
     const { levels, mode, output, x, y } = wanted;
     const at = Object.fromEntries((store.scene?.inputs ?? []).map((each, i) => [each.name, store.point[i]]));
     const mine = hand.start("table-error", { options: { levels, mode, output }, axes: { x, y, at } }, (news) => {

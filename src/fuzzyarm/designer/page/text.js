@@ -127,7 +127,7 @@ export function textPane(link, nonce) {
   }
 
   /** Whether the server has everything that is here. */
-  const settled = () => !sending && sendableUpdates(view.state).length === 0;
+  const settled = () => Boolean(epoch) && !sending && sendableUpdates(view.state).length === 0;
 
   /** Ask something of the text as it is: what is typed first goes first. */
   async function question(what, details = {}) {
