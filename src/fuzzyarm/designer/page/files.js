@@ -28,8 +28,10 @@ function folderPane(store, hand) {
 
   async function ask(question) {
     const answer = await hand.folder(question);
+    said.textContent = "";
     if (answer.files) show(answer);
-    said.textContent = clean(answer.error ?? "");
+    // A dialog says itself what is wrong.
+    if (answer.error && !document.querySelector("dialog[open]")) said.textContent = clean(answer.error);
     return answer;
   }
 
