@@ -18,6 +18,7 @@ function folderPane(store, hand) {
   });
   let files = [];
   let starts = {};
+  let standing = ""; // what is said where there is nothing else
   let round = 0; // of asking for findings
   const create = el("button", { textContent: S.newFile, onclick: begin });
   bar.append(el("span", { class: "space" }), create,
@@ -28,8 +29,8 @@ function folderPane(store, hand) {
 
   async function ask(question) {
     const answer = await hand.folder(question);
-    said.textContent = "";
     if (answer.files) show(answer);
+    said.textContent = standing;
     // A dialog says itself what is wrong.
     if (answer.error && !document.querySelector("dialog[open]")) said.textContent = clean(answer.error);
     return answer;
@@ -40,8 +41,7 @@ function folderPane(store, hand) {
     hand.listed(files.map((each) => each.name));
     create.disabled = answer.only;
     list.replaceChildren(...files.map((each) => row(each, answer.only)));
-    if (answer.only) said.textContent = S.onlyOne;
-    else if (!files.length) said.textContent = S.emptyFolder;
+    standing = answer.only ? S.onlyOne : files.length ? "" : S.emptyFolder;
     check(++round);
   }
 
