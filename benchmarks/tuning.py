@@ -2,7 +2,7 @@
 
     python benchmarks/tuning.py [speed] [held] [interpolated] [moves] [noise] [heater]
 
-Without words everything runs, which takes half an hour of two free cores. Costs and counts depend
+Without words everything runs, which takes ten minutes of two free cores. Costs and counts depend
 on seeds alone; speeds are printed beside those of pd-motor, for machines have other work, too.
 
 Cost on the arm: mean RMS error, degrees, both joints, with load, plus 0.002 times the RMS change of
@@ -24,15 +24,22 @@ import numpy as np
 from fuzzyarm import load, shipped, simulate
 from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.loop import Options, Sensor, Signal
+from fuzzyarm.loop import Options, Run, Sensor, Signal
 from fuzzyarm.plant import find_plant, pick_and_place, reach_return
 from fuzzyarm.tuning import Tuned, tune
-from fuzzyarm.tuning.cost import Cost
+from fuzzyarm.tuning.cost import Cost, values_of
 from fuzzyarm.tuning.examiner import Problem, panel
 from fuzzyarm.tuning.scenarios import arm_scenarios, unseen_scenarios
 from fuzzyarm.tuning.tune import read_tuning, stage_of
 
 COST = "rms + 0.002*chatter"
+LINK = "max('joint1.rms', 'joint2.rms')"
+NOISY_COST = f"{COST} + 3*max(0, {LINK} - 0.018)"
+"""A bound on moves that nobody has seen has to be asked for: more than 0.018 degrees on one of the
+eight is dear, for others are harder."""
+
+CALM = "max('joint1.chatter', 'joint2.chatter')"
+CALM_COST = f"{COST} + 0.01*max(0, {CALM} - 0.45)"
 PEAKS = "peaks e, ce, u mirrored, keep order, partition"
 GAINS = "gain G_e, G_ce 0.1 .. 30 times, per axis"
 OUTPUT = "gain G_u 0.5 .. 2 times"
@@ -83,33 +90,54 @@ def watched(label: str):
 # --- Speed ---
 
 
-def pairs_a_second(name: str, lines: list[str], count: int = 40) -> float:
+BATCHES, BATCH = 6, 8
+
+
+def pairs_a_second(text: ControllerText, lines: list[str]) -> float:
     """Return how many candidates run both trajectories of the study in a second of two cores.
 
-    By the time of the processor: wall time would measure what else the machine does.
+    By the time of the processor, for wall time would measure what else the machine does; the best
+    of some batches, for caches are shared, too.
     """
-    text = load(shipped(f"{name}.frb"))
     problem = Problem(text, read_tuning(lines), Cost(COST), arm_scenarios())
     with panel(problem, 2) as examining:
         start = examining.design.start
         draw = np.random.default_rng(1)
-        points = [np.clip(start + draw.normal(0, 0.02, len(start)), 0, 1) for _ in range(count)]
-        examining.scores(points[:4])
-        begin = time.process_time()
-        examining.scores(points)
-        return CORES * count / (time.process_time() - begin)
+        moved = (start + draw.normal(0, 0.02, (BATCHES * BATCH, len(start)))).clip(0, 1)
+        examining.scores(list(moved[:4]))
+        best = np.inf
+        for points in np.split(moved, BATCHES):
+            begin = time.process_time()
+            examining.scores(list(points))
+            best = min(best, time.process_time() - begin)
+        return CORES * BATCH / best
 
 
-def speed() -> None:
+def exact(folder: Path, name: str) -> ControllerText:
+    """Return a shipped controller with the exact centroid in place of that of 101 samples."""
+    for used in ("pd7-study", "alpha7-study"):
+        rules = shipped(f"{used}.frb").read_text()
+        text = rules.replace("centroid(101, endpoints)", "centroid exact")
+        (folder / f"{used}.frb").write_text(text)
+    (folder / f"{name}.frb").write_text(shipped(f"{name}.frb").read_text())
+    found = load(folder / f"{name}.frb")
+    assert isinstance(found, ControllerText)
+    return found
+
+
+def speed(folder: Path) -> None:
     """Print pairs of trajectories a second, and how many pairs of pd cost as much as one."""
-    pd = pairs_a_second("pd-motor", ["gain K_p, K_d 0.9 .. 1.1 times"], 200)
+    pd = pairs_a_second(load(shipped("pd-motor.frb")), ["gain K_p, K_d 0.9 .. 1.1 times"])
     for name, goal, lines in (
         ("fuzzy-direct", 150, [PEAKS, GAINS]),
         ("stfc", 100, [PEAKS, GAINS, "peaks alpha keep order"]),
     ):
-        found = pairs_a_second(name, lines)
-        value = f"{found:.0f} a second, 1 / {pd / found:.1f} of pd-motor ({pd:.0f})"
-        told(f"pairs of trajectories, {name}", value, f"≥ {goal} a second", met=found >= goal)
+        texts = {"101 samples": load(shipped(f"{name}.frb")), "exact": exact(folder, name)}
+        for centroid, text in texts.items():
+            found = pairs_a_second(text, lines)
+            value = f"{found:.0f} a second, 1 / {pd / found:.1f} of pd-motor ({pd:.0f})"
+            label = f"pairs of trajectories, {name}, centroid {centroid}"
+            told(label, value, f"≥ {goal} a second", met=found >= goal)
 
 
 # --- The arm ---
@@ -123,18 +151,22 @@ def held(text: ControllerText) -> None:
 
 
 def interpolated(text: ControllerText) -> None:
-    """Tune on the two trajectories, set points interpolated."""
+    """Tune on the two trajectories, set points interpolated; with a bound on the chatter, too."""
     options = Options(supply=SUPPLY, interpolate=True)
-    made = on_the_arm(text, "led", evals=1500, unseen=0, linear=False, options=options)
-    runs = [
-        simulate(made.model, way(), payload=True, options=options)
-        for way in (reach_return, pick_and_place)
-    ]
-    worst = max(float(run.rms.max()) for run in runs)
-    chatter = [m.chatter for run in runs for m in run.metrics.values()]
-    told("interpolated: worst RMS of a link", f"{worst:.5f}°", "≤ 0.0015°", met=worst <= 0.0015)
-    shown = f"{np.mean(chatter):.2f} N m (largest {max(chatter):.2f})"
-    told("interpolated: chatter", shown, "≤ 0.5 N m", met=float(np.mean(chatter)) <= 0.5)
+    for label, cost in (("", COST), (", the chatter of each bounded", CALM_COST)):
+        made = on_the_arm(
+            text, "led", evals=1500, unseen=0, linear=False, options=options, cost=cost
+        )
+        runs = [
+            simulate(made.model, way(), payload=True, options=options)
+            for way in (reach_return, pick_and_place)
+        ]
+        worst = max(float(run.rms.max()) for run in runs)
+        chatter = [m.chatter for run in runs for m in run.metrics.values()]
+        found, met = f"{worst:.5f}°", worst <= 0.0015
+        told(f"interpolated{label}: worst RMS of a link", found, "≤ 0.0015°", met=met)
+        found, met = f"{max(chatter):.2f} N m (mean {np.mean(chatter):.2f})", max(chatter) <= 0.5
+        told(f"interpolated{label}: most chatter of a link", found, "≤ 0.5 N m", met=met)
 
 
 def moves(text: ControllerText) -> None:
@@ -146,33 +178,58 @@ def moves(text: ControllerText) -> None:
 
 
 def noise(text: ControllerText) -> None:
-    """Tune on eight scenarios with noise of the encoders, full output at full error kept."""
+    """Tune on eight scenarios with noise of the encoders, full output at full error kept.
+
+    Once on the cost alone, once with a bound on the error of each link; both are compared with a
+    PD that was tuned on the cost alone.
+    """
     options = Options(supply=SUPPLY, sensors=NOISE)
-    made = on_the_arm(text, "noise", scenarios=8, evals=300, options=options, lines=NOISY_LINES)
-    own, linear = (made.row(name).scores["unseen"] for name in ("tuned", "linear PD"))
-    ratio = own.cost / linear.cost
-    told("noise: cost / that of the tuned PD", f"{ratio:.3f}", "≤ 1.03", met=ratio <= 1.03)
-    told("noise: runs that diverge", str(own.diverged), "0", met=own.diverged == 0)
-    worst = 0.0
-    with panel(_unseen(made, options), 2) as examining:
-        for run in examining.examiner.runs_of(made.candidate):
-            worst = max(worst, float(run.rms.max()))
-    told("noise: worst RMS of a link, unseen", f"{worst:.4f}°", "≤ 0.03°", met=worst <= 0.03)
+    given = {"scenarios": 8, "evals": 300, "options": options, "lines": NOISY_LINES}
+    made = on_the_arm(text, "noise", **given)
+    linear = made.row("linear PD").scores["unseen"].cost
+    told_with_noise("noise", made, linear)
+    given["evals"] = 500
+    bounded = on_the_arm(text, "bounded", cost=NOISY_COST, linear=False, **given)
+    told_with_noise("noise, errors bounded", bounded, linear)
+    others = [run for seed in (2, 3, 4) for run in unseen_runs(bounded, seed)]
+    beyond = sum(bool(run.rms.max() > 0.03) for run in others)
+    largest = max(float(run.rms.max()) for run in others)
+    print(f"(on {len(others)} moves more {beyond} beyond 0.03°, the worst {largest:.4f}°)")
 
 
-def _unseen(made: Tuned, options: Options) -> Problem:
+def told_with_noise(label: str, made: Tuned, linear: float) -> None:
+    """Print what the unseen moves say of it; `linear` is the cost of the tuned PD."""
+    runs = unseen_runs(made, 1)
+    costs = [Cost(COST).of(values_of(run)) for run in runs]
+    ratio = float(np.mean(costs)) / linear
+    told(f"{label}: cost / that of the tuned PD", f"{ratio:.3f}", "≤ 1.03", met=ratio <= 1.03)
+    diverged = sum(run.diverged is not None for run in runs)
+    told(f"{label}: runs that diverge", str(diverged), "0", met=diverged == 0)
+    worst = max(float(run.rms.max()) for run in runs)
+    told(f"{label}: worst RMS of a link, unseen", f"{worst:.4f}°", "≤ 0.03°", met=worst <= 0.03)
+
+
+def unseen_runs(made: Tuned, seed: int) -> list[Run]:
+    """Return the runs of 24 moves that nothing was tuned on."""
+    options = Options(supply=SUPPLY, sensors=NOISE, seed=seed)
     stage = stage_of(made.subject, None, options)
-    scenarios = unseen_scenarios(stage, len(made.unseen), controller_of(made.subject))
+    scenarios = unseen_scenarios(stage, 24, controller_of(made.subject))
     tuning = read_tuning(NOISY_LINES)
-    return Problem(made.subject, tuning, Cost(COST), scenarios, options=options)
+    problem = Problem(made.subject, tuning, Cost(COST), scenarios, options=options)
+    with panel(problem, 2) as examining:
+        return list(examining.examiner.runs_of(made.candidate))
 
 
 def on_the_arm(
-    text: ControllerText, label: str, lines: tuple[str, ...] = (PEAKS, GAINS, OUTPUT), **given
+    text: ControllerText,
+    label: str,
+    lines: tuple[str, ...] = (PEAKS, GAINS, OUTPUT),
+    cost: str = COST,
+    **given,
 ) -> Tuned:
     """Tune on the arm."""
     given.setdefault("options", Options(supply=SUPPLY))
-    return tune(text, cost=COST, tuning=lines, workers=2, watch=watched(label), **given)
+    return tune(text, cost=cost, tuning=lines, workers=2, watch=watched(label), **given)
 
 
 # --- The heater ---
@@ -203,7 +260,8 @@ def main() -> None:
     with TemporaryDirectory() as folder:
         text = direct(Path(folder))
         if "speed" in wanted:
-            speed()
+            with TemporaryDirectory() as other:
+                speed(Path(other))
         for name, part in (
             ("held", held), ("interpolated", interpolated), ("moves", moves), ("noise", noise),
         ):  # fmt: skip

@@ -1,10 +1,10 @@
 """Plain functions that run as they stand or as machine code.
 
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
-is given (it makes none), and calls nothing but :mod:`math` and other kernels by their bare
-names. It becomes callable in one of three ways, as machine code or as the very same Python,
-line by line, for a debugger; both give the same bits, for the compiled code neither reorders
-nor fuses floating-point operations:
+is given (it makes none, and never counts from their end), and calls nothing but :mod:`math` and
+other kernels by their bare names. It becomes callable in one of three ways, as machine code or
+as the very same Python, line by line, for a debugger; both give the same bits, for the compiled
+code neither reorders nor fuses floating-point operations:
 
 - :func:`address_of` gives an address, under which another kernel may :func:`call` it. So a
   program is compiled once, and what it is asked to do with the rows that it holds (a norm, a

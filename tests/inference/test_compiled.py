@@ -16,9 +16,12 @@ from fuzzyarm.inference import (
     compiled,
     engine,
     infer,
+    layout,
     prepare,
 )
 from fuzzyarm.inference.arrays import infer_arrays
+from fuzzyarm.inference.layout import lay_out
+from fuzzyarm.inference.plan import plan
 from fuzzyarm.language import parse
 from fuzzyarm.machine_code import Compiling, watch_compiling
 from fuzzyarm.model.rulebase import (
@@ -36,6 +39,7 @@ from fuzzyarm.model.rulebase import (
     Shape,
     Term,
 )
+from fuzzyarm.tuning.design import Design
 from tests.inference import small
 from tests.strategies import (
     CONJUNCTIONS,
@@ -109,6 +113,39 @@ def test_mamdani_rule_bases_are_covered(data: st.DataObject) -> None:
         )
     )
     assert assert_equal_engines(rulebase, data.draw(input_points(rulebase, 8))) == "numba"
+
+
+@pytest.mark.slow
+@settings(slow_draws, max_examples=60)
+@given(st.data())
+def test_a_point_by_itself_has_the_bits_that_it_has_among_others(data: st.DataObject) -> None:
+    """Both walk the same programs, one number by number, one row by row."""
+    rulebase = data.draw(
+        plain_mamdani(aggregations=DISJUNCTIONS, implications=CONJUNCTIONS, kinds=STRAIGHT)
+        if data.draw(st.booleans())
+        else rulebases()
+    )
+    fast, points = compiled(rulebase), data.draw(input_points(rulebase, 6))
+    if fast._engine is None:
+        return
+    rows = [fast._engine.one(row) for row in zip(*points.values(), strict=True)]
+    curved = any(
+        not piece.straight
+        for output in prepare(rulebase).plan.outputs.values()
+        for member in output.members
+        for piece in member.pieces
+    ) or any(term.shape.kind in SMOOTH for each in rulebase.inputs for term in each.terms)
+    whole = {name: np.array([row if row is None else row[at] for row in rows], float)
+             for at, name in enumerate(each.name for each in rulebase.outputs)}  # fmt: skip
+    silent = dict.fromkeys(whole, np.nan)
+    try:
+        found = fast(points, held=silent)
+    except (InferenceError, NoRuleFiredError):
+        return
+    for name, values in whole.items():
+        told = ~np.isnan(values)
+        close = {"rtol": 1e-12, "atol": 1e-12} if curved else {"rtol": 0.0, "atol": 0.0}
+        np.testing.assert_allclose(values[told], np.asarray(found[name])[told], **close)
 
 
 @pytest.mark.slow
@@ -434,3 +471,27 @@ def test_terms_of_every_shape_under_hedges(kind: str, data: st.DataObject) -> No
     for x in np.linspace(-5.0, 5.0, 41).tolist():
         wanted = prepare(rulebase).evaluate({"e": x})["u"]
         assert fast(e=x)["u"] == pytest.approx(wanted, rel=1e-9, abs=1e-12)
+
+
+def test_programs_that_are_taken_over_are_those_that_would_be_written(pd7: RuleBase) -> None:
+    """Terms that move leave them as they are, as long as the same ones meet."""
+    exact = plan(pd7)
+    sampled = plan(
+        dataclasses.replace(
+            pd7,
+            outputs=tuple(
+                dataclasses.replace(each, defuzzifier=Defuzzifier("centroid", 31, "midpoints"))
+                for each in pd7.outputs
+            ),
+        )
+    )
+    for made in (exact, sampled):
+        design = Design(made.rulebase)
+        points = np.random.default_rng(4).random((6, len(design.start)))
+        moved = [plan(design.at(point).rulebases[pd7.name]) for point in [design.start, *points]]
+        layout._programs.clear()
+        taken = [lay_out(each) for each in moved]
+        assert len(layout._programs) == 1
+        for each, found in zip(moved, taken, strict=True):
+            layout._programs.clear()
+            assert lay_out(each) == found

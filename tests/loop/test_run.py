@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from fuzzyarm.controller import CATALOGUE, Controller, controller
-from fuzzyarm.loop import Options, simulate
+from fuzzyarm.loop import Options, Sensor, simulate
+from fuzzyarm.loop.many import Bench, Experiment
+from fuzzyarm.loop.program import Record, loop_for
 from fuzzyarm.plant import (
     LOADED,
     PLAIN,
@@ -227,3 +229,31 @@ def test_the_old_name_of_the_package_still_leads_there() -> None:
 
     assert control.Controller is controller.Controller
     assert control.simulate is loop.simulate
+
+
+class FromTheFront(np.ndarray):
+    """An array that counts from its front only, as machine code takes every index as it is."""
+
+    def __getitem__(self, key):
+        ends = (key.start or 0, key.stop or 0) if isinstance(key, slice) else (key,)
+        assert min(ends) >= 0
+        assert isinstance(key, slice) or key < len(self)
+        found = super().__getitem__(key)
+        return found if isinstance(found, np.ndarray) else found.item()
+
+    def __setitem__(self, key, value):
+        assert 0 <= key < len(self)
+        super().__setitem__(key, value)
+
+
+@pytest.mark.parametrize("name", [*CATALOGUE])
+def test_no_kernel_counts_from_the_end_of_an_array(name):
+    sensors = {"position": Sensor(noise=1e-5, resolution=1e-6, delay=0.0012)}
+    options = Options(compiled=False, sensors=sensors, supply=20.0, interpolate=True)
+    way = reach_return(segment=0.006, hold=0.006)
+    loop = Bench(Experiment(controller(name), way, options=options), []).loop
+    record = Record(loop.course, loop.program.memory, loop.taps)
+    loop.program.controller.prepare(loop.arithmetic)
+    arrays = (*loop.course.inputs(), *loop.program.inputs(as_array=False), *record.outputs)
+    run = loop_for(loop.program, loop.course, record)
+    run(*(np.array(each).view(FromTheFront) for each in arrays))

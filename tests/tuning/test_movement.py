@@ -101,7 +101,7 @@ def test_widths_stretch_with_what_is_around_them():
 @pytest.mark.parametrize(
     ("peaks", "message"),
     [
-        (PeakTuning(("e",), ordered=True, gap=0.4), "no room"),
+        (PeakTuning(("e",), ordered=True, gap=0.4), "do not fit"),
         (PeakTuning(("e",), mirrored=True), "a ramp is not made one"),
     ],
 )

@@ -1,6 +1,7 @@
 """Tuning finds less cost, keeps what is promised, and says no more than it knows."""
 
 import math
+from concurrent.futures import CancelledError, Executor, Future
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +10,24 @@ import pytest
 import fuzzyarm
 from fuzzyarm import load, shipped
 from fuzzyarm.controller import controller, find_controller
+from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.inference import infer
 from fuzzyarm.learning.data import as_samples
-from fuzzyarm.loop import Signal, simulate
+from fuzzyarm.loop import Sensor, Signal, simulate
+from fuzzyarm.loop.many import Bench, Experiment
+from fuzzyarm.loop.run import ClosedLoop, plant_motion
 from fuzzyarm.plant import find_plant, reach_return
 from fuzzyarm.proof import prove_all
 from fuzzyarm.tuning import Journal, TuneError, tune
-from fuzzyarm.tuning.cost import Cost, CostFormulaError, lost, read_cost, values_of
+from fuzzyarm.tuning.cost import (
+    Cost,
+    CostFormulaError,
+    brief_values_of,
+    lost,
+    read_cost,
+    values_of,
+)
 from fuzzyarm.tuning.design import Design
 from fuzzyarm.tuning.linear import cut_off, nearest_plane, straightened
 from fuzzyarm.tuning.optimisers import OPTIMISERS
@@ -255,8 +266,27 @@ def test_values_are_means_over_axes_and_a_lost_run_costs_more_the_sooner():
     assert values["joint2.iae"] == metrics["joint2"].iae
     assert values["max"] == pytest.approx(np.mean([abs(m.max) for m in metrics.values()]))
     assert "overshoot" not in values
-    gone = [lost(replace(run, diverged=at), 2.0) for at in (0.0, 1.0, 2.0)]
-    assert gone == [2e6, 1.5e6, 1e6]
+    assert [lost(at, 2.0) for at in (0.0, 1.0, 2.0)] == [2e6, 1.5e6, 1e6]
+
+
+@pytest.mark.parametrize("noisy", [False, True])
+def test_what_a_search_keeps_of_a_run_is_what_the_whole_run_says(noisy):
+    noise = Sensor(noise=1e-3)
+    arm = Bench(Experiment(controller("cfaf"), QUICK, shared={"payload": 1.0}), []).loop
+    heater = controller_of(load(HEATER))
+    motion = plant_motion(heater, find_plant("room"), ROOM["references"], 600.0)
+    for loop in (arm, ClosedLoop(heater, motion)):
+        course = loop.course
+        if noisy:
+            port = loop.site.interface.label(course.motion.tracked[0])
+            course = course.with_options(replace(course.options, sensors={port: noise}, seed=5))
+        run, judged = loop.run(None, course, 5), loop.judged(None, course, 5)
+        values, brief = values_of(run), brief_values_of(judged)
+        assert {name.rpartition(".")[2] for name in brief} == {"rms", "chatter"}
+        assert brief == {name: values[name] for name in brief}
+        assert judged.diverged == run.diverged
+    assert Cost("rms + 2*'joint1.chatter' + pi").is_brief
+    assert not Cost("rms + max").is_brief
 
 
 class Noting(Controller):
@@ -343,3 +373,44 @@ def test_a_rule_base_alone_needs_to_be_told_what_is_good():
     shape = made.model.variable("error").term("COOL").shape
     assert shape.parameters[1] == pytest.approx(3.0, abs=0.1)
     assert math.isnan(made.found.best.score.error)
+
+
+class GoingAway(Executor):
+    """A cluster that goes after some examinations."""
+
+    def __init__(self, examinations):
+        self.left = examinations
+
+    def submit(self, function, /, *words):
+        future = Future()
+        self.left -= 1
+        if self.left < 0:
+            future.cancel()
+        else:
+            future.set_result(function(*words))
+        return future
+
+
+def test_the_best_is_kept_where_the_workers_go():
+    gone = heated(evals=500, executor=GoingAway(20), linear=True)
+    assert gone.found.interrupted
+    assert len(gone.found.trials) == 20
+    assert gone.row("linear PD") is None
+    again = heated(evals=20)
+    assert gone.text == again.text
+    with pytest.raises(CancelledError):
+        heated(executor=GoingAway(0))
+
+
+def test_an_opponent_whose_search_was_ended_is_left_out():
+    def enough(found):
+        if len(found.trials) == 3:
+            raise KeyboardInterrupt
+
+    told = []
+    half = heated(
+        linear=True, watch_linear=enough, watch=lambda found: told.append(len(found.trials))
+    )
+    assert told[-1] == len(half.found.trials) == 12
+    assert half.found.interrupted
+    assert "linear" not in half.claim()

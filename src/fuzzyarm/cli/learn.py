@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -62,8 +61,6 @@ from fuzzyarm.cli.plants import (
 from fuzzyarm.language.controller_meaning import MAX_DELAY
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from rich.console import Console
 
     from fuzzyarm.controller import Sources
@@ -71,9 +68,6 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.self_organizing import Snapshot
     from fuzzyarm.loop import Motion, Options
     from fuzzyarm.plant import Conventions
-
-
-_MOST_PASSES = 10_000
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -91,7 +85,7 @@ def _run(arguments: argparse.Namespace) -> int:
             training.show(snapshot)
         elif arguments.every:
             shown.append(training.data(snapshot))
-    start, last = training.start, finished[-1]
+    start, last = training.trainee.start, finished[-1]
     if arguments.out:
         training.write(last.learned)
     training.draw(finished, film)
@@ -111,10 +105,11 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    if not 1 <= arguments.passes <= _MOST_PASSES:
-        raise WordError(f"--passes takes 1 to {_MOST_PASSES}, not {arguments.passes}")
     from fuzzyarm.controller.on_plant import LARGEST_RATE
+    from fuzzyarm.learning.self_organizing import MOST_PASSES
 
+    if not 1 <= arguments.passes <= MOST_PASSES:
+        raise WordError(f"--passes takes 1 to {MOST_PASSES}, not {arguments.passes}")
     if arguments.rate is not None and not 0.0 <= arguments.rate <= LARGEST_RATE:
         raise WordError(f"--rate takes 0 to {LARGEST_RATE:g}, not {arguments.rate:g}")
     if arguments.delay is not None and not 0 <= arguments.delay <= MAX_DELAY:
@@ -162,12 +157,9 @@ class _Training:
 
     def __init__(self, arguments: argparse.Namespace) -> None:
         from fuzzyarm.controller.catalogue import CATALOGUE, Choice, TextEntry, text_controller
-        from fuzzyarm.controller.controller import CompiledController
-        from fuzzyarm.controller.on_plant import TextLaw, controller_on, learned, site_of
         from fuzzyarm.controller.text import teaching
+        from fuzzyarm.learning.self_organizing import Trainee
         from fuzzyarm.plant.plant import with_parameters
-        from fuzzyarm.plant.setting import Arithmetic
-        from fuzzyarm.table import LookupTable
 
         self.arguments = arguments
         self.name = arguments.controller or (
@@ -177,58 +169,31 @@ class _Training:
         path = entry.file() if isinstance(entry, TextEntry) else self.name
         change = teaching(0.0 if arguments.freeze else arguments.rate, arguments.delay)
         made = text_controller(path, Choice(sources=_sources(arguments)), change=change)
-        assert isinstance(made.law, TextLaw)
-        learners = list(made.law.text.learners())
-        if not learners:
-            raise WordError(f"{self.name} has no table that learns")
-        self.text, self.learner = made.law.text, learners[0]
-        sheet = self.text.sheets[self.learner.table][0]
-        assert isinstance(sheet, LookupTable)
         plant = plant_of(arguments)
         gains, parameters = split_settings(overrides(arguments.set), made, plant)
-        self.controller = made.with_gains(gains)
-        self.plant = with_parameters(plant, parameters) if parameters else plant
-        self.count = len(self.text.model.axis_names)
+        plant = with_parameters(plant, parameters) if parameters else plant
+        connect = connections(arguments)
+        self.trainee = Trainee(made.with_gains(gains), plant, connect, self.name)
+        self.count = len(self.trainee.axes)
         if arguments.joint is not None and not 1 <= arguments.joint <= self.count:
             raise WordError(f"--joint takes 1 to {self.count}, not {arguments.joint}")
-        bound = controller_on(self.controller, site_of(self.plant, connections(arguments)))
-        assert isinstance(bound, CompiledController)
-        assert isinstance(bound.law, TextLaw)
-        self.start = learned(bound.law, Arithmetic())
-        self.like = replace(
-            sheet,
-            output="u",
-            description="control, normalised",
-            rounding=None,  # what is learned is not rounded
-            provenance=(),
-        )
 
     def snapshots(self) -> Iterator[Snapshot]:
         """Train, with a progress bar where a terminal shows it."""
-        from fuzzyarm.learning.self_organizing import train
-
         arguments = self.arguments
-        connect, options = connections(arguments), options_of(arguments, self.plant)
-        motion, conventions = self._motion(connect, options)
+        options = options_of(arguments, self.trainee.plant)
+        motion, conventions = self._motion(options)
         points = len(motion.time)
         done = 0
         # A bar and grids on one screen would be in each other's way.
         shown = not arguments.every or arguments.json
         with progress_bar("learning", points * arguments.passes, shown=shown) as advance:
-            for snapshot in train(
-                self.controller,
-                motion,
-                passes=arguments.passes,
-                every=self._every(points),
-                conventions=conventions,
-                options=options,
-                connect=connect,
+            for snapshot in self.trainee.snapshots(
+                motion, arguments.passes, self._every(points), conventions, options
             ):
                 advance(snapshot.points - done)
                 done = snapshot.points
-                # An unused cell has to stay what its file says, and 1.8 - 1 + 1 is not 1.8.
-                learned = snapshot.learned.readable(single=conventions.single)
-                yield replace(snapshot, learned=learned)
+                yield snapshot
 
     def _every(self, points: int) -> int | None:
         """Return after how many set points a table is looked at; for a film often enough."""
@@ -248,55 +213,60 @@ class _Training:
         from fuzzyarm.show.figures import learning
         from fuzzyarm.show.figures.style import save_figure
 
-        names = self.text.model.axis_names
+        names, like = self.trainee.axes, self.trainee.like
         if arguments.plot:
-            whole = learning.Training(self.name, finished, names, self.like)
+            whole = learning.Training(self.name, finished, names, like)
             save_figure(learning.learning_figure(whole), arguments.plot)
         if arguments.animate:
-            whole = learning.Training(self.name, film, names, self.like)
+            whole = learning.Training(self.name, film, names, like)
             frames = min(learning.MOST_FRAMES, len(film))
             with progress_bar("drawing", frames) as advance:
                 learning.animate_learning(whole, arguments.animate, watch=advance)
 
-    def _motion(self, connect: Mapping[str, str], options: Options) -> tuple[Motion, Conventions]:
+    def _motion(self, options: Options) -> tuple[Motion, Conventions]:
         from fuzzyarm.loop.course import arm_motion
         from fuzzyarm.plant import PLAIN, Arm
 
-        if isinstance(self.plant, Arm):
-            trajectory, conventions, arms = experiment_of(self.arguments, self.name, self.plant)
+        trainee = self.trainee
+        if isinstance(trainee.plant, Arm):
+            trajectory, conventions, arms = experiment_of(self.arguments, self.name, trainee.plant)
             return arm_motion(trajectory, arms, conventions, options), conventions
         require_plain(self.arguments)
-        return motion_of(self.arguments, self.controller, self.plant, connect), PLAIN
+        connect = trainee.connect or {}
+        return motion_of(self.arguments, trainee.controller, trainee.plant, connect), PLAIN
 
     def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view
 
-        pairs = zip(self.start.tables(self.like), learned.tables(self.like), strict=True)
+        start, like = self.trainee.start, self.trainee.like
+        pairs = zip(start.tables(like), learned.tables(like), strict=True)
         for joint, (before, after) in enumerate(pairs):
-            name, visits = self.text.model.axis_names[joint], learned.visits[joint]
+            name, visits = self.trainee.axes[joint], learned.visits[joint]
             console.print(learned_view(before, after, visits, name, with_visits=with_visits))
 
     def show(self, snapshot: Snapshot) -> None:
         """Print the tables while they grow."""
+        from fuzzyarm.learning.self_organizing import error_words
         from fuzzyarm.show.drawing import make_console
 
         console = make_console()
         console.print(
             f"pass {snapshot.passage} of {self.arguments.passes}, {snapshot.time:.3f} s: "
-            f"RMS error {_errors(snapshot)} so far"
+            f"RMS error {error_words(snapshot)} so far"
         )
         self._print_tables(console, snapshot.learned, with_visits=False)
 
     def print(self, finished: list[Snapshot]) -> None:
         """Print the errors of each pass and the tables at the end."""
         from fuzzyarm.controller.program import AXIS
+        from fuzzyarm.learning.self_organizing import error_words
         from fuzzyarm.show.drawing import make_console
 
         console = make_console()
         last, out = finished[-1], self.arguments.out
         for snapshot in finished:
             console.print(
-                f"pass {snapshot.passage}: RMS error {_errors(snapshot)}"
+                f"pass {snapshot.passage}: RMS error {error_words(snapshot)}"
                 + (", learning off" if self.arguments.freeze else "")
             )
         if last.diverged is not None:
@@ -315,33 +285,19 @@ class _Training:
         """Write the table of one joint, or one over both."""
         from fuzzyarm.table import write_table
 
-        if self.arguments.joint or self.count == 1:
-            table = learned.tables(self.like)[(self.arguments.joint or 1) - 1]
-        else:
-            table = learned.table(self.like)
-        origin = tuple(self._provenance().items())
-        write_table(replace(table, provenance=origin), self.arguments.out)
+        table = self.trainee.table(learned, self._provenance(), self.arguments.joint)
+        write_table(table, self.arguments.out)
 
     def _provenance(self) -> dict[str, str]:
-        from fuzzyarm.version import __version__
-
-        arguments, line = self.arguments, self.learner
-        files = {use.name: " ".join(use.files) for use in self.text.model.uses}
-        rate = line.rate
-        if isinstance(rate, str):
-            rate = self.controller.gains[rate].value[0]
+        arguments = self.arguments
         start = " ".join(Path(word).name for word in arguments.start)
-        judge = files[line.judge].removeprefix("performance-").removesuffix(".lut")
-        pairs = {
-            "made": "learned by self-organizing control",
-            "start": files[line.table] if arguments.controller and start == "zero" else start,
-            "performance": Path(arguments.performance or judge).name,
-            "trajectory": self._words(),
-            "passes": str(arguments.passes),
-            "learning": f"rate {rate:g}, delay {line.delay}",
-            "conventions": arguments.conventions,
-            "engine": f"fuzzyarm {__version__}",
-        }
+        pairs = self.trainee.provenance(
+            self._words(),
+            arguments.passes,
+            "" if arguments.controller and start == "zero" else start,
+            Path(arguments.performance).name if arguments.performance else "",
+            arguments.conventions,
+        )
         if arguments.controller:
             pairs["controller"] = Path(arguments.controller).name
         if arguments.set:
@@ -357,50 +313,37 @@ class _Training:
         arguments = self.arguments
         if arguments.plant == "arm":
             return _trajectory_words(arguments)
-        references = " ".join(arguments.reference) or f"step {arguments.step or 1:g}"
-        return f"{Path(arguments.plant).name} {references}"
+        from fuzzyarm.learning.self_organizing import reference_words
+
+        plant = Path(arguments.plant).name
+        return reference_words(plant, arguments.reference, arguments.step or 1.0)
 
     def data(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the state of a training as JSON data."""
-        learned = snapshot.learned
-        changed = learned.values != self.start.values
+        from fuzzyarm.learning.self_organizing import state_of
+
         return {
             "pass": snapshot.passage,
             "time": snapshot.time,
             "rms": [float(each) for each in snapshot.rms],
             "complete": snapshot.complete,
             "diverged": snapshot.diverged,
-            "joints": [
-                {
-                    "visited": int((learned.visits[joint] > 0).sum()),
-                    "changed": int(changed[joint].sum()),
-                    "never_visited": int((learned.visits[joint] == 0).sum()),
-                }
-                for joint in range(self.count)
-            ],
+            "joints": state_of(snapshot, self.trainee.start),
         }
 
 
-def _errors(snapshot: Snapshot) -> str:
-    """Return the errors of a pass as they are printed."""
-    units = ["°" if unit == "degrees" else f" {unit}" for unit in snapshot.units]
-    words = [f"{error:.4f}{unit}" for error, unit in zip(snapshot.rms, units, strict=True)]
-    return " and ".join(words)
-
-
 def _trajectory_words(arguments: argparse.Namespace) -> str:
-    words = [arguments.trajectory]
+    from fuzzyarm.learning.self_organizing import trajectory_words
+
+    name, details = arguments.trajectory, []
     if arguments.way_points:
-        words = ["way points", *arguments.way_points]
+        name, details = "way points", arguments.way_points
     elif arguments.angles is not None:
-        words.append("to {:g}° and {:g}°".format(*arguments.angles))
+        details.append("to {:g}° and {:g}°".format(*arguments.angles))
     if arguments.segment is not None:
-        words.append(f"in {arguments.segment:g} s")
-    if arguments.payload:
-        words.append("with payload")
-    if arguments.loaded:
-        words.append("loaded in segments " + " ".join(map(str, arguments.loaded)))
-    return " ".join(words)
+        details = [*details, f"in {arguments.segment:g} s"]
+    loaded = arguments.loaded or ()
+    return trajectory_words(name, payload=arguments.payload, loaded=loaded, details=details)
 
 
 COMMANDS = (

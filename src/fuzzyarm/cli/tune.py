@@ -27,6 +27,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shutil
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -100,9 +101,10 @@ def _run(arguments: argparse.Namespace) -> int:
     given["journal"] = _journal(arguments, path)
     with (
         cluster(arguments) as (executor, workers),
-        _shown(arguments.evals, shown=not arguments.json) as watch,
+        _shown(arguments.evals, shown=not arguments.json) as progress,
     ):
-        tuned = tune(path, **given, workers=workers, executor=executor, watch=watch)
+        given |= {"watch": progress.search, "watch_linear": progress.linear}
+        tuned = tune(path, **given, workers=workers, executor=executor)
     written = tuned.write(arguments.out) if arguments.out else []
     if arguments.plot:
         from fuzzyarm.show.figures import save_figure
@@ -110,7 +112,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
         save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), arguments.plot)
     if arguments.json:
-        print_json(_as_json(tuned, written))
+        print_json({**tuned.as_data(), "files": [os.fspath(each) for each in written]})
     else:
         say(*_lines(tuned, path, written))
     if tuned.found.interrupted:
@@ -305,44 +307,81 @@ def _digests(arguments: argparse.Namespace, path: str) -> dict[str, str]:
 TOLD_EVERY = 10.0
 """Where stderr is not a terminal, s."""
 
+REDRAWN_EVERY = 0.2
+"""Where it is one, s."""
+
+
+class _Progress:
+    """What is said of the searches while they go on: of the controller's, then of the opponent's.
+
+    Parameters
+    ----------
+    evals : int
+        Of the search.
+    say : callable
+        Takes a search and a line that says how far it is.
+    every : float
+        Seconds between two words.
+    """
+
+    def __init__(self, evals: int, say: Callable[[Found, str], None], every: float) -> None:
+        self.evals, self.say, self.every = evals, say, every
+        self.told = time.monotonic()
+        self.first: tuple[int, float] | None = None
+
+    def search(self, found: Found) -> None:
+        """Hear of the search."""
+        done = len(found.trials)
+        if self.first is None:  # with what had to be loaded or compiled: no rate to go by
+            self.first = done, time.monotonic()
+        if self._is_time():
+            self.say(found, ", ".join([*self._state(found), *self._left(done)]))
+
+    def linear(self, found: Found) -> None:
+        """Hear of the search of the linear opponent."""
+        if self._is_time():
+            state = f"{counted(len(found.trials), 'trial')}, best {found.best.score.cost:.5g}"
+            self.say(found, f"the linear controller, tuned on the same: {state}")
+
+    def _is_time(self) -> bool:
+        now = time.monotonic()
+        if now - self.told < self.every:
+            return False
+        self.told = now
+        return True
+
+    def _state(self, found: Found) -> Iterator[str]:
+        yield f"{len(found.trials)} of {self.evals} trials"
+        if found.refused:
+            yield f"{found.refused} refused"
+        yield f"best {found.best.score.cost:.5g}"
+
+    def _left(self, done: int) -> Iterator[str]:
+        assert self.first is not None
+        count, begin = self.first
+        if done > count:
+            rate = (done - count) / max(time.monotonic() - begin, 1e-9)
+            yield f"{duration_words((self.evals - done) / rate)} left"
+
 
 @contextmanager
-def _shown(evals: int, *, shown: bool) -> Iterator[Callable[[Found], None]]:
-    """Show trials, the best cost and its curve on stderr; give what is told of the search."""
-    begin = told = time.monotonic()
-
-    def state(found: Found) -> str:
-        done = len(found.trials)
-        elapsed = max(time.monotonic() - begin, 1e-9)
-        left = duration_words((evals - done) * elapsed / max(done, 1))
-        refused = f", {found.refused} refused" if found.refused else ""
-        best = f"best {found.best.score.cost:.5g}"
-        return f"{done} of {evals} trials{refused}, {best}, {left} left"
-
+def _shown(evals: int, *, shown: bool) -> Iterator[_Progress]:
+    """Show trials, the best cost and its curve on stderr; give what is told of the searches."""
     if not shown or not sys.stderr.isatty():
-
-        def tell(found: Found) -> None:
-            nonlocal told
-            if time.monotonic() - told >= TOLD_EVERY and len(found.trials) < evals:
-                told = time.monotonic()
-                print_error(state(found))
-
-        yield tell
+        yield _Progress(evals, lambda _found, state: print_error(state), TOLD_EVERY)
         return
     from rich.console import Console
     from rich.live import Live
 
     from fuzzyarm.show.tuning import search_view
 
-    with Live(console=Console(stderr=True), transient=True, auto_refresh=False) as live:
+    console = Console(stderr=True)
+    with Live(console=console, transient=True, auto_refresh=False) as live:
 
-        def draw(found: Found) -> None:
-            nonlocal told
-            if time.monotonic() - told >= 0.2:
-                told = time.monotonic()
-                live.update(search_view(found, state(found)), refresh=True)
+        def draw(found: Found, state: str) -> None:
+            live.update(search_view(found, state, console.width), refresh=True)
 
-        yield draw
+        yield _Progress(evals, draw, REDRAWN_EVERY)
 
 
 # --- What came of it ---
@@ -350,7 +389,13 @@ def _shown(evals: int, *, shown: bool) -> Iterator[Callable[[Found], None]]:
 
 def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
     from fuzzyarm.show import plain_text
-    from fuzzyarm.show.tuning import change_lines, curve_view, front_lines, table_lines
+    from fuzzyarm.show.tuning import (
+        change_lines,
+        curve_view,
+        front_lines,
+        table_lines,
+        width_for,
+    )
 
     found = tuned.found
     on = counted(len(tuned.scenarios), "scenario")
@@ -362,7 +407,8 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
     yield from (f"  {line}" for line in table_lines(tuned))
     yield tuned.claim()
     if len(found.trials) > 1:
-        yield from plain_text(curve_view(found.curve)).splitlines()
+        columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else 80
+        yield from plain_text(curve_view(found.curve, width_for(columns))).splitlines()
     front = list(front_lines(tuned))
     if front:
         yield from ("front of error and chatter:", *(f"  {line}" for line in front))
@@ -375,53 +421,6 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
     yield from change_lines(tuned)
     if written:
         yield f"wrote {', '.join(map(os.fspath, written))}"
-
-
-def _as_json(tuned: Tuned, written: list[Path]) -> dict[str, Any]:
-    found = tuned.found
-    return {
-        "cost": tuned.cost,
-        "over": tuned.over,
-        "method": tuned.plan.method,
-        "seed": tuned.plan.seed,
-        "trials": len(found.trials),
-        "refused": found.refused,
-        "seconds": round(found.seconds, 3),
-        "interrupted": found.interrupted,
-        "digits": tuned.digits,
-        "scenarios": list(tuned.scenarios),
-        "unseen": list(tuned.unseen),
-        "rows": {
-            row.name: {name: _score(score) for name, score in row.scores.items()}
-            for row in tuned.rows
-        },
-        "claim": tuned.claim(),
-        "parameters": [
-            {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
-            for each in tuned.parameters
-        ],
-        "on_a_bound": list(tuned.on_a_bound),
-        "changes": [dict(zip(("what", "old", "new"), each, strict=True)) for each in tuned.changes],
-        "curve": [_finite(value) for value in found.curve],
-        "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
-        "files": [os.fspath(path) for path in written],
-    }
-
-
-def _score(score: Any) -> dict[str, Any]:
-    return {
-        "cost": _finite(score.cost),
-        "rms": _finite(score.error),
-        "chatter": _finite(score.chatter),
-        "diverged": score.diverged,
-        "each": [_finite(part) for part in score.parts],
-    }
-
-
-def _finite(value: float) -> float | None:
-    import math
-
-    return value if math.isfinite(value) else None
 
 
 def _unset(each: Argument) -> Argument:

@@ -351,8 +351,9 @@ def text_controller(
     choice: Choice,
     name: str = "",
     change: Change | None = None,
+    source: str | None = None,
 ) -> CompiledController:
-    """Make the controller in a file, for the arm.
+    """Make the controller in a file, for the arm; `source` is its text, where it is another.
 
     Raises
     ------
@@ -363,7 +364,8 @@ def text_controller(
     SourceError
         If nothing reads a given source, or the arm does not have what it drives or measures.
     """
-    parsed = parse(read_text(path), os.fspath(path))
+    source = read_text(path) if source is None else source
+    parsed = parse(source, os.fspath(path))
     instead: dict[str, tuple[Sheet, ...]] = {}
     if parsed.controller is not None:
         known = roles(parsed.controller)
@@ -374,7 +376,7 @@ def text_controller(
             sheets = choice.sources.sheets(role)
             instead[known[role]] = sheets
             change = _both(change, by_name(known[role], sheets[0]))
-    text = read_controller(path, instead, change)
+    text = read_controller(path, instead, change, source)
     made = controller_of(text, choice)
     made.name = name or made.name
     return made

@@ -401,6 +401,27 @@ class Learned:
         decimals = 6 if single else 12
         return replace(self, values=np.round(self.values, decimals) + 0.0)  # + 0.0: no -0
 
+    def pages(self, last: NDArray[np.int64] | None = None) -> list[tuple[Any, Any]]:
+        """Return values and visits of each axis as rows and columns, to be drawn.
+
+        Of a table over more than two inputs the page that was used most.
+
+        Parameters
+        ----------
+        last : ndarray, optional
+            Visits by which is chosen, where not those of these tables.
+        """
+        found = []
+        by = self.visits if last is None else last
+        for values, visits, used in zip(self.values, self.visits, by, strict=True):
+            if values.ndim == 1:
+                page: tuple[Any, ...] = (None,)
+            else:
+                sums = used.sum(axis=(-2, -1))
+                page = np.unravel_index(int(np.argmax(sums)), sums.shape) if sums.ndim else ()
+            found.append((values[page], visits[page]))
+        return found
+
     def tables(self, like: LookupTable) -> list[LookupTable]:
         """Return the table of each axis of the controller; the rest as `like` has it."""
         return [replace(like, axes=self.axes, values=each) for each in self.values]

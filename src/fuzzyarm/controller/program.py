@@ -587,7 +587,7 @@ def rule_block(rulebase: RuleBase, *, compiled: bool) -> RuleBlock:
         If the kernel cannot evaluate it; it says why.
     """
     try:
-        layout = lay_out(plan(rulebase), compiled=compiled)
+        layout = lay_out(plan(rulebase), compiled=compiled, alone=True)
     except NotCoveredError as error:
         raise SourceError(
             f"a controller cannot evaluate '{rulebase.name}' at every step: {error}",

@@ -90,6 +90,7 @@ def read_controller(
     path: str | os.PathLike[str],
     instead: Mapping[str, tuple[Sheet, ...]] | None = None,
     change: Change | None = None,
+    source: str | None = None,
 ) -> ControllerText:
     """Read a controller and the files that it uses.
 
@@ -101,6 +102,8 @@ def read_controller(
         Rule bases and tables in place of those that its ``use`` lines name.
     change : callable, optional
         From what the text says to what is to be read instead.
+    source : str, optional
+        The text, where it is not that of the file.
 
     Raises
     ------
@@ -110,7 +113,7 @@ def read_controller(
         If it has mistakes, or something does not fit; `diagnostics` has all of them.
     """
     name = os.fspath(path)
-    source = read_text(path)
+    source = read_text(path) if source is None else source
     parsed = parse(source, name)
     if parsed.controller is None:
         raise RuleBaseError(parsed.diagnostics)

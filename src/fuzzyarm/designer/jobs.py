@@ -1,8 +1,9 @@
 """Long work that a page watches: it runs beside the answering of questions, and can be stopped.
 
 A piece of work is a function that is given the text as it was, what the page asked for, and a
-`Job`. It runs in a thread of its own. What it tells waits until the window has been sent it, so
-that a slow window slows the work and not the server.
+`Job`. It runs in a thread of its own, which may wait for a hand as long as it likes: the threads
+that answer questions are others. What it tells waits until the window has been sent it, so that
+a slow window slows the work and not the server.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import asyncio
 import queue
 import secrets
+import threading
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
@@ -21,6 +23,9 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
 
 Tell = Callable[[dict[str, Any]], Awaitable[None]]
+
+LOOK_EVERY = 0.25
+"""Seconds after which work that waits for a word notices that it has been stopped."""
 
 
 MOST_KEPT, LARGEST_KEPT = 64, 200_000_000
@@ -85,14 +90,16 @@ class Job:
         Sends a message to the window.
     folder : Folder
         Whose files it may read and write.
-    downloads : Downloads
+    downloads : Downloads, optional
         Where it puts what the page is to load.
     """
 
-    def __init__(self, number: int, tell: Tell, folder: Folder, downloads: Downloads) -> None:
+    def __init__(
+        self, number: int, tell: Tell, folder: Folder, downloads: Downloads | None = None
+    ) -> None:
         self.number = number
         self.folder = folder
-        self._downloads = downloads
+        self._downloads = downloads or Downloads()
         self._tell = tell
         self._loop = asyncio.get_running_loop()
         self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
@@ -102,16 +109,26 @@ class Job:
 
     async def run(self, work: Work, session: Session, asked: dict[str, Any]) -> None:
         """Do the work, and tell how it ended: done, stopped, or failed with a sentence."""
-        end: dict[str, Any] = {"end": "done"}
+        ended: Future[dict[str, Any]] = Future()
+
+        def run() -> None:
+            ended.set_result(self._end(work, session, asked))
+
+        threading.Thread(target=run, name="fuzzyarm-job", daemon=True).start()
+        await self._send(await asyncio.wrap_future(ended))
+
+    def _end(self, work: Work, session: Session, asked: dict[str, Any]) -> dict[str, Any]:
         try:
-            await asyncio.to_thread(work, session, asked, self)
+            work(session, asked, self)
         except StoppedError:
-            end = {"end": "stopped"}
+            return {"end": "stopped"}
         except (FuzzyarmError, OSError) as error:
-            end = {"end": "failed", "message": str(error)}
+            return {"end": "failed", "message": str(error)}
         except (KeyError, TypeError, ValueError, IndexError):
-            end = {"end": "failed", "message": "a question that is not understood"}
-        await self._send(end)
+            return {"end": "failed", "message": "a question that is not understood"}
+        except Exception as error:  # the window must hear that nothing more comes
+            return {"end": "failed", "message": f"a fault of the program: {error!r}"}
+        return {"end": "done"}
 
     def hear(self, said: dict[str, Any]) -> None:
         """Take what a hand does."""
@@ -142,6 +159,21 @@ class Job:
         while not self._said.empty():
             found.append(self._said.get())
         return found
+
+    def word(self) -> dict[str, Any]:
+        """Wait for what the page says next.
+
+        Raises
+        ------
+        StoppedError
+            If the page wants no more.
+        """
+        while True:
+            self.check()
+            try:
+                return self._said.get(timeout=LOOK_EVERY)
+            except queue.Empty:
+                continue
 
     def check(self) -> None:
         """Raise `StoppedError` if the page wants no more."""

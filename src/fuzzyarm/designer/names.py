@@ -37,7 +37,7 @@ def demand_name(name: str) -> str:
     name = unicodedata.normalize("NFC", name.strip())
     shown = printable(name[:80])
     if not Path(name).stem or name.startswith("."):
-        raise OutsideError(f"'{shown}' is not the name of a file")
+        raise OutsideError(f"'{shown}' is not the name of a file in this folder")
     if not name.isprintable() or _MARKS.search(name):
         raise OutsideError(
             f"'{shown}' cannot be the name of a file: it has a mark that not every system takes"

@@ -43,15 +43,21 @@ from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.exports import export
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
+from fuzzyarm.designer.learning import learn, learnable
 from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.designer.tables import table_error
+from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
 
 WORKS: dict[str, Work] = {
     "compare": compare,
     "export": export,
+    "learnable": learnable,
+    "learn": learn,
     "table-error": table_error,
+    "tunable": tunable,
+    "tune": tune,
 }
 """Long work that a page may start → what does it."""
 

@@ -24,7 +24,9 @@ from fuzzyarm.language.queries import (
     Reading,
     RenameError,
     ReshapeError,
+    add_tuning,
     set_cell,
+    set_ranges,
     set_shapes,
 )
 from fuzzyarm.lsp.session import UTF16, Session, to_place
@@ -325,6 +327,30 @@ class SharedText:
 
         return {"kinds": kinds_of(self.session)}
 
+    def _movable(self, _asked: dict[str, Any]) -> dict[str, Any]:
+        """Write into the text what tuning moves where nothing is said, and ranges of gains."""
+        from fuzzyarm.tuning.design import default_ranges, everything
+
+        reading = self.session.reading
+        parsed = reading.parsed if isinstance(reading, Reading) else None
+        if parsed is None or (parsed.rulebase is None and parsed.controller is None):
+            return {"error": "a text with mistakes, or a table, does not say what may move"}
+        edits = []
+        if parsed.rulebase is not None and parsed.rulebase.tuning is None:
+            edits += add_tuning(reading, everything(parsed.rulebase))
+        if parsed.controller is not None:
+            edits += set_ranges(reading, default_ranges(parsed.controller))
+        if not edits:
+            return {"error": "there is nothing in this text that may move"}
+        return self._edits(edits)
+
+    def _merge(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Bring the change from one text to another into the text as it is now."""
+        both = merged(str(asked["old"]), self.text, str(asked["new"]))
+        if both is None:
+            return {"error": "the text has changed in the same lines meanwhile"}
+        return {"version": self.version, "changes": difference(self.text, both)}
+
     def _numbers(self, asked: dict[str, Any]) -> dict[str, Any]:
         rulebase = self.session.reading.parsed.rulebase
         if rulebase is None:
@@ -339,6 +365,8 @@ _QUESTIONS = {
     "rename": SharedText._rename,
     "fixes": SharedText._fixes,
     "format": SharedText._format,
+    "merge": SharedText._merge,
+    "movable": SharedText._movable,
     "shapes": SharedText._shapes,
     "cell": SharedText._cell,
     "numbers": SharedText._numbers,

@@ -135,6 +135,11 @@ class _Function:
         targets = [self.target(target) for target in each.targets]
         return [f"{' = '.join(targets)} = {self.value(each.value)};"]
 
+    def annotated(self, each: ast.AnnAssign) -> list[str]:
+        if each.value is None:
+            raise NotTranslatedError(each)
+        return [f"{self.target(each.target)} = {self.value(each.value)};"]
+
     def changed(self, each: ast.AugAssign) -> list[str]:
         return [f"{self.target(each.target)} {_BINARY[type(each.op)]}= {self.value(each.value)};"]
 
@@ -167,6 +172,7 @@ class _Function:
         ast.Expr: plain,
         ast.Return: returned,
         ast.Assign: assigned,
+        ast.AnnAssign: annotated,
         ast.AugAssign: changed,
         ast.If: chosen,
         ast.While: repeated,

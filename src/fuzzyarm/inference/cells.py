@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
 from fuzzyarm.inference.point import line_at
 from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import Hedge, Shape
@@ -123,13 +125,13 @@ def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:
     if not math.isfinite(width / (FINENESS * len(inner))) or not width > 0.0:
         return 0.0, 0.0, (0,)
 
-    def lag(count: int) -> float:
-        """How far edges stand from the left end of their bucket, in widths of the range."""
-        shares = [(x - first) / width * count for x in inner[:-1]]
-        rounded = [share - math.floor(share + 1e-9) for share in shares]
-        return sum(max(share, 0.0) for share in rounded) / count
-
-    count = min(range(len(inner) - 1, FINENESS * len(inner)), key=lambda n: (lag(n), n))
+    # How far edges stand from the left end of their bucket, in widths of the range, added up in
+    # their order for each number of buckets; of equals the first counts.
+    counts = np.arange(len(inner) - 1, FINENESS * len(inner))
+    shares = (np.array(inner[:-1]) - first)[:, None] / width * counts
+    late = np.maximum(shares - np.floor(shares + 1e-9), 0.0)
+    lags = np.add.accumulate(late)[-1] / counts
+    count = int(counts[np.argmin(lags)])
     starts = [0]  # the first bucket holds all that is below, the last all that is above
     for bucket in range(count + 1):
         left = first + (bucket + 1e-9) / count * width

@@ -34,6 +34,13 @@ A program is a stretch of whole numbers::
 What a program does with a row beside min, max, product and sum (other norms, curved terms,
 the defuzzifiers) it calls by address: it is compiled when a rule base needs it first.
 
+A closed loop asks for one point at a time, millions of times. There half of the work would be to
+find rows that are one number long, so :func:`evaluate` walks a program by itself, number by
+number. What is added and multiplied, in which order, stands in functions that both walks share
+(`cell_of`, `on_line`, `weighed`, `layer_area`, `layer_moment`, `mean_of`, `settled`), and the bits
+are the same; norms beside the four, curved terms, expressions in parentheses and the other
+defuzzifiers are asked with rows of length one.
+
 Where there is no ordinary value (not a number, outside a range that forbids it, no rule
 fires and nothing is stated) the output is NaN; the caller asks another engine then.
 """
@@ -65,10 +72,10 @@ INPUT_HEAD = 9
 CURVE = 3
 
 # For each output, from OUTPUTS_AT on: its defuzzifier by address, its floats, how strengths
-# and sets are folded, what happens outside its range, a number for the defuzzifier, and
-# whether its value is a mean.
-DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN = range(6)
-OUTPUT_HEAD = 6
+# and sets are folded, what happens outside its range, a number for the defuzzifier, whether
+# its value is a mean, and whether the defuzzifier is `closed_centroid`.
+DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN, IS_CLOSED = range(7)
+OUTPUT_HEAD = 7
 CLAMP, EXTEND, ERROR = range(3)
 
 RANGE = 4
@@ -119,23 +126,48 @@ def evaluate(block: Any) -> None:
     """Evaluate the one point in a block; ``k[MISSING]`` outputs are NaN then."""
     k = block.view(np.int64)
     f = block[k[FLOATS] : k[ROOM]]
-    begin = k[ORDER]
-    programs = k[begin : begin + 1]
-    programs[0] = 0
-    for i in range(k[INPUTS]):
-        begin = k[COLUMNS] + i * k[WIDTH]
-        _locate(k, f, i, block[begin : begin + 1], programs)
-    if programs[0] < 0:
+    program = _program_of_point(block, k, f)
+    k[MISSING] = 0
+    if program < 0:
         for o in range(k[OUTPUTS]):
             block[k[RESULTS] + o * k[WIDTH]] = math.nan
         k[MISSING] = k[OUTPUTS]
         return
-    k[k[ORDER] + k[WIDTH]] = 0  # it came from, and goes back to, position 0
-    # Nothing to sort: the program reads the columns where `sweep` has it read the sorted copy.
-    k[INPUT_ROWS] = k[COLUMNS]
-    k[PROGRAM] = k[k[PROGRAMS_AT] + programs[0]]
-    k[FIRST], k[COUNT], k[MISSING] = 0, 1, 0
-    call(k[RUN], block)
+    room = block[k[ROOM] : k[COLUMNS]]
+    # Read once: the compiler does not know that what is written to a row changes none of them.
+    width, operands, heights, outputs = k[WIDTH], k[OPERANDS], k[HEIGHTS] * k[WIDTH], k[OUTPUTS]
+    results = k[RESULTS]
+    at = k[k[PROGRAMS_AT] + program]
+    for i in range(k[INPUTS]):
+        begin = k[COLUMNS] + i * width
+        _fuzzify_point(k, f, room, i, k[at], k[at + 1], block[begin : begin + 1], width)
+        at += 2
+    if k[at] != 0:
+        at = _join_expressions(k, f, room, at, 1)
+    else:
+        at += 1
+    # Nothing was sorted: the defuzzifiers read the columns where `sweep` has them read the copy.
+    k[INPUT_ROWS], k[FIRST], k[COUNT] = k[COLUMNS], 0, 1
+    head = k[OUTPUTS_AT]
+    for o in range(outputs):
+        groups = at
+        at = _fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, width, operands)
+        if k[head + IS_CLOSED] != 0:
+            total, moment, at = _closed_at_point(k, f, room, k[groups], at, heights, width)
+        else:
+            k[GROUPS], k[OUTPUT], k[NEXT] = groups, head, at
+            total, moment = _defuzzified_point(block, k, room, k[head + DEFUZZIFIER])
+            at = k[NEXT]
+        bounds = k[head + FLOATS_AT]
+        value = moment
+        if k[head + IS_MEAN] != 0 and total > 0.0:
+            value = mean_of(f[bounds + 3], moment, total)
+        low, high, silent = f[bounds], f[bounds + 1], f[bounds + 2]
+        value = settled(k[head + OUT_MODE], low, high, silent, total, value)
+        block[results + o * width] = value
+        if math.isnan(value):
+            k[MISSING] += 1
+        head += OUTPUT_HEAD
 
 
 @kernel
@@ -229,14 +261,43 @@ def _locate(k: Any, f: Any, i: int, x: Any, programs: Any) -> None:
         if not low <= value <= high:
             programs[point] = FAILED
         elif programs[point] >= 0:
-            # Even buckets lead near the cell; the rest of the way is a step or none.
-            bucket = int(min(max((value - first) * scale, 0.0), last))
-            cell = k[starts + bucket]
-            while value < f[edges + cell]:
-                cell -= 1
-            while value >= f[edges + cell + 1]:
-                cell += 1
-            programs[point] += cell * stride
+            programs[point] += cell_of(k, f, starts, edges, value, first, scale, last) * stride
+
+
+@kernel
+def cell_of(
+    k: Any, f: Any, starts: int, edges: int, value: float, first: float, scale: float, last: float
+) -> int:
+    """Return the cell in which a value lies."""
+    # Even buckets lead near the cell; the rest of the way is a step or none.
+    bucket = int(min(max((value - first) * scale, 0.0), last))
+    cell: int = k[starts + bucket]
+    while value < f[edges + cell]:
+        cell -= 1
+    while value >= f[edges + cell + 1]:
+        cell += 1
+    return cell
+
+
+@kernel
+def _program_of_point(block: Any, k: Any, f: Any) -> int:
+    """Bring the inputs of a point into their ranges; return its program, or FAILED."""
+    program = 0
+    for i in range(k[INPUTS]):
+        head = HEAD + INPUT_HEAD * i
+        at = RANGE * i
+        column = k[COLUMNS] + i * k[WIDTH]
+        value = block[column]
+        if k[head + CLAMPED] != 0:
+            value = min(max(value, f[at]), f[at + 1])
+            block[column] = value
+        if not f[at] <= value <= f[at + 1]:
+            program = FAILED
+        elif program >= 0:
+            starts, edges, last = k[head + STARTS_AT], k[head + EDGES_AT], k[head + BUCKETS] - 1.0
+            cell = cell_of(k, f, starts, edges, value, f[at + 2], f[at + 3], last)
+            program += cell * k[head + STRIDE]
+    return program
 
 
 # ── programs ─────────────────────────────────────────────────────────────────────────
@@ -277,7 +338,7 @@ def run(block: Any) -> None:
         # Where nothing fired this is 0 / 0; `settle` looks at the total, not at the NaN.
         if k[head + IS_MEAN] != 0:
             for point in range(count):
-                moment[point] = bounds[3] + moment[point] / total[point]
+                moment[point] = mean_of(bounds[3], moment[point], total[point])
         begin = k[RESULTS] + o * width
         results = block[begin : begin + k[POINTS]]
         k[MISSING] += settle(k[head + OUT_MODE], bounds, total, moment, results, origin)
@@ -298,20 +359,49 @@ def fuzzify(k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any) ->
         degrees = room[begin : begin + count]
         height, x_0, slope = f[line], f[line + 1], f[line + 2]
         for point in range(count):
-            # Rounding may lead below 0 next to a foot; a line starts at its foot, else its top.
-            degrees[point] = max(0.0, height + (x[point] - x_0) * slope)
+            degrees[point] = on_line(height, x_0, slope, x[point])
         line += LINE
         row += 1
-    # Curved terms have rows of their own behind the most lines of any cell: they hold in all.
+    _fuzzify_curves(k, f, room, head, x)
+
+
+@kernel
+def _fuzzify_curves(k: Any, f: Any, room: Any, head: int, x: Any) -> None:
+    """Write down the degrees of the curved terms of an input."""
+    width = k[WIDTH]
+    # They have rows of their own behind the most lines of any cell: they hold in all.
     row = k[head + SLOT] + k[head + MOST_LINES]
     curve = k[head + CURVES_AT]
     for _ in range(k[head + CURVES]):
         begin = k[curve + 1]
         numbers = f[begin : begin + k[curve + 2]]
         begin = row * width
-        call(k[curve], x, numbers, room[begin : begin + count])
+        call(k[curve], x, numbers, room[begin : begin + x.shape[0]])
         curve += CURVE
         row += 1
+
+
+@kernel
+def on_line(height: float, x_0: float, slope: float, x: float) -> float:
+    """Return the degree on a straight line of a term."""
+    # Rounding may lead below 0 next to a foot; a line starts at its foot, else its top.
+    return max(0.0, height + (x - x_0) * slope)
+
+
+@kernel
+def _fuzzify_point(
+    k: Any, f: Any, room: Any, i: int, line: int, lines: int, x: Any, width: int
+) -> None:
+    """Write down the degrees of an input at a point; see :func:`fuzzify`."""
+    head = HEAD + INPUT_HEAD * i
+    row = k[head + SLOT] * width
+    value = x[0]
+    for _ in range(lines):
+        room[row] = on_line(f[line], f[line + 1], f[line + 2], value)
+        line += LINE
+        row += width
+    if k[head + CURVES] > 0:
+        _fuzzify_curves(k, f, room, head, x)
 
 
 @kernel
@@ -361,6 +451,69 @@ def _fold_heights(k: Any, f: Any, room: Any, at: int, fold: int, count: int) -> 
 
 
 @kernel
+def _fold_heights_of_point(
+    k: Any, f: Any, room: Any, at: int, fold: int, heights: int, width: int, operands: int
+) -> int:
+    """Fold the strengths of the rules of each group at a point; return what is behind."""
+    groups = k[at]
+    at += 1
+    for group in range(groups):
+        rules = k[at]
+        at += GROUP_HEAD
+        folded = _fired(k, f, room, at, width, operands)
+        at += RULE_HEAD + operands
+        for _ in range(rules - 1):
+            strength = _fired(k, f, room, at, width, operands)
+            folded = joined(k, room, fold, folded, strength)
+            at += RULE_HEAD + operands
+        room[heights + group * width] = folded
+    return at
+
+
+@kernel
+def _fired(k: Any, f: Any, room: Any, rule: int, width: int, operands: int) -> float:
+    """Return how far a rule fires at a point; see :func:`fire`."""
+    norm = k[rule]
+    weight, threshold = f[k[rule + 1]], f[k[rule + 1] + 1]
+    first = rule + RULE_HEAD
+    strength: float = room[k[first] * width]
+    for operand in range(min(first + 1, first + operands - 1), first + operands):
+        strength = joined(k, room, norm, strength, room[k[operand] * width])
+    if weight != 1.0 or threshold > 0.0:
+        strength = weighed(strength, weight, threshold)
+    return strength
+
+
+@kernel
+def weighed(strength: float, weight: float, threshold: float) -> float:
+    """Return a strength times the weight of its rule; 0 up to the threshold."""
+    part = strength * weight
+    return part if part > threshold else 0.0
+
+
+@kernel
+def joined(k: Any, room: Any, norm: int, a: float, b: float) -> float:
+    """Return the norm of two numbers; see :func:`join`."""
+    value = a
+    if norm == MIN:
+        value = min(a, b)
+    elif norm == MAX:
+        value = max(a, b)
+    elif norm == PRODUCT:
+        value = a * b
+    elif norm == SUM:
+        value = a + b
+    else:  # in the rows to work in, which nobody uses before the defuzzifier
+        at = k[WORK] * k[WIDTH]
+        room[at] = a
+        room[at + k[WIDTH]] = b
+        one, other = room[at : at + 1], room[at + k[WIDTH] : at + k[WIDTH] + 1]
+        call(norm, one, other, room[0:0], one)
+        value = room[at]
+    return value
+
+
+@kernel
 def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
     """Write down how far a rule fires: its operands under its norm, times its weight."""
     count = strength.shape[0]
@@ -378,8 +531,7 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
     # At weight 1 and threshold 0 this changes nothing, and most rules are so.
     if weight != 1.0 or threshold > 0.0:
         for point in range(count):
-            part = strength[point] * weight
-            strength[point] = part if part > threshold else 0.0
+            strength[point] = weighed(strength[point], weight, threshold)
 
 
 @kernel
@@ -408,20 +560,32 @@ def settle(mode: int, bounds: Any, total: Any, value: Any, result: Any, origin: 
     low, high, silent = bounds[0], bounds[1], bounds[2]
     missing = 0
     for point in range(total.shape[0]):
-        found = value[point]
-        if total[point] > 0.0:
-            if mode == CLAMP:
-                found = min(max(found, low), high)
-            elif mode == ERROR and not low <= found <= high:
-                found = math.nan
-            if not abs(found) < math.inf:  # NaN too: the caller says which error that is
-                found = math.nan
-        else:
-            found = silent
+        found = settled(mode, low, high, silent, total[point], value[point])
         result[origin[point]] = found
         if math.isnan(found):
             missing += 1
     return missing
+
+
+@kernel
+def settled(mode: int, low: float, high: float, silent: float, total: float, value: float) -> float:
+    """Return a value brought into the range, or what holds where nothing fired."""
+    found = silent
+    if total > 0.0:
+        found = value
+        if mode == CLAMP:
+            found = min(max(found, low), high)
+        elif mode == ERROR and not low <= found <= high:
+            found = math.nan
+        if not abs(found) < math.inf:  # NaN too: the caller says which error that is
+            found = math.nan
+    return found
+
+
+@kernel
+def mean_of(centre: float, moment: float, total: float) -> float:
+    """Return the mean of what has a moment about a centre; 0 / 0 where nothing fired."""
+    return centre + moment / total
 
 
 # ── defuzzifiers ─────────────────────────────────────────────────────────────────────
@@ -489,9 +653,66 @@ def _add_layer(layer: Any, one: Any, other: Any, total: Any, moment: Any) -> Non
     start, depth, a1, a2 = layer[0], layer[1], layer[2], layer[3]
     b1, b2, b3 = layer[4], layer[5], layer[6]
     for point in range(total.shape[0]):
-        x = min(max(min(one[point], other[point]) - start, 0.0), depth)
-        total[point] += x * (a1 + a2 * x)
-        moment[point] += x * (b1 + x * (b2 + b3 * x))
+        x = part_of_layer(one[point], other[point], start, depth)
+        total[point] += layer_area(x, a1, a2)
+        moment[point] += layer_moment(x, b1, b2, b3)
+
+
+@kernel
+def part_of_layer(one: float, other: float, start: float, depth: float) -> float:
+    """Return how far the smaller of two heights reaches into a layer."""
+    return min(max(min(one, other) - start, 0.0), depth)
+
+
+@kernel
+def layer_area(x: float, a1: float, a2: float) -> float:
+    """Return the area of a layer up to x; see :class:`fuzzyarm.inference.overlap.Layer`."""
+    return x * (a1 + a2 * x)
+
+
+@kernel
+def layer_moment(x: float, b1: float, b2: float, b3: float) -> float:
+    """Return the moment of a layer up to x."""
+    return x * (b1 + x * (b2 + b3 * x))
+
+
+@kernel
+def _closed_at_point(
+    k: Any, f: Any, room: Any, groups: int, at: int, first: int, width: int
+) -> tuple[float, float, int]:
+    """Return area and moment at a point, and what is behind; see :func:`closed_centroid`."""
+    unions = k[at]
+    at += 1
+    for union in range(groups, groups + unions):
+        others = k[at]
+        most = 0.0
+        for other in range(at + 1, at + 1 + others):
+            most = max(most, room[first + k[other] * width])
+        room[first + union * width] = most
+        at += 1 + others
+    total = 0.0
+    moment = 0.0
+    terms = k[at]
+    at += 1
+    for _ in range(terms):
+        layer = k[at + 2]
+        one, other = room[first + k[at] * width], room[first + k[at + 1] * width]
+        x = part_of_layer(one, other, f[layer], f[layer + 1])
+        total += layer_area(x, f[layer + 2], f[layer + 3])
+        moment += layer_moment(x, f[layer + 4], f[layer + 5], f[layer + 6])
+        at += 3
+    return total, moment, at
+
+
+@kernel
+def _defuzzified_point(block: Any, k: Any, room: Any, address: int) -> tuple[float, float]:
+    """Have a defuzzifier add up total and moment of the one point; it moves ``k[NEXT]``."""
+    total = (k[WORK] + TOTAL) * k[WIDTH]
+    moment = (k[WORK] + MOMENT) * k[WIDTH]
+    room[total] = 0.0
+    room[moment] = 0.0
+    call(address, block)
+    return room[total], room[moment]
 
 
 @kernel
@@ -723,12 +944,14 @@ def highest(
 @kernel
 def cut_in(implication: int, fold: int, height: float, degrees: Any, so_far: Any, cut: Any) -> None:
     """Cut a set at a height and fold it into the aggregate, over its own stretch of samples."""
+    # Adding zero keeps the bits of a height, and has every sample stored: a store only where the
+    # new set is higher is a masked one to the vectoriser, which takes many times as long.
     if implication == MIN and fold == MAX:
         for i in range(so_far.shape[0]):
-            so_far[i] = max(so_far[i], min(height, degrees[i]))
+            so_far[i] = max(so_far[i], min(height, degrees[i])) + 0.0
     elif implication == PRODUCT and fold == MAX:
         for i in range(so_far.shape[0]):
-            so_far[i] = max(so_far[i], height * degrees[i])
+            so_far[i] = max(so_far[i], height * degrees[i]) + 0.0
     else:
         for i in range(cut.shape[0]):
             cut[i] = height

@@ -351,7 +351,12 @@ class _Rule(NamedTuple):
 
 
 def lay_out(
-    plan: Plan, *, compiled: bool = False, addresses: Addresses | None = None, loose: str = ""
+    plan: Plan,
+    *,
+    compiled: bool = False,
+    addresses: Addresses | None = None,
+    loose: str = "",
+    alone: bool = False,
 ) -> Layout:
     """Write a plan as numbers.
 
@@ -367,18 +372,21 @@ def lay_out(
         A variable whose terms are to have numbers of their own, so that they can be changed in
         place: an input without cells, an output without closed forms. It takes longer to
         evaluate, and its last bits differ.
+    alone : bool
+        For :func:`fuzzyarm.inference.kernel.evaluate` only: the address of what it does by itself
+        is 0, and is not compiled.
 
     Returns
     -------
     Layout
-        For :func:`fuzzyarm.inference.kernel.sweep`.
+        For :func:`fuzzyarm.inference.kernel.sweep`, too, unless `alone`.
 
     Raises
     ------
     NotCoveredError
         If the kernel cannot evaluate it.
     """
-    return _Writer(plan, addresses or InMemory(compiled), loose=loose).layout()
+    return _Writer(plan, addresses or InMemory(compiled), loose=loose, alone=alone).layout()
 
 
 def what_is_not_covered(plan: Plan) -> str:
@@ -390,13 +398,21 @@ def what_is_not_covered(plan: Plan) -> str:
     return ""
 
 
+_programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
+"""Programs by what they are written from, with how many heights each output has."""
+
+MOST_KNOWN, MOST_KEPT = 16, 50_000
+"""How many are kept, the oldest of which makes room; and the whole numbers of the longest."""
+
+
 class _Writer:
-    def __init__(self, plan: Plan, addresses: Addresses, *, loose: str) -> None:
+    def __init__(self, plan: Plan, addresses: Addresses, *, loose: str, alone: bool) -> None:
         if not plan.rulebase.inputs or not plan.rulebase.outputs:
             raise NotCoveredError("there is nothing to evaluate")
         self.plan = plan
         self.addresses = addresses
         self.loose = loose
+        self.alone = alone
         self.marks: list[Mark] = []
         self.numbers: dict[Proposition, int] = {}
         self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
@@ -450,9 +466,10 @@ class _Writer:
         uncut = {self.loose}
         while True:
             self._cut(uncut)
-            self.known = [{n for lines in cells.lines for n in lines} for cells in self.cells]
+            self.homes = [_homes(cells) for cells in self.cells]
             programs = math.prod(len(cells.lines) for cells in self.cells)
-            if programs <= MOST_PROGRAMS and self._entries() <= MOST_ENTRIES:
+            few = programs * (len(self.rules) + len(self.truths)) <= MOST_ENTRIES
+            if programs <= MOST_PROGRAMS and (few or self._entries() <= MOST_ENTRIES):
                 return
             sizes = {v.name: len(cells.lines) for v, cells in zip(inputs, self.cells, strict=True)}
             largest = max(sizes, key=lambda name: sizes[name])
@@ -482,20 +499,18 @@ class _Writer:
 
     def _entries(self) -> int:
         programs = math.prod(len(cells.lines) for cells in self.cells)
-        rules = sum(math.prod(len(each) for each in self._alive(rule)) for rule in self.rules)
+        rules = sum(math.prod(map(len, self._alive(rule))) for rule in self.rules)
         return rules + programs * len(self.truths)
 
-    def _alive(self, rule: _Rule) -> list[list[int]]:
+    def _alive(self, rule: _Rule) -> list[Sequence[int]]:
         """Return for each input the cells in which a rule can fire."""
-        found = []
-        for cells, known in zip(self.cells, self.known, strict=True):
-            own = [part for part in rule.parts if part in known] if rule.conjunction else []
-            if not own:
-                found.append(list(range(len(cells.lines))))
-                continue
-            found.append(
-                [i for i, lines in enumerate(cells.lines) if all(part in lines for part in own)]
-            )
+        found: list[Sequence[int]] = []
+        for cells, homes in zip(self.cells, self.homes, strict=True):
+            own = [homes[part] for part in rule.parts if part in homes] if rule.conjunction else []
+            if len(own) < 2:
+                found.append(own[0] if own else range(len(cells.lines)))
+            else:
+                found.append(sorted(set(own[0]).intersection(*own[1:])))
         return found
 
     # ── writing ──────────────────────────────────────────────────────────────────────
@@ -528,9 +543,54 @@ class _Writer:
             for o, output in enumerate(outputs)
         ]
         programs = len(self.whole)
-        self.whole += [0] * stride
-        for number, active in enumerate(self._active(strides, stride)):
-            self.whole[programs + number] = len(self.whole)
+        self._write_programs(writers, strides, stride)
+        # Behind the programs, for how many buckets there are depends on numbers, not on the form.
+        for i, cells in enumerate(self.cells):
+            self.whole[at.HEAD + at.INPUT_HEAD * i + at.STARTS_AT] = len(self.whole)
+            self.whole += cells.starts
+        work = row + max([writer.heights for writer in writers], default=0)
+        samples = max([writer.samples for writer in writers], default=0)
+        self.whole[: at.POINTS] = [
+            inputs, len(outputs), self.operands, row, work, programs, heads, stride, samples,
+        ]  # fmt: skip
+        self.whole[at.RUN] = 0 if self.alone else self.addresses.program(at.run)
+        rows = work + at.WORK_ROWS
+        return Layout(self.whole, self.floats, stride, rows, samples, tuple(self.marks))
+
+    def _write_programs(
+        self, writers: Sequence[_OutputWriter], strides: Sequence[int], count: int
+    ) -> None:
+        """Write the programs, or take over those of a layout that differs in its floats only.
+
+        They are nearly all of the work, and name nothing but places: where the same terms meet
+        in the same cells, and the same numbers of them stand in the same places, they are equal.
+        So a rule base whose terms are moved a little, as in tuning, costs a fraction.
+        """
+        first = len(self.whole)
+        places = (first, count, self.operands, self.rule_floats[:1], self.lines)
+        rules = [each[:4] for each in self.rules]
+        key = repr((places, rules, self.rows, self.truths, [each.places() for each in writers]))
+        known = _programs.get(key)
+        if known is None:
+            self._write_each_program(writers, strides, count)
+            if len(self.whole) - first <= MOST_KEPT:
+                if len(_programs) >= MOST_KNOWN:
+                    _programs.pop(next(iter(_programs)), None)
+                rows = tuple(writer.heights for writer in writers)
+                _programs[key] = (tuple(self.whole[first:]), rows)
+            return
+        programs, rows = known
+        self.whole += programs
+        for writer, heights in zip(writers, rows, strict=True):
+            writer.heights = heights
+
+    def _write_each_program(
+        self, writers: Sequence[_OutputWriter], strides: Sequence[int], count: int
+    ) -> None:
+        first = len(self.whole)
+        self.whole += [0] * count
+        for number, active in enumerate(self._active(strides, count)):
+            self.whole[first + number] = len(self.whole)
             cells_here = [
                 (number // step) % len(cells.lines)
                 for cells, step in zip(self.cells, strides, strict=True)
@@ -540,14 +600,6 @@ class _Writer:
             self._write_truths(cells_here)
             for writer in writers:
                 writer.write(active, cells_here)
-        work = row + max([writer.heights for writer in writers], default=0)
-        samples = max([writer.samples for writer in writers], default=0)
-        self.whole[: at.POINTS] = [
-            inputs, len(outputs), self.operands, row, work, programs, heads, stride, samples,
-        ]  # fmt: skip
-        self.whole[at.RUN] = self.addresses.program(at.run)
-        rows = work + at.WORK_ROWS
-        return Layout(self.whole, self.floats, stride, rows, samples, tuple(self.marks))
 
     def _write_input(self, i: int, cells: Cells, row: int, stride: int) -> None:
         variable = self.plan.rulebase.inputs[i]
@@ -556,8 +608,6 @@ class _Writer:
             low, high = variable.low, variable.high
             clamped = variable.outside == "clamp"
         self.floats[at.RANGE * i : at.RANGE * (i + 1)] = [low, high, cells.first, cells.scale]
-        starts = len(self.whole)
-        self.whole += cells.starts
         edges = len(self.floats)
         self.floats += cells.edges
         listed = [sorted(lines) for lines in cells.lines]
@@ -583,7 +633,7 @@ class _Writer:
         )
         head = at.HEAD + at.INPUT_HEAD * i
         self.whole[head : head + at.INPUT_HEAD] = [
-            int(clamped), len(cells.starts), starts, edges, stride, row, most, len(always), curves,
+            int(clamped), len(cells.starts), 0, edges, stride, row, most, len(always), curves,
         ]  # fmt: skip
 
     def _active(self, strides: Sequence[int], programs: int) -> list[list[_Rule]]:
@@ -613,6 +663,15 @@ class _Writer:
         neutral = self.one if rule.conjunction else self.zero
         operands += [neutral] * (self.operands - len(operands))
         return [rule.norm, self.rule_floats[rule.number], *operands]
+
+
+def _homes(cells: Cells) -> dict[int, list[int]]:
+    """Return of each straight proposition in which cells it is not zero."""
+    found: dict[int, list[int]] = {}
+    for cell, lines in enumerate(cells.lines):
+        for part in lines:
+            found.setdefault(part, []).append(cell)
+    return found
 
 
 class _OutputWriter:
@@ -654,9 +713,12 @@ class _OutputWriter:
         fold = base.norm(SNORMS[output.aggregation], "S")
         # The quadratures of both sides and both ends would be compiled many times over.
         inline = self.defuzzifier not in REDUCED_INTEGRALS
-        address = base.addresses.program(self.defuzzifier, inline=inline)
+        is_closed = self.defuzzifier is at.closed_centroid
+        address = 0
+        if not (is_closed and base.alone):
+            address = base.addresses.program(self.defuzzifier, inline=inline)
         whole[head : head + at.OUTPUT_HEAD] = [
-            address, floats, fold, mode, detail, int(is_mean),
+            address, floats, fold, mode, detail, int(is_mean), int(is_closed),
         ]  # fmt: skip
 
     def _write_layers(self, floats: int) -> None:
@@ -807,6 +869,14 @@ class _OutputWriter:
             return self._floats([value, *[0.0] * count])
         *coefficients, constant_term = shape.parameters
         return self._floats([constant_term, *coefficients])
+
+    def places(self) -> tuple[object, ...]:
+        """Return all that :meth:`write` reads of this output."""
+        united = self.plan.output.aggregation == "max"
+        values = self.defuzzifier in {at.weighted, reduced.karnik_mendel_values}
+        closed = self.defuzzifier is at.closed_centroid
+        layers = (self.own, self.overlaps) if closed else None
+        return self.members, self.consequents, united, values, layers
 
     def write(self, active: Sequence[_Rule], cells: Sequence[int]) -> None:
         """Append what is to be done for this output in one cell."""

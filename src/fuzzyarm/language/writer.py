@@ -228,7 +228,7 @@ def _sections(rulebase: RuleBase) -> Iterator[Sequence[StatementNode]]:
     yield [_expectation(expectation) for expectation in rulebase.expectations]
     yield [property_node(each, rulebase) for each in rulebase.properties]
     if rulebase.tuning is not None:
-        yield [_tuning(rulebase.tuning)]
+        yield [tuning_node(rulebase.tuning)]
 
 
 def _variable(role: str, variable: Variable) -> VariableNode:
@@ -438,7 +438,8 @@ def _bins(bins: tuple[float, ...]) -> tuple[str, tuple[Figure, ...]]:
     return "list", tuple(map(Figure, bins))
 
 
-def _tuning(tuning: Tuning) -> TuneNode:
+def tuning_node(tuning: Tuning) -> TuneNode:
+    """Return a ``tune`` block as the writer has it."""
     items = []
     for peaks in tuning.peaks:
         said = {

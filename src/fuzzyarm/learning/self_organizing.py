@@ -1,9 +1,10 @@
-"""Train self-organizing control on a plant, and watch its tables grow."""
+"""Train self-organizing control on a plant, watch its tables grow, and write them down."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from fuzzyarm.controller.on_plant import (
     learned,
     site_of,
 )
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, stretch
 from fuzzyarm.loop.loop import rms
 from fuzzyarm.loop.program import (
@@ -28,9 +31,12 @@ from fuzzyarm.loop.program import (
     shown_units,
 )
 from fuzzyarm.loop.run import checked_arms
-from fuzzyarm.plant.plant import is_compiled
-from fuzzyarm.plant.setting import PLAIN, Conventions
+from fuzzyarm.model.controller import Learn
+from fuzzyarm.plant.plant import Plant, is_compiled
+from fuzzyarm.plant.setting import PLAIN, Arithmetic, Conventions
 from fuzzyarm.plant.trajectory import Schedule, Trajectory
+from fuzzyarm.table import LookupTable
+from fuzzyarm.version import __version__
 
 Vector = NDArray[np.float64]
 
@@ -155,3 +161,190 @@ def train(
             if stopped:
                 return
         memory = record.memory
+
+
+# --- A training from its beginning to the file ---
+
+MOST_PASSES = 10_000
+
+
+class NoTableError(FuzzyarmError, ValueError):
+    """A controller that has no table that learns, or no such one."""
+
+
+class Trainee:
+    """A controller with a table that learns, ready on a plant.
+
+    Parameters
+    ----------
+    controller : CompiledController
+        Of a text with a line ``learn``.
+    plant : Plant
+        Where it runs.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant.
+    name : str, optional
+        For the message.
+
+    Attributes
+    ----------
+    text : ControllerText
+        The text.
+    learner : Learn
+        The line that teaches the table.
+    start : Learned
+        The tables before the training.
+    like : LookupTable
+        Range and words of the tables that are learned.
+
+    Raises
+    ------
+    NoTableError
+        If no table learns.
+    SourceError
+        If the plant does not have what the controller drives or measures.
+    """
+
+    def __init__(
+        self,
+        controller: CompiledController,
+        plant: Plant,
+        connect: Mapping[str, str] | None = None,
+        name: str = "",
+    ) -> None:
+        assert isinstance(controller.law, TextLaw)
+        self.controller, self.plant, self.connect = controller, plant, connect
+        self.text: ControllerText = controller.law.text
+        learners = list(self.text.learners())
+        if not learners:
+            raise NoTableError(f"{name or self.text.model.name} has no table that learns")
+        self.learner: Learn = learners[0]
+        sheet = self.text.sheets[self.learner.table][0]
+        assert isinstance(sheet, LookupTable)
+        bound = controller_on(controller, site_of(plant, connect))
+        assert isinstance(bound, CompiledController)
+        assert isinstance(bound.law, TextLaw)
+        self.start = learned(bound.law, Arithmetic())
+        self.like = replace(
+            sheet,
+            output="u",
+            description="control, normalised",
+            rounding=None,  # what is learned is not rounded
+            provenance=(),
+        )
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the axes of the controller, each with a table of its own."""
+        return self.text.model.axis_names
+
+    @property
+    def rate(self) -> float:
+        """The learning rate."""
+        rate = self.learner.rate
+        return self.controller.gains[rate].value[0] if isinstance(rate, str) else rate
+
+    def snapshots(
+        self,
+        motion: Motion,
+        passes: int,
+        every: int | None = None,
+        conventions: Conventions = PLAIN,
+        options: Options | None = None,
+    ) -> Iterator[Snapshot]:
+        """Train; see :func:`train`. The last digits that only rounding made are left out."""
+        for snapshot in train(
+            self.controller,
+            motion,
+            passes=passes,
+            every=every,
+            conventions=conventions,
+            options=options,
+            connect=self.connect,
+        ):
+            # An unused cell has to stay what its file says, and 1.8 - 1 + 1 is not 1.8.
+            yield replace(snapshot, learned=snapshot.learned.readable(single=conventions.single))
+
+    def table(
+        self, learned: Learned, provenance: Mapping[str, str], axis: int | None = None
+    ) -> LookupTable:
+        """Return what is written: the table of an axis (from 1), or one over all of them."""
+        if axis or len(self.axes) == 1:
+            table = learned.tables(self.like)[(axis or 1) - 1]
+        else:
+            table = learned.table(self.like)
+        return replace(table, provenance=tuple(provenance.items()))
+
+    def provenance(
+        self,
+        along: str,
+        passes: int | str,
+        start: str,
+        performance: str = "",
+        conventions: str = "plain",
+    ) -> dict[str, str]:
+        """Return where a learned table comes from.
+
+        Parameters
+        ----------
+        along : str
+            What it was trained on.
+        passes : int or str
+            How often.
+        start : str
+            What it began with; empty for what the text says.
+        performance : str, optional
+            The table that judged, where it is not that of the text.
+        conventions : str, optional
+            How was counted.
+        """
+        files = {use.name: " ".join(use.files) for use in self.text.model.uses}
+        judge = files[self.learner.judge].removeprefix("performance-").removesuffix(".lut")
+        return {
+            "made": "learned by self-organizing control",
+            "start": start or files[self.learner.table],
+            "performance": performance or Path(judge).name,
+            "trajectory": along,
+            "passes": str(passes),
+            "learning": f"rate {self.rate:g}, delay {self.learner.delay}",
+            "conventions": conventions,
+            "engine": f"fuzzyarm {__version__}",
+        }
+
+
+def state_of(snapshot: Snapshot, start: Learned) -> list[dict[str, int]]:
+    """Return how many cells of each axis were visited, have changed, were never visited."""
+    learned = snapshot.learned
+    changed = learned.values != start.values
+    return [
+        {
+            "visited": int((visits > 0).sum()),
+            "changed": int(own.sum()),
+            "never_visited": int((visits == 0).sum()),
+        }
+        for visits, own in zip(learned.visits, changed, strict=True)
+    ]
+
+
+def error_words(snapshot: Snapshot) -> str:
+    """Return the errors of a pass as they are shown, ``0.9002° and 0.8000°``."""
+    units = ["°" if unit == "degrees" else f" {unit}" for unit in snapshot.units]
+    words = [f"{error:.4f}{unit}" for error, unit in zip(snapshot.rms, units, strict=True)]
+    return " and ".join(words)
+
+
+def reference_words(plant: str, references: Sequence[str], step: float = 1.0) -> str:
+    """Say along which references of a plant was trained; without any it was a step."""
+    return f"{plant} {' '.join(references) or f'step {step:g}'}"
+
+
+def trajectory_words(
+    name: str, *, payload: bool = False, loaded: Sequence[int] = (), details: Sequence[str] = ()
+) -> str:
+    """Say along which trajectory of the arm was trained."""
+    words = [name, *details]
+    if payload:
+        words.append("with payload")
+    if loaded:
+        words.append("loaded in segments " + " ".join(map(str, loaded)))
+    return " ".join(words)

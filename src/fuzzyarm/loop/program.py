@@ -86,6 +86,7 @@ class Program:
         self._blocks = [part.block(arithmetic) for part in own] if self.compilable else []
         self.numbers = np.concatenate([[], *(block.numbers for block in self._blocks)])
         self.memory = np.concatenate([[], *(block.memory for block in self._blocks)])
+        self._inputs: dict[bool, tuple[Any, Any]] = {}
 
     @property
     def compiled(self) -> bool:
@@ -94,9 +95,12 @@ class Program:
 
     def inputs(self, *, as_array: bool | None = None) -> tuple[Any, Any]:
         """Return laws and constants as the loop takes them."""
-        laws = law_integers(self._laws, self._blocks, self.arithmetic)
         as_array = self.compiled if as_array is None else as_array
-        return flat(laws, np.int64, as_array=as_array), flat(self.numbers, as_array=as_array)
+        if as_array not in self._inputs:  # the loop only reads them: all runs share them
+            laws = law_integers(self._laws, self._blocks, self.arithmetic)
+            numbers = flat(self.numbers, as_array=as_array)
+            self._inputs[as_array] = flat(laws, np.int64, as_array=as_array), numbers
+        return self._inputs[as_array]
 
     def memory_of(self, law: Law, memory: Any) -> Any:
         """Return the stretch of a memory that belongs to a law."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -193,6 +193,22 @@ class Run(Shown):
         """Return the samples by name: references, outputs and drives."""
         wanted = {f"{label} wanted": values for label, values in self.wanted.items()}
         return {**wanted, **self.outputs, **self.drives}
+
+
+class Judged(NamedTuple):
+    """Errors and chatter of a run; see :attr:`Run.rms` and :attr:`Metrics.chatter`.
+
+    Attributes
+    ----------
+    rms, chatter : mapping of str to float
+        By the names of :func:`judged_names`.
+    diverged : float or None
+        When the run was stopped because it had diverged, s.
+    """
+
+    rms: Mapping[str, float]
+    chatter: Mapping[str, float]
+    diverged: float | None
 
 
 # --- Runs ---
@@ -419,7 +435,43 @@ class ClosedLoop:
             In place of that of the options.
         """
         program, course = program or self.program, course or self.course
-        record = Record(course, program.memory, self.taps, seed)
+        record, seconds = self._recorded(program, course, seed, self.taps)
+        return self._answer(program, record, seconds, seed)
+
+    def judged(
+        self,
+        program: Program | None = None,
+        course: Course | None = None,
+        seed: int | None = None,
+    ) -> Judged:
+        """Run once, and return no more than errors and chatter: for searches, in less time.
+
+        Parameters
+        ----------
+        program, course, seed : optional
+            See :meth:`run`.
+        """
+        program, course = program or self.program, course or self.course
+        taps = self.taps[: 2 * len(course.motion.tracked)]
+        record, _ = self._recorded(program, course, seed, taps)
+        stopped = None if course.plant.ended else record.diverged()
+        names = list(map(self.site.interface.label, course.motion.tracked))
+        labels = judged_names([axis for axis, _ in course.motion.tracked], names)
+        errors = rms(shown_errors(course, record.samples)).tolist()
+        chatter = self._chatter(record)
+        first: dict[str, float] = {}  # of the first drive of each axis
+        for name, value in chatter.items():
+            first.setdefault(name.rpartition(".")[0], value)
+        calm = [first.get(name.rpartition(".")[0], 0.0) for name in names]
+        return Judged(
+            dict(zip(labels, errors, strict=True)), dict(zip(labels, calm, strict=True)), stopped
+        )
+
+    def _recorded(
+        self, program: Program, course: Course, seed: int | None, taps: list[int]
+    ) -> tuple[Record, float]:
+        """Run the loop; return what it has written, and how long it took."""
+        record = Record(course, program.memory, taps, seed)
         if not self.compiled:
             program.controller.prepare(self.arithmetic)
         loop = loop_for(program, course, record)
@@ -427,7 +479,12 @@ class ClosedLoop:
         begin = time.perf_counter()
         with np.errstate(all="ignore"), plain_errors(course.plant):
             loop(*course.inputs(seed), *own, *record.outputs)
-        return self._answer(program, record, time.perf_counter() - begin, seed)
+        return record, time.perf_counter() - begin
+
+    def _chatter(self, record: Record) -> dict[str, float]:
+        interface = self.site.interface
+        found = np.sqrt(record.changes(SQUARES)).tolist()
+        return dict(zip(map(interface.label, interface.inputs), found, strict=True))
 
     def _answer(self, program: Program, record: Record, seconds: float, seed: int | None) -> Run:
         course = record.course
@@ -465,7 +522,7 @@ class ClosedLoop:
             followed.period * followed.every,
             course.options.seed if seed is None else seed,
             stopped if over else None,
-            dict(zip(map(label, inputs), np.sqrt(record.changes(SQUARES)).tolist(), strict=True)),
+            self._chatter(record),
         )
 
 

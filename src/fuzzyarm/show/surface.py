@@ -116,6 +116,8 @@ class LinePlot:
         Which value is that of the crisp input.
     fails : frozenset of int
         Values at which a property fails.
+    ends : (str, str) or None
+        What stands at the ends of the output, where not its numbers.
     """
 
     values: Sequence[float]
@@ -124,11 +126,13 @@ class LinePlot:
     up: tuple[str, float, float]
     mark: int | None = None
     fails: frozenset[int] = frozenset()
+    ends: tuple[str, str] | None = None
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
         from rich.text import Text
 
         name, low, high = self.up
+        bottom, top = self.ends or (number_words(low, 3), number_words(high, 3))
         width = len(self.values) // 2
         cells = [[0] * width for _ in range(self.height)]
         dots = 4 * self.height
@@ -142,7 +146,7 @@ class LinePlot:
             for y in range(min(start, dot), max(start, dot) + 1):
                 cells[y // 4][i // 2] |= _DOTS[i % 2][y % 4]
             before = dot
-        labels = {0: number_words(high, 3), self.height - 1: number_words(low, 3)}
+        labels = {0: top, self.height - 1: bottom}
         labels.setdefault(self.height // 2, fitted(name, _LEFT))
         left = max(map(len, labels.values()))
         marked = None if self.mark is None else self.mark // 2

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 60, 8
 """Of the curve, characters."""
 
+LABELS = 12
+"""Columns beside a curve."""
+
 
 def curve_view(curve: Sequence[float], width: int = WIDTH, height: int = HEIGHT) -> LinePlot:
     """Return the best cost over the trials, its height in steps of the logarithm if it can."""
@@ -28,17 +31,24 @@ def curve_view(curve: Sequence[float], width: int = WIDTH, height: int = HEIGHT)
     count = 2 * width
     picked = [curve[min(len(curve) - 1, at * len(curve) // count)] for at in range(count)]
     values = [step(value) if math.isfinite(value) else math.nan for value in picked]
-    label = "log10 cost" if logarithmic else "cost"
+    label = "log cost" if logarithmic else "cost"
     ends = (step(low), step(high)) if finite else (0.0, 1.0)
-    return LinePlot(values, height, ("trials", 1.0, float(len(curve))), (label, *ends))
+    words = (number_words(low, 3), number_words(high, 3)) if finite else None
+    across = ("trials", 1.0, float(len(curve)))
+    return LinePlot(values, height, across, (label, *ends), ends=words)
 
 
-def search_view(found: Found, state: str) -> Group:
+def search_view(found: Found, state: str, columns: int = 80) -> Group:
     """Return a search as it goes on: a line that says how far it is, and the curve."""
     from rich.console import Group
     from rich.text import Text
 
-    return Group(Text(state), curve_view(found.curve))
+    return Group(Text(state), curve_view(found.curve, width_for(columns)))
+
+
+def width_for(columns: int) -> int:
+    """Return how wide a curve may be on a screen; its labels stand beside it."""
+    return max(10, min(WIDTH, columns - LABELS))
 
 
 def table_lines(tuned: Tuned) -> Iterator[str]:

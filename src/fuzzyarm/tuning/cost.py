@@ -16,7 +16,7 @@ from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.learning.data import Samples
 from fuzzyarm.loop.many import METRICS
-from fuzzyarm.loop.run import Run
+from fuzzyarm.loop.run import Judged, Run
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.own import executed, failure
 from fuzzyarm.text.names import near_hint
@@ -76,6 +76,11 @@ class Cost:
             message = f"the cost '{self.text}' cannot be read: {error.message}"
             raise CostFormulaError(message, name=self.text) from None
 
+    @property
+    def is_brief(self) -> bool:
+        """Whether errors and chatter of a run are all that it asks for."""
+        return all(name.rpartition(".")[2] in (*BRIEF, *CONSTANTS) for name in self.formula.names)
+
     def of(self, values: Mapping[str, float]) -> float:
         """Return the cost of some values by name.
 
@@ -117,9 +122,22 @@ def values_of(run: Run) -> dict[str, float]:
     return {name: float(np.mean(numbers)) for name, numbers in found.items()} | named
 
 
-def lost(run: Run, duration: float) -> float:
+BRIEF = ("rms", "chatter")
+"""Metrics for which a run need not be kept."""
+
+
+def brief_values_of(judged: Judged) -> dict[str, float]:
+    """Return these metrics as :func:`values_of` does."""
+    found = {}
+    for name, values in zip(BRIEF, (judged.rms, judged.chatter), strict=True):
+        found[name] = float(np.mean(list(values.values())))
+        found |= {f"{label}.{name}": value for label, value in values.items()}
+    return found
+
+
+def lost(diverged: float | None, duration: float) -> float:
     """Return the cost of a run that has diverged: more, the earlier it did."""
-    share = (run.diverged or 0.0) / duration if duration > 0.0 else 0.0
+    share = (diverged or 0.0) / duration if duration > 0.0 else 0.0
     return LOST * (2.0 - min(share, 1.0))
 
 

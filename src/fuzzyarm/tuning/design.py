@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 from typing import Literal
 
 import numpy as np
@@ -137,7 +138,7 @@ class Design:
         self.subject = subject
         self.sheets = rulebases_of(subject)
         model = subject.model if isinstance(subject, ControllerText) else None
-        blocks = self._blocks(model, tuning)
+        blocks = self._blocks(tuning)
         own = tuning is None  # ranges behind gains are part of what the file says
         parts = [*_gains(model, blocks, own=own)] if model is not None else []
         for sheet, block in blocks.items():
@@ -152,14 +153,14 @@ class Design:
             raise TuneError(message)
         self.start = np.array([each.share for each in self.parameters])
 
-    def _blocks(self, model: ControllerModel | None, given: Tuning | None) -> dict[str, Tuning]:
+    def _blocks(self, given: Tuning | None) -> dict[str, Tuning]:
         """Return what is said of each rule base."""
         if given is not None:
             return dict(_divided(given, self.sheets))
-        said = {name: each.tuning for name, each in self.sheets.items() if each.tuning is not None}
-        tuned = model is not None and any(each.tune is not None for each in model.gains)
-        if said or tuned:
-            return said
+        if says_what_moves(self.subject):
+            return {
+                name: each.tuning for name, each in self.sheets.items() if each.tuning is not None
+            }
         return {name: everything(each) for name, each in self.sheets.items()}
 
     def at(self, point: Sequence[float] | Vector, digits: int | None = None) -> Candidate:
@@ -212,6 +213,14 @@ def rulebases_of(subject: ControllerText | RuleBase) -> dict[str, RuleBase]:
     }
 
 
+def says_what_moves(subject: ControllerText | RuleBase) -> bool:
+    """Whether a file says what may move: a ``tune`` block, or ``tune`` behind a gain."""
+    if any(each.tuning is not None for each in rulebases_of(subject).values()):
+        return True
+    gains = subject.model.gains if isinstance(subject, ControllerText) else ()
+    return any(each.tune is not None for each in gains)
+
+
 def with_variables(rulebase: RuleBase, variables: Mapping[str, Variable]) -> RuleBase:
     """Return a rule base with the terms of other variables."""
 
@@ -236,7 +245,28 @@ def everything(rulebase: RuleBase) -> Tuning:
         # Of N Z P nothing could move that stays mirrored: the middle one may then.
         stuck = even and not Movement(variable, whole, ()).names
         peaks.append(replace(whole, mirrored=False) if stuck else whole)
-    return Tuning(tuple(peaks))
+    alike = groupby(peaks, lambda each: replace(each, variables=()))
+    return Tuning(
+        tuple(
+            replace(flags, variables=tuple(name for each in group for name in each.variables))
+            for flags, group in alike
+        )
+    )
+
+
+WIDE = 5.0
+"""By what a gain may be multiplied or divided, where a range is to be written."""
+
+
+def default_ranges(model: ControllerModel) -> dict[str, tuple[float, float]]:
+    """Return ranges to begin with for the gains that have none and are above zero."""
+    found = {}
+    for gain in model.gains:
+        values = [each.value(math.pi) for each in gain.values]
+        if gain.tune is None and min(values) > 0.0:
+            ends = min(values) / WIDE, max(values) * WIDE
+            found[gain.name] = significant(ends[0], 2), significant(ends[1], 2)
+    return found
 
 
 def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[str, Tuning]]:

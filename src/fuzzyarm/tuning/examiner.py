@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, Literal, NamedTuple
 
@@ -29,10 +29,18 @@ from fuzzyarm.loop.blocks import default_processes, end_processes, packed, unpac
 from fuzzyarm.loop.course import Course, Options
 from fuzzyarm.loop.many import Bench, Experiment
 from fuzzyarm.loop.program import Program
-from fuzzyarm.loop.run import Run
+from fuzzyarm.loop.run import Judged, Run
 from fuzzyarm.model.rulebase import RuleBase, Tuning
 from fuzzyarm.plant.setting import PLAIN, Conventions
-from fuzzyarm.tuning.cost import Cost, OwnCost, asked, errors_of, lost, values_of
+from fuzzyarm.tuning.cost import (
+    Cost,
+    OwnCost,
+    asked,
+    brief_values_of,
+    errors_of,
+    lost,
+    values_of,
+)
 from fuzzyarm.tuning.design import Candidate, Design, controller_at
 from fuzzyarm.tuning.scenarios import Scenario
 
@@ -163,21 +171,32 @@ class Examiner:
         stand = self.stands[at]
         try:
             if stand.bench.loop.compiled:
-                run = stand.run(ready.program)
-            else:
-                with self.lock:  # what a user wrote may remember things
-                    run = stand.run(ready.program)
+                return self._examined(ready.program, stand)
+            with self.lock:  # what a user wrote may remember things
+                return self._examined(ready.program, stand)
         except FuzzyarmError as error:
             error.args = (f"scenario {stand.scenario.name}: {error.args[0]}", *error.args[1:])
             raise
-        return self._judged(run, stand)
 
-    def _judged(self, run: Run, stand: _Stand) -> Outcome:
-        values = values_of(run)
+    def _examined(self, program: Program, stand: _Stand) -> Outcome:
+        if isinstance(self.problem.cost, Cost) and self.problem.cost.is_brief:
+            judged = stand.judged(program)
+            return self._outcome(brief_values_of(judged), judged.diverged, stand)
+        run = stand.run(program)
+        return self._outcome(values_of(run), run.diverged, stand, run)
+
+    def _outcome(
+        self,
+        values: Mapping[str, float],
+        diverged: float | None,
+        stand: _Stand,
+        run: Run | None = None,
+    ) -> Outcome:
         error, chatter = values.get("rms", math.nan), values.get("chatter", math.nan)
-        if run.diverged is not None:
+        if diverged is not None:
             kept = run if self.own is not None else None
-            return Outcome(lost(run, stand.duration), error, chatter, diverged=True, run=kept)
+            cost = lost(diverged, stand.duration)
+            return Outcome(cost, error, chatter, diverged=True, run=kept)
         if isinstance(self.problem.cost, Cost):
             return Outcome(self.problem.cost.of(values), error, chatter)
         return Outcome(0.0, error, chatter, run=run)
@@ -254,12 +273,18 @@ class _Stand:
             connect=problem.connect,
         )
         self.bench = Bench(experiment, [])
-        self.course: Course = self.bench.course(changes)
+        course = self.bench.course(changes)
+        if self.seed is not None and course.options.sensors:  # the noise is drawn once for all
+            course = course.with_options(replace(course.options, seed=self.seed))
+        self.course: Course = course
         motion = self.bench.motion
         self.duration = float(motion.iterations.sum()) * motion.period
 
     def run(self, program: Program) -> Run:
         return self.bench.loop.run(program, self.course, self.seed)
+
+    def judged(self, program: Program) -> Judged:
+        return self.bench.loop.judged(program, self.course, self.seed)
 
 
 # --- Many candidates ---

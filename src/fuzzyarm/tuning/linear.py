@@ -83,7 +83,9 @@ def straightened(text: ControllerText) -> tuple[ControllerText, Tuning]:
         axes.append(Axes(part.names, tuple(lines), part.span))
     slopes = tuple(name for name, gain in gains.items() if gain.unit == "slope")
     if not slopes:
-        raise TuneError("no rule base of the controller has a plane near it", name=model.name)
+        hint = "leave the linear controller out (--no-linear)"
+        message = "no rule base of the controller has a plane near it"
+        raise TuneError(message, name=model.name, hint=hint)
     made: ControllerModel = replace(
         model, axes=tuple(axes), gains=(*model.gains, *gains.values()), name=f"linear {model.name}"
     )

@@ -6,6 +6,7 @@ import json
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -126,7 +127,10 @@ class Search:
         self.begin = time.monotonic()
 
     def run(self, method: str, seed: int) -> Found:
-        """Search until the budget is spent or Ctrl-C comes; never raises for either."""
+        """Search until the budget is spent or Ctrl-C comes; never raises for either.
+
+        Where the workers go, as those of a cluster may, it ends as with Ctrl-C.
+        """
         start = self.panel.design.start
         begun = self.panel.examiner.ready(self.panel.design.at(start))
         if begun.error is not None:
@@ -136,7 +140,9 @@ class Search:
             OPTIMISERS[method].run(self.ask, start, seed)
         except Over:
             pass
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, CancelledError):
+            if not self.found.trials:
+                raise
             self.found.interrupted = True
         self.found.seconds = self.seconds
         return self.found

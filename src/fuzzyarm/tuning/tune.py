@@ -215,6 +215,10 @@ class Tuned:
         """Return what can be said of it: no more than the unseen scenarios show."""
         return _claim(self)
 
+    def as_data(self) -> dict[str, Any]:
+        """Return the report as JSON takes it; what has no value is None."""
+        return _as_data(self)
+
     def write(self, path: str | os.PathLike[str]) -> list[Path]:
         """Write the texts; rule bases of their own files go beside, as ``STEM-NAME.frb``.
 
@@ -274,6 +278,8 @@ def tune(
     executor: Executor | None = None,
     journal: Journal | None = None,
     watch: Watch = lambda _found: None,
+    watch_linear: Watch = lambda _found: None,
+    text: str = "",
 ) -> Tuned:
     """Tune the gains of a controller and the terms of its rule bases, or of a rule base alone.
 
@@ -321,13 +327,16 @@ def tune(
         See :func:`fuzzyarm.loop.simulate_many`; no result depends on them.
     journal : Journal, optional
         Where every trial is written down.
-    watch : callable, optional
-        Told of the search after each examination.
+    watch, watch_linear : callable, optional
+        Told of the search after each examination, and of that of the linear opponent.
+    text : str, optional
+        Of the file, where it is not what stands on disk.
 
     Returns
     -------
     Tuned
-        Ctrl-C ends the search, not the way: the best so far is rounded and judged.
+        Ctrl-C ends the search, not the way: the best so far is rounded and judged. A linear
+        opponent whose search was ended is left out.
 
     Raises
     ------
@@ -356,7 +365,8 @@ def tune(
         options = options or Options(seed=seed)
         stage = stage or stage_of(model, on, options, references, duration, connect)
         job = _in_loop(model, moving, cost, stage, scenarios, plan, over, conventions)
-    return _done(job, plan, path, workers, executor, journal, watch)
+    means = _Means(workers, executor, journal, watch, watch_linear)
+    return _done(job, plan, means, path, text)
 
 
 def _loaded(
@@ -589,19 +599,21 @@ def _with_noise(samples: Samples, seed: int) -> Samples:
 # --- Search, round, judge ---
 
 
-def _done(
-    job: _Job,
-    plan: Plan,
-    path: str,
-    workers: int | None,
-    executor: Executor | None,
-    journal: Journal | None,
-    watch: Watch,
-) -> Tuned:
-    with panel(job.problem, workers, executor) as examining:
+class _Means(NamedTuple):
+    """By what is searched, and who is told."""
+
+    workers: int | None
+    executor: Executor | None
+    journal: Journal | None
+    watch: Watch
+    watch_linear: Watch
+
+
+def _done(job: _Job, plan: Plan, means: _Means, path: str, text: str) -> Tuned:
+    with panel(job.problem, means.workers, means.executor) as examining:
         design = examining.design
         promises = Promises(design.as_it_is().rulebases)
-        search = Search(examining, promises, plan.budget, journal, watch)
+        search = Search(examining, promises, plan.budget, means.journal, means.watch)
         found = search.run(plan.method, plan.seed)
         best = found.best.point
         candidate, digits, score = rounded(examining, promises, found, plan.digits)
@@ -610,9 +622,9 @@ def _done(
     linear = None
     try:
         for row, which in zip(rows, (design.as_it_is(), candidate), strict=True):
-            row.scores.update(_judge(job.judged, which, workers, executor))
+            row.scores.update(_judge(job.judged, which, means))
         if job.linear and not found.interrupted:
-            linear, row = _linear(job.linear, plan, workers, executor)
+            linear, row = _linear(job.linear, plan, means)
             rows.append(row)
     except KeyboardInterrupt:  # what was found is kept, judged or not
         found.interrupted = True
@@ -639,7 +651,7 @@ def _done(
         (),
     )
     notes = tuple(_notes(made))
-    files = rewritten(job.problem.subject, candidate, path=path, notes=notes)
+    files = rewritten(job.problem.subject, candidate, path=path, text=text, notes=notes)
     return replace(made, files=tuple(files), notes=notes)
 
 
@@ -657,7 +669,7 @@ def rounded(
     while True:
         candidate = design.at(best.point, digits)
         if not promises.expected(candidate) and not promises.proof(candidate):
-            score = examining.scores([best.point], digits)[0]
+            (score,) = examining.scores_of([candidate])  # here: a cluster may have gone
             worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
             if digits >= MOST_DIGITS or not worse:
                 return candidate, digits, score
@@ -666,30 +678,32 @@ def rounded(
         digits += 1
 
 
-def _judge(
-    judged: Mapping[str, Problem],
-    candidate: Candidate,
-    workers: int | None,
-    executor: Executor | None,
-) -> dict[str, Score]:
+def _judge(judged: Mapping[str, Problem], candidate: Candidate, means: _Means) -> dict[str, Score]:
     found = {}
     for name, problem in judged.items():
-        with panel(problem, workers, executor) as examining:
+        with panel(problem, means.workers, means.executor) as examining:
             (found[name],) = examining.scores_of([candidate])
     return found
 
 
-def _linear(
-    problems: Mapping[str, Problem], plan: Plan, workers: int | None, executor: Executor | None
-) -> tuple[Found, Row]:
-    """Tune the linear opponent on the same cost and scenarios."""
-    with panel(problems["train"], workers, executor) as examining:
+def _linear(problems: Mapping[str, Problem], plan: Plan, means: _Means) -> tuple[Found, Row]:
+    """Tune the linear opponent on the same cost and scenarios.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If its search is ended: to beat half an opponent would say nothing.
+    """
+    with panel(problems["train"], means.workers, means.executor) as examining:
         evals = min(plan.budget.evals, LINEAR_EVALS * len(examining.design.parameters))
-        search = Search(examining, None, Budget(evals, plan.budget.seconds))
+        budget = Budget(evals, plan.budget.seconds)
+        search = Search(examining, None, budget, watch=means.watch_linear)
         found = search.run(plan.method, plan.seed)
+        if found.interrupted:
+            raise KeyboardInterrupt
         candidate, _, score = rounded(examining, Promises({}), found, plan.digits)
     judged = {name: each for name, each in problems.items() if name != "train"}
-    return found, Row(LINEAR, {"train": score, **_judge(judged, candidate, workers, executor)})
+    return found, Row(LINEAR, {"train": score, **_judge(judged, candidate, means)})
 
 
 # --- What is said of it ---
@@ -744,6 +758,50 @@ def _notes(tuned: Tuned) -> list[str]:
         f"{tuned.plan.method}, {count} evaluations, seed {tuned.plan.seed},"
         f" {tuned.digits} digits, fuzzyarm {__version__}",
     ]
+
+
+def _as_data(tuned: Tuned) -> dict[str, Any]:
+    found = tuned.found
+    return {
+        "cost": tuned.cost,
+        "over": tuned.over,
+        "method": tuned.plan.method,
+        "seed": tuned.plan.seed,
+        "trials": len(found.trials),
+        "refused": found.refused,
+        "seconds": round(found.seconds, 3),
+        "interrupted": found.interrupted,
+        "digits": tuned.digits,
+        "scenarios": list(tuned.scenarios),
+        "unseen": list(tuned.unseen),
+        "rows": {
+            row.name: {name: _score_data(score) for name, score in row.scores.items()}
+            for row in tuned.rows
+        },
+        "claim": tuned.claim(),
+        "parameters": [
+            {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
+            for each in tuned.parameters
+        ],
+        "on_a_bound": list(tuned.on_a_bound),
+        "changes": [dict(zip(("what", "old", "new"), each, strict=True)) for each in tuned.changes],
+        "curve": [_finite(value) for value in found.curve],
+        "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
+    }
+
+
+def _score_data(score: Score) -> dict[str, Any]:
+    return {
+        "cost": _finite(score.cost),
+        "rms": _finite(score.error),
+        "chatter": _finite(score.chatter),
+        "diverged": score.diverged,
+        "each": [_finite(part) for part in score.parts],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 # --- Writing ---

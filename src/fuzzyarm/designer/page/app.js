@@ -4,12 +4,14 @@ import { COMPARE } from "./compare.js";
 import { clean, el } from "./draw.js";
 import { FILES } from "./files.js";
 import { DESIGN, frame } from "./frame.js";
+import { LEARN } from "./learn.js";
 import { Store } from "./store.js";
 import { TABLE } from "./table.js";
 import { textPane } from "./text.js";
+import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN, TABLE, COMPARE, FILES];
+const VIEWS = [DESIGN, TABLE, LEARN, TUNE, COMPARE, FILES];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
@@ -59,7 +61,7 @@ const link = {
   start(what, asked_for, hear) {
     const id = ++asked;
     if (send({ do: "start", id, what, ...asked_for })) jobs.set(id, hear);
-    else hear({ end: "failed", message: S.gone });
+    else queueMicrotask(() => hear({ end: "failed", message: S.gone }));
     return {
       say: (words) => send({ do: "say", id, ...words }),
       stop: () => send({ do: "stop", id }),
@@ -96,6 +98,7 @@ const hand = {
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
   setCell: (cell, term) => text.edit("cell", { cell, term }),
   goTo: (at) => text.goTo(at),
+  change: (what, details) => text.edit(what, details), // an edit that the server makes
   askNow: (what, details) => text.question(what, details), // of the text as it is typed
   settled: () => text.sent(),
   replace: (words) => text.replace(words),

@@ -82,3 +82,11 @@ export function fill(title, fields, button, act, note = "") {
     });
   });
 }
+
+/** Whether a person wants it. */
+export async function confirm(question, button) {
+  const row = el("div", { class: "row" },
+    el("button", { value: "", textContent: S.cancel, type: "submit" }),
+    el("button", { value: "ok", textContent: button, type: "submit" }));
+  return (await opened(el("p", {}, question), row)) === "ok";
+}

@@ -58,6 +58,7 @@ export class Store {
     this.point = [];
     this.axes = { x: 0, y: 1, output: 0 };
     this.stale = false; // whether the text has mistakes now
+    this.view = ""; // which one is shown
   }
 
   on(name, listener) {

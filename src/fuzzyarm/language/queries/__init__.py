@@ -24,7 +24,13 @@ from fuzzyarm.language.queries.references import (
     references,
     rename,
 )
-from fuzzyarm.language.queries.reshape import ReshapeError, set_cell, set_shapes
+from fuzzyarm.language.queries.reshape import (
+    ReshapeError,
+    add_tuning,
+    set_cell,
+    set_ranges,
+    set_shapes,
+)
 from fuzzyarm.lazy import lazily
 
 __all__ = [
@@ -42,6 +48,7 @@ __all__ = [
     "RenameError",
     "ReshapeError",
     "Symbol",
+    "add_tuning",
     "apply_edits",
     "coloured",
     "complete",
@@ -54,6 +61,7 @@ __all__ = [
     "references",
     "rename",
     "set_cell",
+    "set_ranges",
     "set_shapes",
     "symbols",
 ]

@@ -1,17 +1,20 @@
-"""What a hand changes in a picture, as edits of the text: numbers of terms, cells of grids."""
+"""What a hand changes in a picture, as edits of the text: numbers, cells, what may be tuned."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language.controllers import ControllerHeading, GainNode
 from fuzzyarm.language.phrases import ShapeNode
 from fuzzyarm.language.queries.fixes import Edit
 from fuzzyarm.language.queries.reading import Reading
 from fuzzyarm.language.rules import CellNode, GridNode
-from fuzzyarm.language.statements import EvenTermsNode, TermNode
+from fuzzyarm.language.statements import EvenTermsNode, Heading, TermNode
 from fuzzyarm.language.tokens import Figure, Word, name_text
-from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.language.tune import TuneItem, TuneNode
+from fuzzyarm.language.writer import tuning_node
+from fuzzyarm.model.rulebase import PeakTuning, Shape, Tuning
 from fuzzyarm.text.diagnostic import Span
 
 
@@ -132,3 +135,66 @@ def _aligned(text: str, span: Span, new: str) -> Edit:
     if longer > 0:
         end += min(longer, blanks - 1)
     return Edit(Span(span.line, span.column, span.line, end), new + " " * max(0, -longer))
+
+
+def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:
+    """Return the edit that writes a ``tune`` block behind what a rule base has.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    tuning : Tuning
+        What may move.
+
+    Raises
+    ------
+    ReshapeError
+        If the text has no rule base, or such a block already.
+    """
+    last = _end_of_rulebase(reading)
+    if last is None:
+        raise ReshapeError("the text has no rule base")
+    if any(isinstance(each.node, TuneNode) for each in reading.document.statements):
+        raise ReshapeError("the text has a tune block already")
+    node = tuning_node(tuning)
+    usual = 100.0 * PeakTuning(()).gap
+    short = [each._replace(gap=None) if _gap(each) == usual else each for each in node.items]
+    node = node._replace(items=tuple(short))
+    lines = [str(node), *(line for line, _ in node.below())]
+    end = len(reading.raw_line(last)) + 1
+    return [Edit(Span(last, end, last, end), "\n\n" + "\n".join(lines))]
+
+
+def _gap(item: TuneItem) -> float | None:
+    return None if item.gap is None else item.gap.value
+
+
+def _end_of_rulebase(reading: Reading) -> int | None:
+    """Return the last line of what belongs to the rule base in a text."""
+    last, inside = None, False
+    for node, _, end in reading.extents:
+        inside = not isinstance(node, ControllerHeading) and (inside or isinstance(node, Heading))
+        if inside:
+            last = end
+    return last
+
+
+def set_ranges(reading: Reading, ranges: Mapping[str, tuple[float, float]]) -> list[Edit]:
+    """Return the edits that let gains of a controller move between two ends, by their logarithm.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    ranges : mapping of str to (float, float)
+        By the names of the gains; one that has a range keeps it.
+    """
+    edits = []
+    for statement in reading.document.statements:
+        node = statement.node
+        if isinstance(node, GainNode) and node.low is None and node.name.text in ranges:
+            low, high = map(Figure, ranges[node.name.text])
+            line, column = node.span.end_line, node.span.end_column
+            edits.append(Edit(Span(line, column, line, column), f", tune {low} .. {high} log"))
+    return edits

@@ -72,17 +72,7 @@ class Training:
 
         Of a table over more than two inputs the page that was used most in the end.
         """
-        found = []
-        for values, visits, last in zip(
-            learned.values, learned.visits, self.snapshots[-1].learned.visits, strict=True
-        ):
-            if values.ndim == 1:
-                page: tuple[Any, ...] = (None,)
-            else:
-                sums = last.sum(axis=(-2, -1))
-                page = np.unravel_index(int(np.argmax(sums)), sums.shape) if sums.ndim else ()
-            found.append((values[page], visits[page]))
-        return found
+        return learned.pages(self.snapshots[-1].learned.visits)
 
 
 def learning_figure(training: Training) -> Figure:

@@ -1,0 +1,307 @@
+"""Learning, watched and held by a hand: an SOC table that grows cell by cell, and is kept.
+
+The training is that of ``fuzzyarm learn`` (`Trainee`), the file that is written has its bits. A
+page says ``go`` (``run``, ``pause``, ``step`` for one pass, ``stop``), ``speed`` and ``save``.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.designer.grounds import (
+    TRAJECTORIES,
+    GroundsError,
+    fitting_plants,
+    plant_named,
+    references_of,
+    seconds_of,
+    trajectory_named,
+    whole_of,
+)
+from fuzzyarm.designer.jobs import Job
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language import parse
+from fuzzyarm.lsp.session import Session
+
+if TYPE_CHECKING:
+    from fuzzyarm.learning.self_organizing import Snapshot, Trainee
+    from fuzzyarm.loop import Motion
+    from fuzzyarm.model.controller import ControllerModel
+
+FRAMES = 40
+"""Pictures of a pass."""
+
+FRAME = 0.04
+"""Seconds between two pictures of a pass that is watched, at least."""
+
+SPEEDS = {"watch": FRAME, "fast": 0.0}
+"""How long a picture stays; ``fast`` tells whole passes."""
+
+DEFAULT_PASSES = 6
+
+
+def controller_model(session: Session) -> ControllerModel | None:
+    """Return the controller in a text; None where it has none, or mistakes."""
+    if session.path.lower().endswith(".lut"):
+        return None
+    return parse(session.text, session.path).controller
+
+
+def learnable(session: Session, asked: dict[str, Any], job: Job) -> None:
+    """Tell which controllers can be trained, where, and with what they may begin."""
+    from fuzzyarm.controller.catalogue import TEXTS
+    from fuzzyarm.language.reading import read_text
+    from fuzzyarm.model.controller import Learn
+
+    def teaches(model: ControllerModel | None) -> bool:
+        return model is not None and any(isinstance(line, Learn) for _, line in model.lines())
+
+    found = []
+    own = controller_model(session)
+    if own is not None and teaches(own):
+        found.append({"name": "", "plants": fitting_plants(own)})
+    for entry in TEXTS:
+        model = parse(read_text(entry.file())).controller
+        if model is not None and teaches(model):
+            found.append({"name": entry.name, "plants": fitting_plants(model)})
+    job.tell({
+        "texts": found,
+        "own": teaches(own),
+        "tables": job.folder.listed(".lut"),
+        "trajectories": list(TRAJECTORIES),
+        "passes": DEFAULT_PASSES,
+    })  # fmt: skip
+
+
+def learn(session: Session, asked: dict[str, Any], job: Job) -> None:
+    """Train, and tell; goes on until the page wants no more."""
+    Training(session, asked, job).run()
+
+
+class Training:
+    """A training that a page asked for.
+
+    Parameters
+    ----------
+    session : Session
+        The text that is open.
+    asked : dict
+        ``controller`` (a shipped one; empty for the text), ``plant``, ``trajectory``, ``payload``,
+        ``reference``, ``seconds``, ``passes``, ``rate``, ``start``, ``speed``.
+    job : Job
+        Who is told, and says what is to be done.
+    """
+
+    def __init__(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+        from fuzzyarm.learning.self_organizing import MOST_PASSES
+
+        self.asked, self.job = asked, job
+        self.passes = max(1, whole_of(asked, "passes", DEFAULT_PASSES, MOST_PASSES))
+        self.limit = self.passes
+        self.name, self.trainee = self._trainee(session)
+        self.motion, self.along = self._motion()
+        self.mode = "run"
+        self.hold = SPEEDS[str(asked.get("speed") or "watch")]
+        self.errors: list[list[float]] = []
+        self.told_errors = 0
+        self.last: Snapshot | None = None
+
+    # --- What is trained on what ---
+
+    def _trainee(self, session: Session) -> tuple[str, Trainee]:
+        from fuzzyarm.controller.catalogue import (
+            CATALOGUE,
+            Choice,
+            Sources,
+            TextEntry,
+            text_controller,
+        )
+        from fuzzyarm.controller.on_plant import LARGEST_RATE
+        from fuzzyarm.controller.text import teaching
+        from fuzzyarm.language.reading import read_text
+        from fuzzyarm.learning.self_organizing import Trainee
+
+        asked = self.asked
+        rate = None if asked.get("rate") in (None, "") else float(asked["rate"])
+        if rate is not None and not 0.0 <= rate <= LARGEST_RATE:
+            raise GroundsError(f"a rate of {rate:g} is out of range", hint=f"0 to {LARGEST_RATE:g}")
+        name = str(asked.get("controller") or "")
+        path, source = session.path, str(session.text)
+        if name:
+            entry = CATALOGUE.get(name)
+            if not isinstance(entry, TextEntry):
+                raise GroundsError(f"'{name}' is not a shipped controller")
+            path, source = str(entry.file()), read_text(entry.file())
+        elif session.path.lower().endswith(".lut"):
+            raise GroundsError("a table does not learn by itself; choose a controller")
+        choice = Choice(sources=Sources(table=self._start()))
+        made = text_controller(path, choice, change=teaching(rate), source=source)
+        title = name or Path(path).name
+        model = parse(source, path).controller
+        assert model is not None
+        plant = plant_named(str(asked.get("plant") or ""), model)
+        return title, Trainee(made, plant, name=title)
+
+    def _start(self) -> Any:
+        """Return the table to begin with; None for that of the text."""
+        from fuzzyarm.table import read_table
+
+        name = str(self.asked.get("start") or "")
+        if not name:
+            return None
+        if name not in self.job.folder.listed(".lut"):
+            raise GroundsError(f"'{name}' is not a table of this folder")
+        return (read_table(self.job.folder.beside(name, ".lut")),)
+
+    def _motion(self) -> tuple[Motion, str]:
+        """Return the set points, and in words along what they lead."""
+        from fuzzyarm.learning.self_organizing import reference_words, trajectory_words
+        from fuzzyarm.loop.course import Options, arm_motion
+        from fuzzyarm.loop.run import plant_motion
+        from fuzzyarm.plant import PLAIN, Arm, schedule
+
+        asked, plant = self.asked, self.trainee.plant
+        if isinstance(plant, Arm):
+            way = trajectory_named(str(asked.get("trajectory") or ""))
+            payload = bool(asked.get("payload"))
+            arms = schedule(way, payload=payload, conventions=PLAIN)
+            return arm_motion(way, arms, PLAIN, Options()), trajectory_words(
+                way.name, payload=payload
+            )
+        words = str(asked.get("reference") or "")
+        seconds = seconds_of(asked.get("seconds"))
+        motion = plant_motion(self.trainee.controller, plant, references_of(words), seconds)
+        return motion, reference_words(plant.name, words.split())
+
+    # --- The training ---
+
+    def run(self) -> None:
+        """Train until the page wants no more."""
+        self._tell_begin()
+        for snapshot in self._snapshots():
+            self.last = snapshot
+            if snapshot.complete:
+                self.errors.append([float(each) for each in snapshot.rms])
+            for word in self.job.heard():
+                self._take(word)
+            if self._is_due(snapshot):
+                self.mode = "pause"
+            self._show(snapshot)
+            while self.mode == "pause":
+                self._take(self.job.word())
+            if self.mode == "stop":
+                break
+            if snapshot.complete and snapshot.passage >= self.limit:  # it is to go on
+                self.limit += 1 if self.mode == "step" else self.passes
+        self.mode = "stop"
+        if self.last is not None:
+            self._show(self.last)
+        while True:  # what was learned can still be saved
+            self._take(self.job.word())
+
+    def _is_due(self, snapshot: Snapshot) -> bool:
+        """Whether it rests here: behind one pass, or behind as many as were asked for."""
+        if not snapshot.complete or snapshot.diverged is not None or self.mode == "stop":
+            return False
+        return self.mode == "step" or snapshot.passage >= self.limit
+
+    def _snapshots(self) -> Iterator[Snapshot]:
+        from fuzzyarm.learning.self_organizing import MOST_PASSES
+
+        every = max(1, math.ceil(len(self.motion.time) / FRAMES))
+        return self.trainee.snapshots(self.motion, MOST_PASSES, every)
+
+    def _take(self, word: dict[str, Any]) -> None:
+        """Do what the page says."""
+        if word.get("go") in ("run", "pause", "step", "stop") and self.mode != "stop":
+            self.mode = word["go"]
+        if word.get("speed") in SPEEDS:
+            self.hold = SPEEDS[word["speed"]]
+        if "save" in word:
+            self._save(str(word["save"]), replace=bool(word.get("replace")))
+
+    # --- What is told ---
+
+    def _tell_begin(self) -> None:
+        trainee = self.trainee
+        down, across = (None, *trainee.start.axes)[-2:]
+        assert across is not None
+        table = trainee.like
+        self.job.tell({
+            "begin": {
+                "title": self.name,
+                "along": self.along,
+                "plant": trainee.plant.name,
+                "axes": list(trainee.axes),
+                "down": None if down is None else {"name": down.name, "levels": list(down.levels)},
+                "across": {"name": across.name, "levels": list(across.levels)},
+                "paged": len(trainee.start.axes) > 2,
+                "low": table.low,
+                "high": table.high,
+                "rate": trainee.rate,
+            },
+        })  # fmt: skip
+
+    def _show(self, snapshot: Snapshot) -> None:
+        """Tell the state; of a fast training only of whole passes."""
+        if self.hold == 0.0 and self.mode == "run" and not snapshot.complete:
+            return
+        begin = time.monotonic()
+        self.job.tell(self._news(snapshot))
+        rest = max(self.hold, 0.02) - (time.monotonic() - begin)
+        if self.mode == "run" and rest > 0.0:
+            time.sleep(rest)
+
+    def _news(self, snapshot: Snapshot) -> dict[str, Any]:
+        from fuzzyarm.learning.self_organizing import error_words, state_of
+
+        counts = state_of(snapshot, self.trainee.start)
+        pages = snapshot.learned.pages()
+        fresh, self.told_errors = self.errors[self.told_errors :], len(self.errors)
+        return {
+            "mode": self.mode,
+            "pass": snapshot.passage,
+            "limit": self.limit,
+            "time": snapshot.time,
+            "complete": snapshot.complete,
+            "diverged": snapshot.diverged,
+            "words": error_words(snapshot),
+            "units": list(snapshot.units),
+            "errors": fresh,
+            "tables": [
+                {"values": values.ravel().tolist(), "visits": visits.ravel().tolist(), **count}
+                for (values, visits), count in zip(pages, counts, strict=True)
+            ],
+        }
+
+    # --- The file ---
+
+    def _save(self, name: str, *, replace: bool) -> None:
+        """Write the tables as they are; an existing file only if the page says so."""
+        from fuzzyarm.table import write_table
+
+        snapshot = self.last
+        try:
+            path = self.job.folder.beside(name, ".lut")
+            if snapshot is None:
+                raise GroundsError("nothing has been learned yet")
+            if path.exists() and not replace:
+                self.job.tell({"exists": name})
+                return
+            write_table(self.trainee.table(snapshot.learned, self._provenance(snapshot)), path)
+        except (FuzzyarmError, OSError) as error:
+            self.job.check()
+            self.job.tell({"unsaved": str(error)})
+        else:
+            self.job.tell({"saved": name})
+
+    def _provenance(self, snapshot: Snapshot) -> dict[str, str]:
+        whole = snapshot.passage if snapshot.complete else snapshot.passage - 1
+        rest = "" if snapshot.complete else f" and {snapshot.time:.3f} s of the next"
+        start = str(self.asked.get("start") or "")
+        pairs = self.trainee.provenance(self.along, f"{whole}{rest}", start)
+        return {**pairs, "controller": self.name}

@@ -1,0 +1,313 @@
+"""Learning and tuning from a page have the bits of the commands; what does not fit is said."""
+
+import asyncio
+import multiprocessing
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+from fuzzyarm.cli import main
+from fuzzyarm.designer.changes import applied
+from fuzzyarm.designer.shared import SharedText
+from fuzzyarm.language.queries import ReshapeError, add_tuning, apply_edits, read, set_ranges
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.shipped_files import shipped
+from fuzzyarm.table import read_table
+from fuzzyarm.tuning.design import Design, default_ranges, everything
+
+pytest.importorskip("starlette", reason="the extra designer is not installed")
+
+from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.server import WORKS, Workspace
+
+SOC = """\
+controller servo-soc "self-organising control of a shaft"
+
+use F from "zero"
+use P from "performance-yamazaki.lut"
+
+period 1 ms
+
+gain G_e  = 160 "1/rad"
+gain G_ce = 4 "s/rad"
+gain G_u  = 4 "V"
+
+axis shaft
+  e  = error of position * G_e
+  ce = error of velocity * G_ce
+  learn F by P(e, ce), delay 1, rate 0.05, bound 6
+  u  = table F(e, ce) * G_u
+  drive voltage = u, within -24 .. 24
+"""
+SINE = "position=sine:0.5,1"
+ROOM = {"reference": "temperature=step:20", "seconds": 900, "unseen": 2, "linear": False}
+
+
+class Page:
+    """What a window would be: it hears work, and answers."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.heard = []
+
+    def do(self, what, file, answer=lambda _news: None, **asked):
+        """Have work done; `answer` returns what is said to a piece of news, or "close"."""
+        path = self.folder / file
+        self.heard = []
+
+        async def tell(message):
+            self.heard.append(message)
+            said = None if "end" in message else answer(message)
+            if said == "close":
+                job.stop()
+            elif said is not None:
+                job.hear(said)
+
+        async def run():
+            session = Session(str(path), path.read_text(), 0)
+            await asyncio.wait_for(job.run(WORKS[what], session, asked), 60)
+
+        async def begin():
+            nonlocal job
+            job = Job(1, tell, Workspace(self.folder))
+            await run()
+
+        job = None
+        asyncio.run(begin())
+        return self.heard
+
+    def message(self, what, file, **asked):
+        """Return the sentence with which work fails."""
+        last = self.do(what, file, **asked)[-1]
+        assert last["end"] == "failed", last
+        return last["message"]
+
+
+@pytest.fixture
+def page(tmp_path):
+    (tmp_path / "servo-soc.frb").write_text(SOC)
+    (tmp_path / "broken.frb").write_text(SOC.replace("axis shaft", "axes shaft"))
+    for name in ("heater.frb", "roompi.frb", "pd7.frb", "servo.frb", "thesis-6.1.lut"):
+        shutil.copy(shipped(name), tmp_path)
+    return Page(tmp_path)
+
+
+# --- learning ---
+
+
+def test_a_table_that_was_watched_has_the_bytes_of_the_command(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    modes = []
+
+    def answer(news):
+        if "mode" in news:
+            modes.append(news["mode"])
+            if news["mode"] == "stop":
+                return {"save": "page.lut"}
+            if news["mode"] == "pause":
+                return {"go": "stop"} if news["pass"] == 2 else {"go": "step"}
+            return {"go": "pause"} if len(modes) == 3 else None
+        return "close" if "saved" in news else None
+
+    heard = page.do("learn", "servo-soc.frb", answer, reference=SINE, passes=1)
+    assert heard[-1]["end"] == "stopped"
+    assert modes[3] == "pause"
+    assert modes[-1] == "stop"
+    states = [news for news in heard if "mode" in news]
+    grown = [news["tables"][0]["visited"] for news in states]
+    assert grown == sorted(grown)
+    assert len(states) > 40  # a picture now and then, not one for each pass
+    assert sum(len(news["errors"]) for news in states) == 2
+    words = ["learn", "servo-soc.frb", "--plant", "motor", "--reference", SINE]
+    assert main([*words, "--passes", "2", "-o", "command.lut"]) == 0
+    capsys.readouterr()
+    assert (page.folder / "page.lut").read_bytes() == (page.folder / "command.lut").read_bytes()
+    last = states[-1]["tables"][0]
+    table = read_table(page.folder / "page.lut")
+    np.testing.assert_array_equal(table.values.ravel(), last["values"])
+    never = [visits == 0 for visits in last["visits"]]
+    assert sum(never) == last["never_visited"]
+    # A cell that was used may have learned a zero.
+    assert any(v == 0 and not n for v, n in zip(last["values"], never, strict=True))
+
+
+def test_shipped_soc_runs_on_the_arm_and_saving_asks(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    (page.folder / "there.lut").write_text("mine")
+    names = iter(("../out.lut", "out.frb", "there.lut"))
+
+    def answer(news):
+        if news.get("mode") == "pause" or "unsaved" in news:
+            return {"save": next(names)}
+        if "exists" in news:
+            assert (page.folder / "there.lut").read_text() == "mine"
+            return {"save": "there.lut", "replace": True}
+        return "close" if "saved" in news else None
+
+    asked = {"controller": "soc-zero", "trajectory": "pick-and-place", "payload": True}
+    heard = page.do("learn", "pd7.frb", answer, **asked, passes=1, speed="fast")
+    assert [news["unsaved"] for news in heard if "unsaved" in news] == [
+        "'../out.lut' is not the name of a file in this folder",
+        "the name must end with .lut, as in out.lut",
+    ]
+    words = ["learn", "soc-zero", "--trajectory", "pick-and-place", "--payload"]
+    assert main([*words, "-o", "command.lut"]) == 0
+    capsys.readouterr()
+    assert (page.folder / "there.lut").read_bytes() == (page.folder / "command.lut").read_bytes()
+    with pytest.raises(ValueError, match="one file open"):
+        Workspace(page.folder / "pd7.frb").beside("x.lut", ".lut")
+
+
+def test_what_cannot_learn_is_said(page):
+    facts = page.do("learnable", "servo-soc.frb")[0]
+    assert facts["own"]
+    assert facts["texts"][0]["plants"] == [{"name": "motor", "reference": "position=step:1"}]
+    assert not page.do("learnable", "thesis-6.1.lut")[0]["own"]
+    for file, asked, words in (
+        ("heater.frb", {}, "has no table that learns"),
+        ("thesis-6.1.lut", {}, "a table does not learn by itself"),
+        ("broken.frb", {}, "axes"),
+        ("servo-soc.frb", {"plant": "own.py:Plant"}, "is not a shipped plant"),
+        ("servo-soc.frb", {"plant": "room"}, "the room has no reference value"),
+        ("servo-soc.frb", {"reference": "position=/etc/x.csv"}, "run on the command line"),
+        ("servo-soc.frb", {"passes": 1e9}, "out of range"),
+        ("servo-soc.frb", {"rate": 11}, "out of range"),
+        ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
+        ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
+        ("servo-soc.frb", {"passes": [1]}, "not understood"),
+    ):
+        assert words in page.message("learn", file, **asked), (file, asked)
+
+
+# --- tuning ---
+
+
+def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+
+    def answer(news):
+        return {"take": True} if "report" in news else "close" if "taken" in news else None
+
+    given = {"cost": "rms + overshoot", "evals": 12, "seed": 3}
+    heard = page.do("tune", "heater.frb", answer, **given, **ROOM)
+    report = next(news["report"] for news in heard if "report" in news)
+    taken = next(news["taken"] for news in heard if "taken" in news)
+    words = ["tune", "heater.frb", "--reference", "temperature=step:20", "--for", "900s"]
+    words += ["--cost", "rms + overshoot", "--evals", "12", "--seed", "3", "--unseen", "2"]
+    assert main([*words, "--no-linear", "-o", "command.frb"]) == 0
+    assert report["claim"] in capsys.readouterr().out
+    assert taken["new"] == (page.folder / "command.frb").read_text()
+    assert taken["written"] == []
+    # Every candidate is told once, and where the best of them lies between its bounds.
+    told = [news for news in heard if news.get("phase") == "search"]
+    assert sum(len(news["costs"]) for news in told) == report["trials"] == 12
+    costs = [cost for news in told for cost in news["costs"]]
+    assert np.minimum.accumulate(costs).tolist() == report["curve"]
+    assert told[-1]["best"] == report["curve"][-1]
+    assert len(told[-1]["best_shares"]) == len(heard[0]["moving"]) == 3
+    # It becomes one change of the text as it is meanwhile.
+    shared = SharedText(page.folder / "heater.frb")
+    shared.replace(shared.text + "# typed meanwhile\n", "x")
+    edit = shared.answer({"what": "merge", "old": taken["old"], "new": taken["new"]})
+    assert applied(shared.text, edit["changes"]) == taken["new"] + "# typed meanwhile\n"
+    shared.replace(shared.text.replace("G_du = 0.4", "G_du = 0.5"), "x")
+    edit = shared.answer({"what": "merge", "old": taken["old"], "new": taken["new"]})
+    assert "same lines" in edit["error"]
+
+
+def test_a_search_that_is_stopped_keeps_the_best(page):
+    def answer(news):
+        if news.get("phase") == "search" and len(news["costs"]) + news["from"] > 4:
+            return {"enough": True}
+        return "close" if "report" in news else None
+
+    heard = page.do("tune", "heater.frb", answer, evals=90_000, **{**ROOM, "linear": True})
+    report = next(news["report"] for news in heard if "report" in news)
+    assert report["interrupted"]
+    assert report["trials"] < 90_000
+    assert "linear PD" not in report["rows"]  # to beat half an opponent would say nothing
+    tuned, file = (report["rows"][name]["train"]["cost"] for name in ("tuned", "as in the file"))
+    assert tuned <= file
+    assert tuned == pytest.approx(report["curve"][-1], rel=0.02)
+    # A window that goes ends the search, wherever it is.
+    children = []
+
+    def close(news):
+        if not news.get("phase"):
+            return None
+        children.extend(each.pid for each in multiprocessing.active_children())
+        return "close"
+
+    assert page.do("tune", "heater.frb", close, evals=90_000, **ROOM)[-1]["end"] == "stopped"
+    assert children
+    assert os.getpid() not in children
+    assert multiprocessing.active_children() == []
+
+
+def test_rule_bases_of_other_files_are_written_beside(page):
+    (page.folder / "servo-pd7.frb").write_text("mine")
+
+    def answer(news):
+        if "report" in news:
+            return {"take": True}
+        if "exists" in news:
+            return {"take": True, "replace": True}
+        return "close" if "taken" in news else None
+
+    asked = {"lines": "peaks e mirrored, keep order", "seconds": 0.3, "evals": 6, "unseen": 0}
+    heard = page.do("tune", "servo.frb", answer, **asked, linear=False)
+    assert any(news.get("exists") == ["servo-pd7.frb"] for news in heard)
+    taken = next(news["taken"] for news in heard if "taken" in news)
+    assert taken["new"] == taken["old"].replace('"pd7.frb"', '"servo-pd7.frb"')
+    written = (page.folder / "servo-pd7.frb").read_text()
+    assert written.count("# tuned: ") >= 3
+    assert main(["check", str(page.folder / "servo-pd7.frb")]) == 0
+    assert (page.folder / "pd7.frb").read_text() == shipped("pd7.frb").read_text()
+
+
+def test_what_cannot_be_tuned_is_said(page):
+    for file, asked, words in (
+        ("thesis-6.1.lut", {}, "a table is not tuned"),
+        ("broken.frb", {}, "axes"),
+        ("pd7.frb", {}, "nothing says what is good"),
+        ("pd7.frb", {"data": "../x.csv"}, "is not a file of samples"),
+        ("heater.frb", {"cost": "x.py:f"}, "on the command line alone"),
+        ("heater.frb", {"plant": "x.fmu"}, "is not a shipped plant"),
+        ("heater.frb", {"reference": "20"}, "is not a reference"),
+        ("heater.frb", {"evals": 1.5}, "out of range"),
+        ("heater.frb", {"lines": "peaks"}, "expected the name of a variable"),
+    ):
+        assert words in page.message("tune", file, **asked), (file, asked)
+    assert "a table is not tuned" in page.message("tunable", "thesis-6.1.lut")
+    assert "has mistakes" in page.message("tunable", "broken.frb")
+    facts = page.do("tunable", "pd7.frb")[0]
+    assert (facts["loop"], facts["says"], facts["samples"]) == (False, False, [])
+    assert page.do("tunable", "heater.frb")[0]["says"]
+
+
+@pytest.mark.parametrize("name", ["pd7.frb", "tipper.frb", "alpha7.frb"])
+def test_what_moves_where_nothing_is_said_can_be_written_into_the_text(name):
+    text = shipped(name).read_text()
+    before = read(text)
+    after = read(apply_edits(text, add_tuning(before, everything(before.model))))
+    assert [each.message for each in after.parsed.diagnostics] == []
+    assert Design(after.model).parameters == Design(before.model).parameters
+    assert after.text.startswith(text.rstrip("\n"))
+    with pytest.raises(ReshapeError, match="already"):
+        add_tuning(after, everything(before.model))
+
+
+def test_gains_get_ranges_and_keep_those_that_they_have(page):
+    reading = read(SOC.replace('gain G_u  = 4 "V"', 'gain G_u  = 4 "V", tune 1 .. 10 log  # mine'))
+    ranges = default_ranges(reading.parsed.controller)
+    assert ranges == {"G_e": (32.0, 800.0), "G_ce": (0.8, 20.0)}
+    after = apply_edits(reading.text, set_ranges(reading, ranges))
+    assert 'gain G_e  = 160 "1/rad", tune 32 .. 800 log\n' in after
+    assert 'gain G_u  = 4 "V", tune 1 .. 10 log  # mine\n' in after
+    shared = SharedText(page.folder / "servo-soc.frb")
+    assert len(shared.answer({"what": "movable"})["edits"]) == 3
+    assert (
+        "table" in SharedText(page.folder / "thesis-6.1.lut").answer({"what": "movable"})["error"]
+    )
