@@ -41,6 +41,45 @@ def drag(page: Any, selector: str, dx: int) -> None:
     page.wait_for_timeout(300)
 
 
+def open_run(browser: Any, address: str, name: str, scheme: str = "light") -> Any:
+    """Open a controller in the view Run, and start it."""
+    page = browser.new_page(viewport=SIZE, color_scheme=scheme)
+    page.goto(f"{address}#file={name}.frb")
+    page.get_by_role("tab", name="Run").click()
+    while not page.locator(".run-form select").nth(1).input_value():
+        page.wait_for_timeout(50)
+    page.get_by_role("button", name="Start").click()
+    while not (page.locator(".metrics td").count() and page.evaluate(SIMULATED) > 2.2):
+        page.wait_for_timeout(50)
+    return page
+
+
+SIMULATED = "parseFloat(document.querySelector('output.clock').textContent)"
+"""The time of a run, s."""
+
+
+def run(browser: Any, address: str) -> None:
+    """Draw the view Run: the motor turned by hand, the cart on its way."""
+    page = open_run(browser, address, "servo")
+    box = page.locator(".run-picture canvas").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x + 60, y - 90)
+    page.mouse.down()
+    page.mouse.move(x + 105, y - 40, steps=4)
+    page.wait_for_timeout(700)
+    page.screenshot(path=HERE / "designer_run.png")
+    page.close()
+
+    page = open_run(browser, address, "cartpole", "dark")
+    page.locator(".run-picture canvas").focus()
+    page.keyboard.down("ArrowLeft")
+    page.wait_for_timeout(600)
+    page.keyboard.up("ArrowLeft")
+    page.wait_for_timeout(500)
+    page.screenshot(path=HERE / "designer_run_dark.png")
+    page.close()
+
+
 def draw(browser: Any, address: str) -> None:
     """Draw every picture."""
     page = open_page(browser, address, "pd7")
@@ -93,7 +132,7 @@ def draw_files(browser: Any, address: str) -> None:
 
 def prepare(folder: str) -> None:
     """Put copies of shipped files into a folder, a table, and a rule base with softer rules."""
-    for name in ("pd7", "thermostat", "tipper", "servo"):
+    for name in ("pd7", "thermostat", "tipper", "servo", "cartpole"):
         shutil.copy(ROOT / "rulebases" / f"{name}.frb", folder)
     compiling = [sys.executable, "-m", "fuzzyarm", "compile", "thermostat.frb"]
     subprocess.run([*compiling, "-o", "thermostat.lut"], cwd=folder, check=True)
@@ -120,6 +159,7 @@ def main() -> None:
                     )
                     draw(browser, address)
                     draw_files(browser, address)
+                    run(browser, address)
                     browser.close()
             finally:
                 server.terminate()

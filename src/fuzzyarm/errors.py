@@ -26,6 +26,10 @@ class FuzzyarmError(Exception):
         return f"{self.message} ({self.hint})" if self.hint else self.message
 
 
+class WordError(FuzzyarmError, ValueError):
+    """A word on the command line, or in a field of a page, that says nothing sensible."""
+
+
 class MissingExtraError(FuzzyarmError, ImportError):
     """Something needs an extra that is not installed.
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm import errors
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.names import near_hint, printable, typed
 
@@ -145,9 +145,8 @@ def at(what: str) -> Argument:
 
 # --- `name=value` words ---
 
-
-class WordError(FuzzyarmError, ValueError):
-    """A word on the command line that says nothing sensible."""
+WordError = errors.WordError
+"""A word on the command line that says nothing sensible."""
 
 
 def read_assignments(

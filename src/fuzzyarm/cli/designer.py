@@ -8,8 +8,12 @@ is the first line of the output. Ctrl-C ends it. Needs: pip install "fuzzyarm[de
 With --export one page is written that needs neither a server nor a network: the rule base with
 its text, terms, rules, surface and inference, to be mailed or linked.
 
+The view Run runs a controller on a shipped plant, or on one that --plant names; the page has no
+other Python executed.
+
   fuzzyarm designer rulebases/pd7.frb
   fuzzyarm designer rulebases/pd7.frb --export pd7.html
+  fuzzyarm designer servo.frb --plant mine.py:Crane
 """
 
 from __future__ import annotations
@@ -50,7 +54,7 @@ def _run(arguments: argparse.Namespace) -> int:
             webbrowser.open(address)
 
     with contextlib.suppress(KeyboardInterrupt):
-        serve(path, arguments.port, announce)
+        serve(path, arguments.port, announce, arguments.plant)
     return 0
 
 
@@ -82,6 +86,12 @@ COMMANDS = (
             "--port N", "where to serve; 0, the default: any free port", type=_port, default=0
         ),
         flag("--no-browser", "only print the address"),
+        argument(
+            "--plant PLANT",
+            "let the page run this plant: FILE.py or FILE.py:CLASS; as often as needed",
+            action="append",
+            default=[],
+        ),
         argument("--export PAGE", "write one page that needs no server (.html)"),
     ),
 )

@@ -106,7 +106,8 @@ def arm_changes(plant: Arm) -> dict[str, float]:
 
 
 def _trajectory(arguments: argparse.Namespace) -> Trajectory:
-    from fuzzyarm.plant import ArmError, pick_and_place, reach, reach_return, through
+    from fuzzyarm.plant import ArmError, through
+    from fuzzyarm.plant.trajectory import TRAJECTORIES
 
     given: dict[str, Any] = {}
     if arguments.segment is not None:
@@ -117,11 +118,9 @@ def _trajectory(arguments: argparse.Namespace) -> Trajectory:
         return through([_pair(text) for text in arguments.way_points], **given)
     if arguments.angles is not None:
         given["angles"] = tuple(arguments.angles)
-    if arguments.trajectory == "pick-and-place":
-        if "hold" in given:
-            raise ArmError("pick-and-place has no hold", name="hold", value=arguments.hold)
-        return pick_and_place(**given)
-    return (reach if arguments.trajectory == "reach" else reach_return)(**given)
+    if arguments.trajectory == "pick-and-place" and "hold" in given:
+        raise ArmError("pick-and-place has no hold", name="hold", value=arguments.hold)
+    return TRAJECTORIES[arguments.trajectory](**given)
 
 
 def _pair(text: str) -> tuple[float, float]:

@@ -232,8 +232,7 @@ class _Training:
             trajectory, conventions, arms = experiment_of(self.arguments, self.name, trainee.plant)
             return arm_motion(trajectory, arms, conventions, options), conventions
         require_plain(self.arguments)
-        connect = trainee.connect or {}
-        return motion_of(self.arguments, trainee.controller, trainee.plant, connect), PLAIN
+        return motion_of(self.arguments, trainee.controller, trainee.plant), PLAIN
 
     def _print_tables(self, console: Console, learned: Learned, *, with_visits: bool) -> None:
         from fuzzyarm.show.table import learned_view

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import math
-import re
-from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import WordError, argument, flag, group
-from fuzzyarm.model.controller import TIMES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from fuzzyarm.controller import Controller
-    from fuzzyarm.loop import Motion, Options, Sensor, Signal
-    from fuzzyarm.plant import Plant, Port
-
-_Value = TypeVar("_Value")
+    from fuzzyarm.loop import Motion, Options
+    from fuzzyarm.loop.words import PlantWords
+    from fuzzyarm.plant import Plant
 
 
 def _many(words: str, text: str) -> Any:
@@ -65,153 +59,41 @@ PLANT = (
 
 
 def time_of(text: str, option: str) -> float:
-    """Read a time with its unit, s.
+    """Read a time with its unit, s; see :func:`fuzzyarm.loop.words.read_time`."""
+    from fuzzyarm.loop.words import read_time
 
-    Raises
-    ------
-    WordError
-        If it is not one.
-    """
-    match = re.fullmatch(r"([0-9.eE+-]+)\s*([a-z]+)", text.strip())
-    try:
-        if match is None or match[2] not in TIMES:
-            raise ValueError
-        times, divisor = TIMES[match[2]]
-        value = float(match[1]) * times / divisor
-        if not (math.isfinite(value) and value >= 0):
-            raise ValueError
-    except ValueError:
-        units = ", ".join(TIMES)
-        raise WordError(f"{option} takes a time with a unit ({units}), not '{text}'") from None
-    return value
+    return read_time(text, option)
 
 
-def _pairs(words: list[str], option: str, read: Callable[[str], _Value]) -> dict[str, _Value]:
-    """Read words like ``position=0.001``."""
-    found = {}
-    for word in words:
-        name, equals, text = word.partition("=")
-        if not equals or not name.strip() or not text.strip():
-            raise WordError(f"{option} takes NAME=VALUE, not '{word}'")
-        found[name.strip()] = read(text.strip())
-    return found
+def _words(arguments: argparse.Namespace) -> PlantWords:
+    from fuzzyarm.loop.words import PlantWords
 
-
-def _number(option: str) -> Callable[[str], float]:
-    def read(text: str) -> float:
-        try:
-            return float(text)
-        except ValueError:
-            raise WordError(f"{option} takes a number, not '{text}'") from None
-
-    return read
+    return PlantWords.of(arguments)
 
 
 def plant_of(arguments: argparse.Namespace) -> Plant:
     """Return the plant that the arguments name, with its actuators."""
-    from fuzzyarm.plant import find_plant
-    from fuzzyarm.plant.plant import with_actuators
-
-    plant = find_plant(arguments.plant)
-    actuators = _pairs(arguments.actuator, "--actuator", _actuator)
-    return with_actuators(plant, actuators) if actuators else plant
-
-
-def _actuator(text: str) -> Port:
-    from fuzzyarm.plant import Port
-
-    limits, _, slew = text.partition(",")
-    low, dots, high = limits.partition("..")
-    read = _number("--actuator")
-    if not dots:
-        raise WordError(f"--actuator takes INPUT=LOW..HIGH or INPUT=LOW..HIGH,SLEW, not '{text}'")
-    return Port(low=read(low), high=read(high), slew=read(slew) if slew else math.inf)
+    return _words(arguments).find_plant()
 
 
 def options_of(arguments: argparse.Namespace, plant: Plant) -> Options:
     """Return sensors, disturbances and the rest of how to run."""
-    from fuzzyarm.loop import Options, read_signal
-
-    given: dict[str, Any] = {
-        "seed": arguments.seed,
-        "interpolate": arguments.interpolate,
-        "sensors": _sensors(arguments, plant),
-        "loads": _pairs(arguments.disturb, "--disturb", read_signal),
-        "runge_kutta": getattr(arguments, "runge_kutta", 0),
-    }
-    return Options(**given, **motors_of(arguments))
+    return _words(arguments).options(plant)
 
 
 def motors_of(arguments: argparse.Namespace) -> dict[str, Any]:
     """Return what is said of the arm's joints and motors, by the names of the options of a run."""
-    given: dict[str, Any] = {}
-    if getattr(arguments, "limits", None) is not None:
-        given["torque_limits"] = tuple(arguments.limits)
-    for name in ("supply", "inductance"):
-        if getattr(arguments, name, None) is not None:
-            given[name] = getattr(arguments, name)
-    return given
-
-
-def _sensors(arguments: argparse.Namespace, plant: Plant) -> dict[str, Sensor]:
-    from fuzzyarm.loop import Sensor
-
-    found: dict[str, Sensor] = {}
-
-    def change(values: Mapping[str, float], field: str) -> None:
-        for name, value in values.items():
-            found[name] = replace(found.get(name, Sensor()), **{field: value})
-
-    def time(option: str) -> Callable[[str], float]:
-        return lambda text: time_of(text, option)
-
-    steps = {
-        name: _resolution(text, name, plant)
-        for name, text in _pairs(arguments.quantise, "--quantise", str).items()
-    }
-    change(_pairs(arguments.noise, "--noise", _number("--noise")), "noise")
-    change(steps, "resolution")
-    change(_pairs(arguments.sensor_delay, "--sensor-delay", time("--sensor-delay")), "delay")
-    change(_pairs(arguments.difference, "--difference", time("--difference")), "difference")
-    return found
-
-
-def _resolution(text: str, name: str, plant: Plant) -> float:
-    """Return a step; so many bits are spread over the range of the sensor."""
-    from fuzzyarm.plant.plant import interface_of
-
-    match = re.fullmatch(r"(\d{1,2})\s*bits?", text)
-    if match is None:
-        return float(_number("--quantise")(text))
-    interface = interface_of(plant)
-    port = interface.outputs.get(interface.every_port(name)[0])
-    if port is None or not math.isfinite(port.high - port.low) or not int(match[1]):
-        hint = f"write the step, as in {name}=0.001"
-        raise WordError(f"--quantise: the sensor of '{name}' has no range for {text}; {hint}")
-    return float(port.high - port.low) / 2.0 ** int(match[1])
+    return _words(arguments).motors()
 
 
 def connections(arguments: argparse.Namespace) -> dict[str, str]:
     """Return which names of the controller mean which ports of the plant."""
-    return _pairs(arguments.connect, "--connect", str)
+    return _words(arguments).connections()
 
 
-def motion_of(
-    arguments: argparse.Namespace, controller: Controller, plant: Plant, connect: Mapping[str, str]
-) -> Motion:
+def motion_of(arguments: argparse.Namespace, controller: Controller, plant: Plant) -> Motion:
     """Return the set points of a plant other than the arm."""
-    from fuzzyarm.loop import Signal, read_signal
-    from fuzzyarm.loop.run import plant_motion
-
-    duration = time_of(arguments.duration, "--for") if arguments.duration is not None else None
-    references: dict[str, Signal] = _pairs(arguments.reference, "--reference", read_signal)
-    if arguments.step is not None:
-        if references:
-            raise WordError("--step and --reference say the same thing; give one of them")
-        return plant_motion(
-            controller, plant, None, duration, connect, step=Signal("step", (arguments.step,))
-        )
-    return plant_motion(controller, plant, references or None, duration, connect)
+    return _words(arguments).motion(controller, plant)
 
 
 def require_plain(arguments: argparse.Namespace) -> None:

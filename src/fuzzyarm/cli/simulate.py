@@ -174,7 +174,7 @@ def _simulate(
     else:
         require_plain(arguments)
         conventions, arms = PLAIN, None
-        on = motion_of(arguments, controller, plant, connect)
+        on = motion_of(arguments, controller, plant)
     with busy(f"running {controller.name}"):
         if arms is None:
             return run_along(controller, on, conventions, options, connect)

@@ -121,7 +121,7 @@ def read_asked(arguments: argparse.Namespace) -> Asked:
             shared["payload"] = 1.0
     else:
         require_plain(arguments)
-        on = motion_of(arguments, controller, plant, connect)
+        on = motion_of(arguments, controller, plant)
     ranges, changes, count = _ranges(arguments)
     experiment = Experiment(controller, on, segments, shared, conventions, options, connect=connect)
     bench = Bench(experiment, list(changes))

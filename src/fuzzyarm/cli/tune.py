@@ -188,7 +188,7 @@ def _stage(arguments: argparse.Namespace, text: ControllerText) -> Stage:
             first = (Scenario(way.name, way, first[0].changes),)
         return Stage(plant, first, options, vary, connect=connect)
     require_plain(arguments)
-    motion = motion_of(arguments, controller_of(text), plant, connect)
+    motion = motion_of(arguments, controller_of(text), plant)
     references, duration = _references(arguments, motion.tracked), _duration(arguments)
     first = (Scenario(motion.name, motion),)
     return Stage(plant, first, options, vary, references, duration, connect)

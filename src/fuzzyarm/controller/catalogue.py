@@ -31,7 +31,13 @@ from fuzzyarm.controller.conventional import (
 from fuzzyarm.controller.law import Law, Origin
 from fuzzyarm.controller.on_plant import make_law
 from fuzzyarm.controller.program import Sheet, SourceError
-from fuzzyarm.controller.text import Change, ControllerText, by_name, read_controller
+from fuzzyarm.controller.text import (
+    Change,
+    ControllerText,
+    by_name,
+    read_controller,
+    with_files,
+)
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.reading import parse, read_text
 from fuzzyarm.model.controller import ControllerModel, Learn, Signal
@@ -39,6 +45,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.setting import STUDY_CONVENTIONAL, STUDY_DIRECT, STUDY_TABLES, Conventions
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import LookupTable
+from fuzzyarm.text.diagnostic import RuleBaseError
 
 # --- What an entry of the catalogue is, and what its maker is asked for ---
 
@@ -385,6 +392,36 @@ def text_controller(
 def controller_of(text: ControllerText, choice: Choice | None = None) -> CompiledController:
     """Make a controller of its text, for the arm; on other plants a loop makes it anew."""
     return CompiledController(make_law(text, CatalogueLaws(choice or Choice())))
+
+
+def controller_in(text: str, path: str) -> CompiledController:
+    """Make the controller of a text that need not be saved, for the arm.
+
+    Parameters
+    ----------
+    text : str
+        Of a controller; or of a rule base, which takes the place of that of ``fuzzy-direct``.
+    path : str
+        Its file; the files that a controller uses stand beside it.
+
+    Raises
+    ------
+    RuleBaseError
+        If it has mistakes, or files that it uses do.
+    SourceError
+        If the rule base is not one of error and rate.
+    """
+    parsed = parse(text, path)
+    if parsed.controller is None:
+        if parsed.rulebase is None:
+            raise RuleBaseError(parsed.diagnostics)
+        made = controller("fuzzy-direct", sources=Sources(parsed.rulebase))
+        assert isinstance(made, CompiledController)
+        return made
+    found, faults = with_files(parsed.controller, Path(path).parent, path)
+    if faults:
+        raise RuleBaseError(faults)
+    return controller_of(replace(found, source=text))
 
 
 @dataclass(frozen=True)

@@ -125,6 +125,10 @@ class Program:
                 cells[cell] = held[index if len(held) > 1 else 0]
         return cells
 
+    def instructions(self) -> list[int]:
+        """Return what is done, in order, without on what."""
+        return self.code[1 : 1 + to.INSTRUCTION * self.code[0] : to.INSTRUCTION]
+
     def memory(self) -> list[int]:
         """Return the cells that one period leaves for the next, in order."""
         code = self.code
@@ -134,6 +138,9 @@ class Program:
             found |= {state + each.offset for each in to.REMEMBERED.get(what, ())}
             if what == to.INFER:
                 found |= self._held(code[at + 2])
+            elif what == to.PARTNER:
+                at_list = code[at + 2]
+                found |= set(range(code[at_list + to.MEMORY], code[at_list + to.MEMORY_END]))
         for begin, end in self.rings:
             found |= set(range(begin, end))
         for place in self.learned.values():

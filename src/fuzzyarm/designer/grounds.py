@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.plant.trajectory import TRAJECTORIES
 
 if TYPE_CHECKING:
     from fuzzyarm.loop import Signal
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
 
 LONGEST = 24.0 * 3600.0
 """Of a run that a page asks for, s."""
-
-TRAJECTORIES = ("reach-return", "pick-and-place", "reach")
-"""Of the arm; the first is taken by default."""
 
 
 class GroundsError(FuzzyarmError, ValueError):
@@ -135,9 +133,6 @@ def trajectory_named(name: str) -> Trajectory:
     GroundsError
         If there is none of that name.
     """
-    from fuzzyarm.plant import pick_and_place, reach, reach_return
-
-    made = {"reach-return": reach_return, "pick-and-place": pick_and_place, "reach": reach}
-    if name and name not in made:
-        raise GroundsError(f"no trajectory '{name}'", hint=f"there are {', '.join(made)}")
-    return made[name or TRAJECTORIES[0]]()
+    if name and name not in TRAJECTORIES:
+        raise GroundsError(f"no trajectory '{name}'", hint=f"there are {', '.join(TRAJECTORIES)}")
+    return TRAJECTORIES[name or next(iter(TRAJECTORIES))]()

@@ -9,6 +9,7 @@ a slow window slows the work and not the server.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import queue
 import secrets
 import threading
@@ -153,9 +154,18 @@ class Job:
         sent.result()
         self.check()
 
-    def heard(self) -> list[dict[str, Any]]:
-        """Return what the page has said since the last look, the oldest first."""
+    def heard(self, wait: float = 0.0) -> list[dict[str, Any]]:
+        """Return what the page has said since the last look, the oldest first.
+
+        Parameters
+        ----------
+        wait : float, optional
+            How long to wait for a word where there is none, s.
+        """
         found = []
+        if wait > 0.0:
+            with contextlib.suppress(queue.Empty):
+                found.append(self._said.get(timeout=wait))
         while not self._said.empty():
             found.append(self._said.get())
         return found

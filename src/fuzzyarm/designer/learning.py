@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.grounds import (
-    TRAJECTORIES,
     GroundsError,
     fitting_plants,
     plant_named,
@@ -26,6 +25,7 @@ from fuzzyarm.designer.jobs import Job
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.plant.trajectory import TRAJECTORIES
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.self_organizing import Snapshot, Trainee

@@ -26,9 +26,10 @@ import json
 import os
 import secrets
 import socket
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote, urlsplit
 
 from starlette.applications import Starlette
@@ -50,6 +51,11 @@ from fuzzyarm.designer.tables import table_error
 from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
 
+if TYPE_CHECKING:
+    from fuzzyarm.designer.run import Running
+    from fuzzyarm.designer.stage import Plants
+    from fuzzyarm.lsp.session import Session
+
 WORKS: dict[str, Work] = {
     "compare": compare,
     "export": export,
@@ -59,7 +65,7 @@ WORKS: dict[str, Work] = {
     "tunable": tunable,
     "tune": tune,
 }
-"""Long work that a page may start → what does it."""
+"""Long work that a page may start → what does it; `Designer` adds what needs its plants."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
 LOOK_EVERY = 0.4
@@ -90,9 +96,21 @@ class Window:
 
 
 class Designer:
-    """The open files and the windows on them."""
+    """The open files and the windows on them.
 
-    def __init__(self, workspace: Workspace, token: str) -> None:
+    Parameters
+    ----------
+    workspace : Workspace
+        The files.
+    token : str
+        What an address has to begin with.
+    plants : Plants, optional
+        What may be run; the shipped ones by default.
+    """
+
+    def __init__(self, workspace: Workspace, token: str, plants: Plants | None = None) -> None:
+        self._plants = plants
+        self.works: dict[str, Work] = {"run": self._run, "plants": self._describe}
         self.workspace = workspace
         self.token = token
         self.downloads = Downloads()
@@ -117,6 +135,22 @@ class Designer:
         task.cancel()
         for window in self.windows:
             window.stop()
+
+    # --- Runs ---
+
+    @cached_property
+    def _runs(self) -> Running:
+        """What runs controllers; it brings the loop and all plants, which a page may not need."""
+        from fuzzyarm.designer.run import Running
+        from fuzzyarm.designer.stage import Plants
+
+        return Running(self._plants or Plants())
+
+    def _run(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+        self._runs(session, asked, job)
+
+    def _describe(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+        self._runs.describe(session, asked, job)
 
     # --- Pages ---
 
@@ -202,7 +236,7 @@ class Designer:
 
     def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
-        work, number = WORKS[message["what"]], int(message["id"])
+        work, number = {**WORKS, **self.works}[message["what"]], int(message["id"])
         job = Job(number, window.tell, self.workspace, self.downloads)
         window.jobs[number] = job
 
@@ -427,7 +461,9 @@ def token_for(folder: Path) -> str:
     return hmac.new(secret, str(folder).encode(), hashlib.sha256).hexdigest()[:32]
 
 
-def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
+def serve(
+    path: Path, port: int, announce: Callable[[str], None], plants: Sequence[str] = ()
+) -> None:
     """Serve a folder or a file until it is interrupted.
 
     Parameters
@@ -438,15 +474,24 @@ def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
         Where; 0 for any that is free.
     announce : callable
         Takes the address with its token, when it can be opened.
+    plants : sequence of str, optional
+        What a page may run beside the shipped plants; Python files are executed.
 
     Raises
     ------
     PortError
         If the port is taken.
+    PlantError
+        If a plant cannot be made.
     """
     import uvicorn
 
     workspace = Workspace(path)
+    known = None
+    if plants:
+        from fuzzyarm.designer.stage import Plants
+
+        known = Plants(tuple(plants))
     token = token_for(path.resolve())
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -456,7 +501,7 @@ def serve(path: Path, port: int, announce: Callable[[str], None]) -> None:
             raise PortError(f"port {port} cannot be used: {error.strerror}") from None
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
-            Designer(workspace, token).app(),
+            Designer(workspace, token, known).app(),
             log_level="error",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,

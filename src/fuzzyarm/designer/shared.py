@@ -8,6 +8,7 @@ a conflict, which is shown until a person decides. Nothing is overwritten in sil
 
 from __future__ import annotations
 
+import math
 import secrets
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,6 +27,7 @@ from fuzzyarm.language.queries import (
     ReshapeError,
     add_tuning,
     set_cell,
+    set_gain,
     set_ranges,
     set_shapes,
 )
@@ -351,6 +353,12 @@ class SharedText:
             return {"error": "the text has changed in the same lines meanwhile"}
         return {"version": self.version, "changes": difference(self.text, both)}
 
+    def _gain(self, asked: dict[str, Any]) -> dict[str, Any]:
+        values = [float(value) for value in asked["values"]]
+        if not all(map(math.isfinite, values)):
+            raise ValueError
+        return self._edits(set_gain(self.session.reading, str(asked["name"]), values))
+
     def _numbers(self, asked: dict[str, Any]) -> dict[str, Any]:
         rulebase = self.session.reading.parsed.rulebase
         if rulebase is None:
@@ -369,6 +377,7 @@ _QUESTIONS = {
     "movable": SharedText._movable,
     "shapes": SharedText._shapes,
     "cell": SharedText._cell,
+    "gain": SharedText._gain,
     "numbers": SharedText._numbers,
     "table": SharedText._table,
     "table-cell": SharedText._table_cell,

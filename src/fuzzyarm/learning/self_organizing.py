@@ -20,7 +20,7 @@ from fuzzyarm.controller.on_plant import (
 )
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, stretch
+from fuzzyarm.loop.course import Course, Motion, Options, arm_motion
 from fuzzyarm.loop.loop import rms
 from fuzzyarm.loop.program import (
     Program,
@@ -131,34 +131,32 @@ def train(
     course = Course(motion, conventions, options, driven=driven, as_array=compiled)
     own = program.inputs(as_array=compiled)
     memory = program.memory
-    count, width = len(motion.time), motion.references.shape[1]
+    count = len(motion.time)
     step = every or count
     for passage in range(1, passes + 1):
         record = Record(course, memory, error_taps(course))
         loop = loop_for(program, course, record)
         for begin, end in rings:
             record.memory[begin:end] = program.memory[begin:end]  # no cell is responsible yet
-        errors = np.zeros((0, len(motion.tracked)))
-        inputs = course.inputs()
-        for begin in range(0, count, step):
-            end = min(begin + step, count)
-            if options.disturbance:
-                inputs = course.inputs(options.seed + begin + count * (passage - 1))
+        # Each pass is disturbed in its own way.
+        seed = options.seed + count * (passage - 1) if options.disturbance else None
+        inputs = course.inputs(seed)
+        for end in [*range(step, count, step), count]:
+            record.go_on(end)
             with np.errstate(all="ignore"):
-                loop(*stretch(inputs, begin, end, width), *own, *record.outputs)
-            errors = np.concatenate([errors, shown_errors(course, record.samples)])
-            stopped = int(record.progress[1]) >= 0
+                loop(*inputs, *own, *record.outputs)
+            lost = record.lost
             yield Snapshot(
                 passage,
                 float(motion.time[end - 1]),
                 end + count * (passage - 1),
                 learned(law, arithmetic, record.memory),
-                errors,
-                end == count or stopped,
-                float(motion.time[begin + int(record.progress[1])]) if stopped else None,
+                shown_errors(course, record.samples),
+                end == count or lost is not None,
+                None if lost is None else float(motion.time[lost]),
                 shown_units(course),
             )
-            if stopped:
+            if lost is not None:
                 return
         memory = record.memory
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Any
@@ -485,10 +485,11 @@ class Course:
 
     # --- What is handed over ---
 
-    def inputs(self, seed: int | None = None) -> tuple[Any, ...]:
+    def inputs(self, seed: int | None = None, loads: Any = None) -> tuple[Any, ...]:
         """Return what the loop reads of the experiment, for a seed other than that of the options.
 
-        The limits of the drives remember the last values, so each run has its own.
+        The limits of the drives remember the last values, so each run has its own. `loads` stand
+        in the place of those of the options.
         """
         chosen = self._setting.seed if seed is None else seed
         # The generator works with 31 bits; more would not fit into a float.
@@ -507,10 +508,18 @@ class Course:
             links,
             sensors,
             noise,
-            pushes,
+            pushes if loads is None else loads,
             self._flat(self._limits()),
             *self._judged,
         )
+
+    def loads(self) -> Any:
+        """Return the disturbances of the drives with room for a hand's: for each control period."""
+        own = self._fixed[3]
+        if len(own):
+            return self._flat(own)
+        # To add -0 changes no bit of any drive; to add 0 would make 0 of -0.
+        return self._flat(np.full(self.steps * len(self.site.interface.inputs), -0.0))
 
     def _limits(self) -> list[float]:
         period = self.motion.period
@@ -538,14 +547,3 @@ class Course:
             raise PlantError(f"plant {self.plant.name}: {message}", name="start")
         room = 0 if isinstance(self.plant, Arm) else WORK * len(start)
         return self._flat([*start, *[0.0] * room])
-
-
-def stretch(inputs: Sequence[Any], begin: int, end: int, references: int) -> tuple[Any, ...]:
-    """Return the inputs of set points `begin` to `end` alone."""
-    points, iterations, plant_of, *rest = inputs
-    return (
-        points[references * begin : references * end],
-        iterations[begin:end],
-        plant_of[begin:end],
-        *rest,
-    )

@@ -62,6 +62,11 @@ class Setting(NamedTuple):
 # makes its drives itself and derives more than its outputs.
 ADDRESS, BLOCK, ACTUATES, DERIVES = range(4)
 
+# The array `progress` has the number of samples; where the run diverged, the set point and the
+# iteration in which it did (-1 otherwise); control periods since the start; the set point that is
+# next and the one before which to stop; the state of the generator of disturbances.
+SAMPLES, LOST, LOST_AT, TICK, NEXT, UNTIL, RANDOM = range(7)
+
 
 @kernel
 def run_loop(
@@ -87,7 +92,9 @@ def run_loop(
     record: list[float],
     progress: list[int],
 ) -> None:
-    """Follow the set points from `state` on; all arrays are flat.
+    """Follow the set points from where `progress` stands; all arrays are flat.
+
+    All that the run needs to go on is in the arrays: a run in parts has the bits of a whole one.
 
     Parameters
     ----------
@@ -125,9 +132,8 @@ def run_loop(
         what :func:`note_changes` adds up.
     record : float
         Filled with the taps in the last period of each set point.
-    progress : int, length 4
-        Filled with the number of samples, and, where the run diverged, the set point and the
-        iteration in which it did (-1 otherwise). In and out: control periods since the start.
+    progress : int, length 7
+        In and out, see above.
     """
     # Read once: as scalars of a tuple they stay in registers over the whole run.
     s = setting_numbers
@@ -139,15 +145,15 @@ def run_loop(
     if len(sensors) == 0:
         outputs = board[frame.seen : frame.told]
     block = links[BLOCK]
-    random = setting.seed
-    samples = 0
-    progress[1] = -1
-    progress[2] = -1
+    random = setting.seed if progress[TICK] == 0 else progress[RANDOM]
+    samples = progress[SAMPLES]
+    progress[LOST] = -1
+    progress[LOST_AT] = -1
     board[0] = setting.step
     board[2] = 1.0 if setting.single else 0.0
     first = plant_of[0] * block
     ask_plant(MEASURE, links, state, outputs, drives, plants[first : first + block], clock)
-    for point in range(len(iterations)):
+    for point in range(progress[NEXT], progress[UNTIL]):
         first = plant_of[point] * block
         constants = plants[first : first + block]
         # A set point is held for its periods. Where a segment ends with one period only (the
@@ -159,7 +165,7 @@ def run_loop(
                 refer(board, frame, references, point, iteration, setting)
             # Sensors, then control, then the plant: a law never sees the state that it causes.
             if len(sensors) > 0:
-                sense(board, frame, sensors, noise, progress[3])
+                sense(board, frame, sensors, noise, progress[TICK])
                 derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
             control(board[0 : frame.true], laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
@@ -167,21 +173,23 @@ def run_loop(
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
-            push(drives, pushes, progress[3])  # loads act behind the actuators
+            push(drives, pushes, progress[TICK])  # loads act behind the actuators
             ask_plant(ADVANCE, links, state, outputs, drives, constants, clock)
-            progress[3] += 1
-            clock[0] = progress[3] * setting.step
+            progress[TICK] += 1
+            clock[0] = progress[TICK] * setting.step
             if setting.disturbance > 0.0:
                 random = disturbed(state, setting, random)
             ask_plant(MEASURE, links, state, outputs, drives, constants, clock)
             # Asked after every step: a lost plant reaches infinity within a few set points.
             if not within(board, checks, bounds):
-                progress[1] = point
-                progress[2] = iteration
+                progress[LOST] = point
+                progress[LOST_AT] = iteration
                 break
-        if progress[1] >= 0:
+        progress[NEXT] = point + 1
+        if progress[LOST] >= 0:
             break
-    progress[0] = samples
+    progress[SAMPLES] = samples
+    progress[RANDOM] = random
 
 
 LOOP_ARRAYS = "fiiffiffffififfiffffi"

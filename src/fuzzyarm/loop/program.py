@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -14,7 +14,17 @@ from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
 from fuzzyarm.kernels import address_of, build, routine
 from fuzzyarm.loop.course import Course, flat
-from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop, within
+from fuzzyarm.loop.loop import (
+    LOOP_ARRAYS,
+    LOST,
+    LOST_AT,
+    NEXT,
+    SAMPLES,
+    TICK,
+    UNTIL,
+    run_loop,
+    within,
+)
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
@@ -112,6 +122,35 @@ class Program:
             begin = end
         raise ValueError("not a law of this program")
 
+    def structure(self) -> tuple[Any, ...]:
+        """Return what is the same where a program can go on with what another one remembers.
+
+        Of a text its timing, its instructions and how much they remember; numbers, terms, rules
+        and entries of tables may differ. Of any other law all.
+        """
+        found: list[Any] = []
+        for law, block in zip(self._laws, self._blocks, strict=True):
+            if isinstance(law, on_plant.TextLaw):
+                model, written = law.text.model, law.program(self.arithmetic)
+                found += [model.period, model.every, model.axis_names]
+                found += [written.instructions(), len(written.memory())]
+                found += [law.site.driven(model), [each.name for each in model.gains]]
+            else:
+                found += [law, block.numbers.tolist(), len(block.memory)]
+        return self.compilable, *found
+
+    def kept(self) -> NDArray[np.int64]:
+        """Return the indices of the memory that a control period leaves for the next."""
+        found: list[int] = []
+        begin = 0
+        for law, block in zip(self._laws, self._blocks, strict=True):
+            own: Sequence[int] = range(len(block.memory))
+            if isinstance(law, on_plant.TextLaw):
+                own = law.program(self.arithmetic).memory()
+            found += [begin + each for each in own]
+            begin += len(block.memory)
+        return np.array(found, np.int64)
+
     def remembered(self, memory: Any) -> list[float]:
         """Return what the laws remember, of the memory after a run."""
         return [
@@ -123,7 +162,7 @@ class Program:
 
 
 class Record:
-    """What a call of the loop writes, and what it starts from.
+    """What the loop writes, and what it goes on from: all that a run is at some time.
 
     Parameters
     ----------
@@ -152,7 +191,7 @@ class Record:
         self.clock = course.clock()
         room = np.zeros(self.columns * count)  # large: not copied
         self.record: Any = room if course.as_array else view(room)
-        self.progress = new([0, -1, -1, 0], np.int64)
+        self.progress = new([0, -1, -1, 0, 0, count, 0], np.int64)
 
     @property
     def outputs(self) -> tuple[Any, ...]:
@@ -168,16 +207,30 @@ class Record:
         )
 
     @property
+    def rows(self) -> NDArray[np.float64]:
+        """What was recorded so far, shape (samples, taps): a view."""
+        filled = np.asarray(self.record)[: int(self.progress[SAMPLES]) * self.columns]
+        return np.asarray(filled.reshape(-1, self.columns))
+
+    @property
     def samples(self) -> NDArray[np.float64]:
-        """What was recorded, shape (samples, taps)."""
-        count = int(self.progress[0])
-        return np.array(self.record[: count * self.columns]).reshape(-1, self.columns)
+        """A copy of what was recorded, shape (samples, taps)."""
+        return self.rows.copy()
 
     @property
     def taken(self) -> NDArray[np.int64]:
         """Indices of the set points that were sampled."""
         whole = np.flatnonzero(self.course.motion.iterations == self.course.motion.every)
-        return whole[: int(self.progress[0])]
+        return whole[: int(self.progress[SAMPLES])]
+
+    @property
+    def next(self) -> int:
+        """Set points that are done."""
+        return int(self.progress[NEXT])
+
+    def go_on(self, until: int) -> None:
+        """Have the next call of the loop stop before a set point."""
+        self.progress[UNTIL] = until
 
     def changes(self, kind: int) -> NDArray[np.float64]:
         """Return for each drive the mean of what the loop added up of its changes.
@@ -188,15 +241,20 @@ class Record:
             ``MAGNITUDES`` or ``SQUARES`` of :mod:`fuzzyarm.loop.loop`.
         """
         sums = np.array(self.clock[CLOCK_SIZE:]).reshape(3, -1)[kind]
-        return np.asarray(sums / max(int(self.progress[3]), 1))
+        return np.asarray(sums / max(int(self.progress[TICK]), 1))
+
+    @property
+    def lost(self) -> int | None:
+        """The set point in which the run diverged."""
+        point = int(self.progress[LOST])
+        return None if point < 0 else point
 
     def diverged(self) -> float | None:
         """Return when the run was stopped because it had diverged, s."""
-        point, iteration = int(self.progress[1]), int(self.progress[2])
-        if point < 0:
+        if self.lost is None:
             return None
         motion = self.course.motion
-        return float(motion.time[point]) + (iteration + 1) * motion.period
+        return float(motion.time[self.lost]) + (int(self.progress[LOST_AT]) + 1) * motion.period
 
 
 def error_taps(course: Course) -> list[int]:

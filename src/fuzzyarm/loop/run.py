@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
@@ -17,16 +14,15 @@ from fuzzyarm.compilers import foreseen
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
 from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
+from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
     Program,
     Record,
     ask_for_kernels,
     error_taps,
-    loop_for,
     loop_of_laws,
     scales,
     shown_errors,
@@ -34,11 +30,10 @@ from fuzzyarm.loop.program import (
 )
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.own import failure, find_plant
+from fuzzyarm.plant.own import find_plant
 from fuzzyarm.plant.plant import (
     Address,
     Plant,
-    PlantError,
     is_compiled,
 )
 from fuzzyarm.plant.setting import (
@@ -434,9 +429,9 @@ class ClosedLoop:
         seed : int, optional
             In place of that of the options.
         """
-        program, course = program or self.program, course or self.course
-        record, seconds = self._recorded(program, course, seed, self.taps)
-        return self._answer(program, record, seconds, seed)
+        found = self.open(program, course, seed)
+        found.advance()
+        return self.answer(found)
 
     def judged(
         self,
@@ -452,8 +447,11 @@ class ClosedLoop:
             See :meth:`run`.
         """
         program, course = program or self.program, course or self.course
-        taps = self.taps[: 2 * len(course.motion.tracked)]
-        record, _ = self._recorded(program, course, seed, taps)
+        found = OpenRun(
+            self.site, program, course, self.taps[: 2 * len(course.motion.tracked)], seed
+        )
+        found.advance()
+        record = found.record
         stopped = None if course.plant.ended else record.diverged()
         names = list(map(self.site.interface.label, course.motion.tracked))
         labels = judged_names([axis for axis, _ in course.motion.tracked], names)
@@ -467,35 +465,32 @@ class ClosedLoop:
             dict(zip(labels, errors, strict=True)), dict(zip(labels, calm, strict=True)), stopped
         )
 
-    def _recorded(
-        self, program: Program, course: Course, seed: int | None, taps: list[int]
-    ) -> tuple[Record, float]:
-        """Run the loop; return what it has written, and how long it took."""
-        record = Record(course, program.memory, taps, seed)
-        if not self.compiled:
-            program.controller.prepare(self.arithmetic)
-        loop = loop_for(program, course, record)
-        own = program.inputs(as_array=self.compiled)
-        begin = time.perf_counter()
-        with np.errstate(all="ignore"), plain_errors(course.plant):
-            loop(*course.inputs(seed), *own, *record.outputs)
-        return record, time.perf_counter() - begin
-
     def _chatter(self, record: Record) -> dict[str, float]:
         interface = self.site.interface
         found = np.sqrt(record.changes(SQUARES)).tolist()
         return dict(zip(map(interface.label, interface.inputs), found, strict=True))
 
-    def _answer(self, program: Program, record: Record, seconds: float, seed: int | None) -> Run:
-        course = record.course
+    def open(
+        self,
+        program: Program | None = None,
+        course: Course | None = None,
+        seed: int | None = None,
+        *,
+        loaded: bool = False,
+    ) -> OpenRun:
+        """Begin a run, to be advanced in parts; see :class:`fuzzyarm.loop.open_run.OpenRun`."""
+        program, course = program or self.program, course or self.course
+        return OpenRun(self.site, program, course, self.taps, seed, loaded=loaded)
+
+    def answer(self, found: OpenRun) -> Run:
+        """Return what has come of a run so far."""
+        program, record, course = found.program, found.record, found.course
         followed, interface = course.motion, self.site.interface
-        outputs, inputs, label = interface.outputs, interface.inputs, interface.label
+        inputs, label = interface.inputs, interface.label
         taken = record.taken
         # A row for each tap, for all that follows goes along one of them.
-        filled = np.asarray(record.record)[: int(record.progress[0]) * record.columns]
-        taps = np.ascontiguousarray(filled.reshape(-1, record.columns).T)
+        taps = np.ascontiguousarray(record.rows.T)
         count = len(followed.tracked)
-        front = 2 * count
         # A plant that ends a run by itself has not diverged.
         stopped, over = record.diverged(), course.plant.ended
         return Run(
@@ -503,46 +498,64 @@ class ClosedLoop:
             followed.name,
             course.conventions,
             followed.time[taken],
-            taps[count:front].T * scales(course),
+            taps[count : 2 * count].T * scales(course),
             shown_errors(course, taps.T),
             None if over else stopped,
-            seconds,
+            found.seconds,
             self.compiled,
             program.remembered(record.memory),
             course.plant.name,
             tuple(axis for axis, _ in followed.tracked),
             tuple(map(label, followed.tracked)),
             shown_units(course),
-            {label(port): taps[count + i] for i, port in enumerate(followed.tracked)},
-            {label(port): taps[front + i] for i, port in enumerate(outputs)},
-            {label(port): taps[front + len(outputs) + i] for i, port in enumerate(inputs)},
+            *self._by_port(course, taps),
             {label(port): (each.low, each.high) for port, each in inputs.items()},
             {label(port): each.unit for port, each in inputs.items()},
             tuple((followed.block[taken] != 0).tolist()),
             followed.period * followed.every,
-            course.options.seed if seed is None else seed,
+            course.options.seed if found.seed is None else found.seed,
             stopped if over else None,
             self._chatter(record),
         )
+
+    def _by_port(
+        self, course: Course, taps: Vector
+    ) -> tuple[dict[str, Vector], dict[str, Vector], dict[str, Vector]]:
+        """Return references of tracked outputs, outputs and drives, of a row for each tap."""
+        interface, tracked = self.site.interface, course.motion.tracked
+        rows = iter(taps[len(tracked) :])
+        found = [
+            {interface.label(port): next(rows) for port in ports}
+            for ports in (tracked, interface.outputs, interface.inputs)
+        ]
+        return found[0], found[1], found[2]
+
+    def so_far(self, found: OpenRun) -> SoFar:
+        """Return the samples of a run that goes on, as views on what the loop has written."""
+        course, record = found.course, found.record
+        several = len(course.motion.plants) > 1
+        blocks = course.motion.block[record.taken] if several else ()
+        return SoFar(
+            course.plant.name,
+            *self._by_port(course, record.rows.T),
+            [block != 0 for block in blocks],
+        )
+
+
+@dataclass(frozen=True)
+class SoFar:
+    """What has been sampled of a run so far; see :class:`Run` for the attributes."""
+
+    plant: str
+    wanted: Mapping[str, Vector]
+    outputs: Mapping[str, Vector]
+    drives: Mapping[str, Vector]
+    loaded: Sequence[bool]
 
 
 def torques_only(site: Site) -> frozenset[Address]:
     """Return what a controller in plain Python drives: torques, those of motors included."""
     return frozenset(port for port in site.interface.inputs if port[1] == "torque")
-
-
-@contextmanager
-def plain_errors(plant: Plant) -> Iterator[None]:
-    """Make one clear sentence of what a plant in plain Python raises."""
-    try:
-        yield
-    except FuzzyarmError:
-        raise
-    except Exception as error:
-        if is_compiled(plant):
-            raise
-        path = sys.modules[type(plant).__module__].__file__ or ""
-        raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error
 
 
 def checked_arms(

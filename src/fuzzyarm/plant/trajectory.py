@@ -7,7 +7,7 @@ segment boundaries.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -192,6 +192,14 @@ def pick_and_place(angles: Pair = (45.0, -45.0), segment: float = 2.0) -> Trajec
         tuple(_moves(points, segment)),
         (False, True, False, True),
     )
+
+
+TRAJECTORIES: Mapping[str, Callable[..., Trajectory]] = {
+    "reach-return": reach_return,
+    "pick-and-place": pick_and_place,
+    "reach": reach,
+}
+"""What the arm can follow by a name; the first is taken by default."""
 
 
 def through(

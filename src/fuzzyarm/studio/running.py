@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language import parse
-from fuzzyarm.text.diagnostic import RuleBaseError
 
 if TYPE_CHECKING:
-    from fuzzyarm.controller.controller import Controller
     from fuzzyarm.loop import Run
-    from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.plant import Plant
 
 
@@ -43,32 +38,21 @@ def run_text(text: str, path: str) -> tuple[Run, Plant]:
         If the text has mistakes, no shipped plant fits, or the rule base is not one of error and
         rate.
     """
-    parsed = parse(text, path)
-    if parsed.controller is None:
-        if parsed.rulebase is None:
-            raise RuleBaseError(parsed.diagnostics)
-        return _on_arm(_direct(parsed.rulebase))
+    from fuzzyarm.controller.catalogue import controller_in
     from fuzzyarm.controller.findings import site_by_axes
-    from fuzzyarm.controller.text import with_files
+    from fuzzyarm.controller.on_plant import TextLaw
     from fuzzyarm.loop import simulate
     from fuzzyarm.plant import Arm, find_plant
 
-    controller, faults = with_files(parsed.controller, Path(path).parent, path)
-    if faults:
-        raise RuleBaseError(faults)
-    site = site_by_axes(parsed.controller)
+    controller = controller_in(text, path)
+    assert isinstance(controller.law, TextLaw)
+    site = site_by_axes(controller.law.text.model)
     if site is None:
         raise NotRunError("no shipped plant has the axes and ports of this controller")
     plant = find_plant(site.name)
     if isinstance(plant, Arm):
         return _on_arm(controller)
     return simulate(controller, plant), plant
-
-
-def _direct(rulebase: RuleBase) -> Controller:
-    from fuzzyarm.controller import Sources, find_controller
-
-    return find_controller("fuzzy-direct", sources=Sources(rulebase))
 
 
 def _on_arm(controller: object) -> tuple[Run, Plant]:

@@ -5,13 +5,14 @@ import { clean, el } from "./draw.js";
 import { FILES } from "./files.js";
 import { DESIGN, frame } from "./frame.js";
 import { LEARN } from "./learn.js";
+import { RUN } from "./run.js";
 import { Store } from "./store.js";
 import { TABLE } from "./table.js";
 import { textPane } from "./text.js";
 import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN, TABLE, LEARN, TUNE, COMPARE, FILES];
+const VIEWS = [DESIGN, RUN, TABLE, LEARN, TUNE, COMPARE, FILES];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
@@ -97,6 +98,8 @@ const hand = {
   ask: (question) => link.ask(question),
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
   setCell: (cell, term) => text.edit("cell", { cell, term }),
+  setGain: (name, values) => text.edit("gain", { name, values }),
+  text: () => text.state().text,
   goTo: (at) => text.goTo(at),
   change: (what, details) => text.edit(what, details), // an edit that the server makes
   askNow: (what, details) => text.question(what, details), // of the text as it is typed
@@ -186,6 +189,7 @@ const TAKEN = {
     if (message.version !== text.version()) return;
     if (message.scene) store.show(message.scene);
     else store.mistaken(message.why);
+    store.judge(message.why !== "mistakes");
   },
   answer(message) {
     answers.get(message.id)?.(message);

@@ -57,7 +57,8 @@ export class Store {
     this.busy = false; // whether a hand moves a term, or has just let go
     this.point = [];
     this.axes = { x: 0, y: 1, output: 0 };
-    this.stale = false; // whether the text has mistakes now
+    this.stale = false; // whether the text has mistakes now, or nothing to be drawn
+    this.sound = false; // whether the text has no mistakes
     this.view = ""; // which one is shown
   }
 
@@ -108,6 +109,12 @@ export class Store {
       this.stale = true;
       this.emit("stale");
     }
+  }
+
+  /** Take whether the text of now is sound. */
+  judge(sound) {
+    this.sound = sound;
+    this.emit("judged");
   }
 
   /** The engine whose numbers are those of the picture. */

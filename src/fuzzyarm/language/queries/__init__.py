@@ -28,6 +28,7 @@ from fuzzyarm.language.queries.reshape import (
     ReshapeError,
     add_tuning,
     set_cell,
+    set_gain,
     set_ranges,
     set_shapes,
 )
@@ -61,6 +62,7 @@ __all__ = [
     "references",
     "rename",
     "set_cell",
+    "set_gain",
     "set_ranges",
     "set_shapes",
     "symbols",

@@ -198,3 +198,34 @@ def set_ranges(reading: Reading, ranges: Mapping[str, tuple[float, float]]) -> l
             line, column = node.span.end_line, node.span.end_column
             edits.append(Edit(Span(line, column, line, column), f", tune {low} .. {high} log"))
     return edits
+
+
+def set_gain(reading: Reading, name: str, values: Sequence[float]) -> list[Edit]:
+    """Return the edit that gives a gain of a controller other numbers; unit and comment stay.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    name : str
+        Of the gain.
+    values : sequence of float
+        One number for all axes, or one for each, as the text has them.
+
+    Raises
+    ------
+    ReshapeError
+        If the text declares no such gain, or another count of numbers.
+    """
+    for statement in reading.document.statements:
+        node = statement.node
+        if not isinstance(node, GainNode) or node.name.text != name:
+            continue
+        if len(values) != len(node.values):
+            count = len(node.values)
+            raise ReshapeError(f"gain '{name}' has {count} numbers in the text, not {len(values)}")
+        return [
+            Edit(amount.span, str(Figure(value)))
+            for amount, value in zip(node.values, values, strict=True)
+        ]
+    raise ReshapeError(f"the text declares no gain '{name}'")

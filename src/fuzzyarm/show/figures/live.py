@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -151,14 +151,30 @@ class Canvas:
         return _PLAIN[min(len(_PLAIN) - 1, -(-bits.bit_count() // 2))]
 
 
-def read_axes(axes: Any, canvas: Canvas) -> None:
+class Surface(Protocol):
+    """Where what stands in axes is drawn; a :class:`Canvas` is one."""
+
+    def line(self, points: Sequence[tuple[float, float]], colour: str, width: float = 1.0) -> None:
+        """Draw straight lines."""
+
+    def area(self, points: Sequence[tuple[float, float]], colour: str) -> None:
+        """Fill a polygon."""
+
+    def blob(self, x: float, y: float, size: float, colour: str) -> None:
+        """Draw a mark."""
+
+    def words(self, x: float, y: float, text: str) -> None:
+        """Write a line beginning at a point."""
+
+
+def read_axes(axes: Any, canvas: Surface) -> None:
     """Draw what stands in axes of matplotlib: patches, lines, marks and words.
 
     Parameters
     ----------
     axes : Axes
         Lines and patches in its data.
-    canvas : Canvas
+    canvas : Surface
         Where they are drawn.
     """
     from matplotlib.colors import to_hex

@@ -1,0 +1,530 @@
+"""A controller that runs while it is watched: the long work behind the view *Run*.
+
+A run is stepped by the loop of ``fuzzyarm simulate`` in parts that last as long as a picture is
+shown; between two parts a hand may pause it, push the plant, move a gain, or change the text.
+
+The page says, in an object each: ``speed`` (simulated for real time; null: as fast as possible),
+``pause``, ``step`` (samples), ``restart``, ``pull`` (right and up, -1 to 1), ``gains``, ``text``.
+It hears, under ``news``: ``ready`` (what is drawn), ``samples`` (what came since the last ones,
+with the picture), ``metrics``, ``over``, ``text`` (whether a text was taken up) and ``note``.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.controller.catalogue import controller_in
+from fuzzyarm.controller.controller import CompiledController
+from fuzzyarm.controller.findings import site_by_axes
+from fuzzyarm.controller.law import Gain
+from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of
+from fuzzyarm.controller.text import ControllerText, sheet_path
+from fuzzyarm.designer.grounds import trajectory_named
+from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.stage import Painter, Plants, loads_of, short, words_of
+from fuzzyarm.errors import FuzzyarmError, WordError
+from fuzzyarm.loop.course import Motion, Options, arm_motion
+from fuzzyarm.loop.open_run import OpenRun, StructureError
+from fuzzyarm.loop.program import scales, shown_units
+from fuzzyarm.loop.run import ClosedLoop, text_of
+from fuzzyarm.loop.words import PlantWords, read_time
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.plant import Plant, PlantError
+from fuzzyarm.plant.setting import PLAIN
+from fuzzyarm.plant.trajectory import TRAJECTORIES, schedule
+from fuzzyarm.show.figures.plants import Scene
+from fuzzyarm.text.diagnostic import RuleBaseError
+
+PICTURES = 30.0
+"""In a second; a page that asks for calm gets fewer."""
+
+CALM = 4.0
+DEAR = 10.0
+"""Pictures of a plant that draws itself, in a second."""
+
+BUDGET = 0.02
+"""Of a picture's time so much may go into the loop, s."""
+
+OPEN_ENDED = 600_000
+"""Set points of a run without a duration."""
+
+MOST_POINTS = 2_000_000
+"""Set points of a run with one."""
+
+WINDOW_POINTS = 1_500
+"""Points of a curve that fit into the window of time."""
+
+MOST_AT_ONCE = 250
+"""Points of a curve that go with one picture: to write them is what takes the time."""
+
+FASTEST = 1e9
+
+
+class Running:
+    """The long work ``run``, for the plants of a designer.
+
+    Parameters
+    ----------
+    plants : Plants
+        What may be run.
+    """
+
+    def __init__(self, plants: Plants) -> None:
+        self.plants = plants
+
+    def __call__(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+        """Run until the page wants no more."""
+        LiveRun(self.plants, session, asked, job).go_on()
+
+    def describe(self, session: Session, asked: dict[str, Any], job: Job) -> None:
+        """Tell which plants there are, and which of them the text fits."""
+        text = str(asked.get("text", session.text))
+        controller = _controller_of(text, session.path)
+        found = self.plants.described(controller)
+        fitting = [each["name"] for each in found if not each["why"]]
+        site = site_by_axes(_text(controller).model)
+        chosen = site.name if site is not None and site.name in fitting else None
+        job.tell(
+            {
+                "plants": found,
+                "chosen": chosen or next(iter(fitting), ""),
+                "trajectories": list(TRAJECTORIES),
+                # A rule base takes the place of that of a controller of the catalogue.
+                "direct": "" if _is_in(controller, text) else controller.name,
+            }
+        )
+
+
+def _controller_of(text: str, path: str) -> CompiledController:
+    """Return the controller in a text; of a rule base the one that asks it directly."""
+    try:
+        return controller_in(text, path)
+    except RuleBaseError as error:
+        first = error.diagnostics[0].message
+        raise FuzzyarmError(f"the text has mistakes: {first}") from error
+
+
+def _is_in(controller: CompiledController, text: str) -> bool:
+    """Whether a controller stands in a text, which else is a rule base."""
+    return _text(controller).source == text
+
+
+def _text(controller: CompiledController) -> ControllerText:
+    assert isinstance(controller.law, TextLaw)
+    return controller.law.text
+
+
+class LiveRun:
+    """A run that a page watches.
+
+    Parameters
+    ----------
+    plants : Plants
+        What may be run.
+    session : Session
+        The text when it was started.
+    asked : dict
+        What is to be run, in the words of ``fuzzyarm simulate``.
+    job : Job
+        The connection with the page.
+    """
+
+    def __init__(
+        self, plants: Plants, session: Session, asked: Mapping[str, Any], job: Job
+    ) -> None:
+        self.plants, self.path, self.job = plants, session.path, job
+        self.asked = dict(asked)
+        self.text = session.text
+        self.gains: dict[str, list[float]] = {}  # moved by hand, and not in the text (yet)
+        self.speed = _speed(asked)
+        self.paused = bool(asked.get("paused"))
+        self.pull = (0.0, 0.0)
+        self.rate = CALM if asked.get("calm") else PICTURES
+        self._begin()
+
+    # --- What runs ---
+
+    def _begin(self) -> None:
+        """Make everything of the text as it is now, and tell the page."""
+        self.controller = _controller_of(self.text, self.path)
+        self.used = self._used()
+        self._forget_written()
+        words = words_of(self._within_folder())
+        plant = words.driven(self.plants.new(str(self.asked["plant"])))
+        motion, options = self._experiment(words, plant)
+        chosen = self.controller.with_gains(self.gains)
+        self.loop = ClosedLoop(chosen, motion, PLAIN, options, words.connections())
+        self.run: OpenRun = self.loop.open(loaded=True)
+        self.plant, self.motion = self.loop.course.plant, motion
+        self.painter = Painter(self.plant)
+        self.sent = 0
+        self.told_over = False
+        self.measured, self.measuring = -math.inf, 0.0
+        # Samples in a second of the loop: what is probable, until it is known.
+        self.rate_of_loop = 20_000.0 if self.loop.compiled else 500.0
+        self.behind = -math.inf
+        self.told: tuple[Any, ...] = ()
+        self._tell_ready(str(self.asked["plant"]))
+        self.run.advance(1)  # so that there is something to be seen
+        self._show()
+        self._anchor()
+
+    def _experiment(self, words: PlantWords, plant: Plant) -> tuple[Motion, Options]:
+        options = words.options(plant)
+        if isinstance(plant, Arm):
+            way = trajectory_named(str(self.asked.get("trajectory") or ""))
+            arms = schedule(way, payload=bool(self.asked.get("payload")), conventions=PLAIN)
+            return arm_motion(way, arms, PLAIN, options), options
+        site = site_of(plant, words.connections())
+        model = text_of(self.controller, site).model
+        period = model.period * model.every
+        if words.duration is None:
+            words = _lasting(words, OPEN_ENDED * period)
+        elif read_time(words.duration, "the duration") > MOST_POINTS * period:
+            raise WordError(f"the page runs up to {MOST_POINTS:,} set points, here of {period:g} s")
+        return words.motion(self.controller, plant), options
+
+    def _within_folder(self) -> dict[str, Any]:
+        """Return what is asked for with the files of signals made those of the folder."""
+        folder = Path(self.path).parent
+        asked = dict(self.asked)
+        for name in ("reference", "disturb"):
+            asked[name] = [_signal_of(folder, str(word)) for word in asked.get(name, ())]
+        return asked
+
+    # --- Going on ---
+
+    def go_on(self) -> None:
+        """Run until the page stops it."""
+        while True:
+            started = time.perf_counter()
+            self._advance(started)
+            self._show()
+            every = 1.0 / min(self.rate, DEAR if self.painter.dear else self.rate)
+            idle = self.paused or self.run.over
+            # A run that stands still waits for a word, and looks after the files it uses.
+            pause = 0.2 if idle else max(0.001, every - (time.perf_counter() - started))
+            for said in self.job.heard(pause):
+                self._take(said)
+            self.job.check()
+            self._look_at_files()
+
+    def _advance(self, now: float) -> None:
+        if self.paused or self.run.over:
+            return
+        self._hold()
+        samples = self.motion.period * self.motion.every
+        most = max(1, int(self.rate_of_loop * BUDGET))
+        due = self.anchor_at + (now - self.anchor) * self.speed / samples
+        until = int(min(due, self.run.next + most))
+        late = due - until
+        if until > self.run.next:
+            before, count = self.run.seconds, until - self.run.next
+            self.run.advance(until)
+            spent = max(self.run.seconds - before, 1e-6)
+            # The first call of a kernel may compile it: that tells nothing of the next.
+            self.rate_of_loop += 0.5 * (min(count / spent, 1e7) - self.rate_of_loop)
+        if late > 0.25 * self.speed / samples:  # it cannot keep up
+            if self.speed < FASTEST:
+                self.behind = now
+            self._anchor()
+
+    def _anchor(self) -> None:
+        """Count simulated and real time from here."""
+        self.anchor, self.anchor_at = time.perf_counter(), float(self.run.next)
+
+    def _hold(self) -> None:
+        """Have the hand's pull act: where the plant is now."""
+        loads = {}
+        if any(self.pull) and len(self.run.record.rows):
+            loads = loads_of(self._scene(), self.loop.site.interface, *self.pull)
+        self.run.push(loads)
+
+    def _scene(self) -> Scene:
+        return Scene(self.loop.so_far(self.run), self.plant, len(self.run.record.rows) - 1)
+
+    # --- What the page says ---
+
+    def _take(self, said: Mapping[str, Any]) -> None:
+        if "speed" in said:
+            self.speed = _speed(said)
+            self.behind = -math.inf
+        if "pause" in said:
+            self.paused = bool(said["pause"])
+        if "calm" in said:
+            self.rate = CALM if said["calm"] else PICTURES
+        if "pull" in said:
+            x, y = said["pull"] or (0.0, 0.0)
+            self.pull = (float(x), float(y))
+        self._anchor()
+        if "gains" in said:
+            self._move_gains(said["gains"])
+        if "text" in said:
+            self.text = str(said["text"])
+            self._take_text()
+        if "step" in said:
+            self.paused = True
+            self._hold()
+            self.run.advance(self.run.next + max(1, min(int(said["step"]), 10_000)))
+        if said.get("restart"):
+            if isinstance(said.get("asked"), dict):
+                self.asked = dict(said["asked"])
+            self._try_again()
+
+    def _try_again(self) -> None:
+        """Begin anew; what does not work now is said, and the page may change it."""
+        before = self.__dict__.copy()
+        try:
+            self._begin()
+        except (FuzzyarmError, OSError) as error:
+            self.__dict__.update(before)
+            self.job.tell({"news": "note", "text": str(error)})
+
+    def _move_gains(self, values: Mapping[str, Sequence[float]]) -> None:
+        wanted = {**self.gains, **{str(k): list(map(float, v)) for k, v in values.items()}}
+        try:
+            self.run.take_over(self.controller.with_gains(wanted))
+        except FuzzyarmError as error:
+            self.job.tell({"news": "note", "text": str(error)})
+            return
+        self.gains = wanted
+
+    def _take_text(self) -> None:
+        """Go on with the text as it is now, where that is possible."""
+        try:
+            controller = _controller_of(self.text, self.path)
+            moved = {name: each for name, each in self.gains.items() if name in controller.gains}
+            self.run.take_over(controller.with_gains(moved))
+        except StructureError:
+            self.job.tell({"news": "text", "taken": False})
+            return
+        except (FuzzyarmError, OSError) as error:
+            self.job.tell({"news": "note", "text": str(error)})
+            return
+        self.controller, self.used = controller, self._used()
+        self._forget_written()
+        self.job.tell({"news": "text", "taken": True, "gains": self._gains()})
+
+    def _forget_written(self) -> None:
+        """Drop the gains of a hand that the text has now; those that it cannot have stay."""
+        declared = {each.name for each in self._own_gains()}
+        self.gains = {name: each for name, each in self.gains.items() if name not in declared}
+
+    def _own_gains(self) -> Sequence[Any]:
+        """Return the gains that stand in the text: none, where it is a rule base."""
+        return _text(self.controller).model.gains if _is_in(self.controller, self.text) else ()
+
+    # --- The files that the controller uses ---
+
+    def _used(self) -> dict[Path, int]:
+        folder = Path(self.path).parent
+        text = _text(self.controller)
+        files = [sheet_path(file, folder) for use in text.model.uses for file in use.files]
+        return {path: path.stat().st_mtime_ns for path in files if path.exists()}
+
+    def _look_at_files(self) -> None:
+        """Take up what has been written to a rule base or a table that the controller uses."""
+        now = time.perf_counter()
+        if now - getattr(self, "_looked", -1.0) < 0.5:
+            return
+        self._looked = now
+        used = self._used()
+        if used != self.used:
+            self.used = used
+            self._take_text()
+
+    # --- What the page is told ---
+
+    def _gains(self) -> list[dict[str, Any]]:
+        text = _text(self.controller)
+        tunes = {each.name: each.tune for each in text.model.gains}
+        own = {each.name for each in self._own_gains()}
+        return [
+            {
+                "name": name,
+                "values": self.gains.get(name, list(gain.value)),
+                "unit": "" if gain.unit == "1" else gain.unit,
+                "written": name in own,
+                **_range(gain, tunes.get(name)),
+            }
+            for name, gain in self.controller.gains.items()
+        ]
+
+    def _tell_ready(self, name: str) -> None:
+        course, motion, interface = self.loop.course, self.motion, self.loop.site.interface
+        period = motion.period * motion.every
+        ends = isinstance(self.plant, Arm) or bool(self.asked.get("duration"))
+        whole = self.run.count * period
+        window = whole if ends else min(whole, self.plant.duration or 1000 * period)
+        self.window = math.ceil(window / period)
+        self.every = max(1, math.ceil(self.window / WINDOW_POINTS))
+        shown = zip(motion.tracked, shown_units(course), strict=True)
+        driven = driven_by(self.loop.controller, self.loop.site)
+        drives = [
+            (index, port, each)
+            for index, (port, each) in enumerate(interface.inputs.items())
+            if port in driven or port[1] == "torque"
+        ]
+        self.columns = [index for index, _, _ in drives]
+        self.job.tell(
+            {
+                "news": "ready",
+                "controller": self.controller.name,
+                "plant": name,
+                "drawn": self.painter.draws,
+                "window": window,
+                "duration": whole if ends else None,
+                "period": period,
+                "tracked": [{"name": interface.label(port), "unit": unit} for port, unit in shown],
+                "drives": [
+                    {
+                        "name": interface.label(port),
+                        "unit": each.unit,
+                        "low": short(each.low),
+                        "high": short(each.high),
+                    }
+                    for _, port, each in drives
+                ],
+                "gains": self._gains(),
+            }
+        )
+
+    def _show(self) -> None:
+        """Tell what has happened since the last time, and the picture."""
+        rows = self.run.record.rows
+        state = {
+            "time": short(self._time(len(rows)), 9),
+            "paused": self.paused,
+            "behind": time.perf_counter() - self.behind < 1.0,
+        }
+        if len(rows) > self.sent:
+            # What has left the window meanwhile is not sent.
+            first = max(self.sent, len(rows) - self.window)
+            news = {"news": "samples", **state, **self._curves(rows[first:], first)}
+            self.sent = len(rows)
+            self.job.tell({**news, "drawing": self._drawing()})
+        elif tuple(state.values()) != self.told:
+            self.job.tell({"news": "samples", **state, "t": [], "low": []})
+        self.told = tuple(state.values())
+        self._measure()
+        if self.run.over and not self.told_over:
+            self.told_over = True
+            self.job.tell({"news": "over", **self._end()})
+
+    def _time(self, samples: int) -> float:
+        return samples * self.motion.period * self.motion.every
+
+    def _drawing(self) -> dict[str, Any] | None:
+        try:
+            return self.painter(self._scene())
+        except PlantError as error:
+            self.painter.give_up()
+            self.job.tell({"news": "note", "text": str(error)})
+            return None
+
+    def _curves(self, rows: NDArray[np.float64], first: int) -> dict[str, Any]:
+        """Return wanted, output and error of what is tracked, then drives.
+
+        Of several samples in a point of the curve the smallest and the largest value.
+        """
+        course, count = self.loop.course, len(self.motion.tracked)
+        scale = scales(course)
+        outputs, wanted = rows[:, :count] * scale, rows[:, count : 2 * count] * scale
+        begin = 2 * count + len(self.loop.site.interface.outputs)
+        drives = rows[:, [begin + each for each in self.columns]]
+        values = np.hstack([wanted, outputs, wanted - outputs, drives])
+        every = max(self.every, math.ceil(len(values) / MOST_AT_ONCE))
+        at = np.arange(0, len(values), every)
+        times = self.motion.time[self.run.record.taken[first : first + len(rows)][at]]
+        found: dict[str, Any] = {"t": [short(t, 9) for t in times.tolist()]}
+        found["low"] = _columns(np.minimum.reduceat(values, at))
+        if every > 1:
+            found["high"] = _columns(np.maximum.reduceat(values, at))
+        return found
+
+    def _measure(self) -> None:
+        """Tell the metrics so far, now and then: they are those of the whole run."""
+        now = time.perf_counter()
+        done = self.run.over or self.paused
+        if now - self.measured < max(0.25, 20.0 * self.measuring) and not done:
+            return
+        if self.run.next == getattr(self, "_measured_at", None):
+            return
+        found = self.loop.answer(self.run).metrics
+        self.measured, self._measured_at = now, self.run.next
+        self.measuring = time.perf_counter() - now
+        metrics = {
+            name: {k: None if v is None else short(v, 5) for k, v in each.as_dict().items()}
+            for name, each in found.items()
+        }
+        self.job.tell({"news": "metrics", "metrics": metrics})
+
+    def _end(self) -> dict[str, Any]:
+        """Return how the run ended, in words for the page."""
+        stopped = self.run.record.diverged()
+        if stopped is None:
+            return {"how": "finished", "at": short(self._time(self.run.next))}
+        if self.plant.ended:
+            return {"how": "ended", "at": short(stopped)}
+        board, course = self.run.record.board, self.loop.course
+        for port, output in self.loop.site.interface.outputs.items():
+            value = float(board[course.output_cell(port)])
+            if not abs(value) <= output.bound:
+                label = self.loop.site.interface.label(port)
+                far = {"port": label, "value": short(value), "bound": short(output.bound)}
+                return {"how": "diverged", "at": short(stopped), **far, "unit": output.unit}
+        return {"how": "diverged", "at": short(stopped)}
+
+
+def _columns(values: NDArray[np.float64]) -> list[list[float | None]]:
+    return [[short(each) for each in column] for column in values.T.tolist()]
+
+
+def _speed(said: Mapping[str, Any]) -> float:
+    speed = said.get("speed")
+    value = FASTEST if speed is None else float(speed)
+    if not value > 0.0:
+        raise ValueError("a speed is positive")
+    return min(value, FASTEST)
+
+
+def _lasting(words: PlantWords, seconds: float) -> PlantWords:
+    return replace(words, duration=f"{seconds!r}s")
+
+
+def _signal_of(folder: Path, word: str) -> str:
+    """Return ``PORT=SIGNAL``; a file of times and values must be one of the folder."""
+    port, equals, signal = word.partition("=")
+    if not signal.strip().endswith(".csv"):
+        return word
+    path = folder / signal.strip()
+    if path.resolve().parent != folder.resolve():
+        raise WordError(f"'{signal.strip()}' is not a file of this folder")
+    return f"{port}{equals}{path}"
+
+
+def _range(gain: Gain, tune: Any) -> dict[str, Any]:
+    """Return between what a gain can be moved: as it may be tuned, or around what it is."""
+    if tune is not None:
+        low, high, log = tune.low, tune.high, tune.log
+    elif gain.bounds is not None:
+        (low, high), log = gain.bounds, False
+    elif all(value > 0.0 for value in gain.value):
+        low, high, log = 0.1 * min(gain.value), 10.0 * max(gain.value), True
+    else:
+        reach = 2.0 * max(map(abs, gain.value)) or 1.0
+        low, high, log = -reach, reach, False
+    return {
+        "low": min(low, *gain.value),
+        "high": max(high, *gain.value),
+        "log": log and min(low, *gain.value) > 0.0,
+    }

@@ -1,0 +1,181 @@
+"""A run that is not over: advanced in parts, pushed by hand, its gains changed as it goes on.
+
+All that a run is stands in the arrays of the loop, so that a run in parts has the bits of a
+whole one, and what is changed between two parts counts from there on.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.on_plant import Site, controller_on
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.loop.course import Course, flat
+from fuzzyarm.loop.loop import TICK
+from fuzzyarm.loop.program import Program, Record, loop_for
+from fuzzyarm.plant.own import failure
+from fuzzyarm.plant.plant import Address, Plant, PlantError, is_compiled
+
+
+class StructureError(FuzzyarmError, ValueError):
+    """A controller that cannot go on where another one is: they have different structures."""
+
+
+class OpenRun:
+    """A run, from its start on.
+
+    Parameters
+    ----------
+    site : Site
+        Where the controller runs.
+    program : Program
+        Of the controller.
+    course : Course
+        The experiment.
+    taps : sequence of int
+        Cells of the board that are recorded.
+    seed : int, optional
+        In place of that of the options.
+    loaded : bool, optional
+        Whether :meth:`push` is to be used, which needs a number for each drive and period.
+
+    Attributes
+    ----------
+    program : Program
+        That runs now.
+    record : Record
+        What it has written so far.
+    seconds : float
+        Wall time of the loop.
+    """
+
+    def __init__(
+        self,
+        site: Site,
+        program: Program,
+        course: Course,
+        taps: Any,
+        seed: int | None = None,
+        *,
+        loaded: bool = False,
+    ) -> None:
+        self.site, self.course = site, course
+        self.seed = seed
+        self.record = Record(course, program.memory, taps, seed)
+        self.seconds = 0.0
+        self.count = len(course.motion.time)
+        self._loads = course.loads() if loaded else None
+        self._held: dict[int, float] = {}
+        if not course.as_array:
+            program.controller.prepare(program.arithmetic)
+        self._inputs = course.inputs(seed, self._loads)
+        self._use(program)
+
+    @property
+    def next(self) -> int:
+        """Set points that are done."""
+        return self.record.next
+
+    @property
+    def over(self) -> bool:
+        """Whether all set points are done, or the run has been stopped before."""
+        return self.record.lost is not None or self.next >= self.count
+
+    def advance(self, until: int | None = None) -> None:
+        """Go on before a set point; by default to the end.
+
+        Parameters
+        ----------
+        until : int, optional
+            Of the set points, counted from 0.
+
+        Raises
+        ------
+        PlantError
+            If a plant in plain Python fails.
+        """
+        if self.over:
+            return
+        end = self.count if until is None else min(until, self.count)
+        self._write_loads(end)
+        self.record.go_on(end)
+        begin = time.perf_counter()
+        with np.errstate(all="ignore"), plain_errors(self.course.plant):
+            self._loop(*self._inputs, *self._own, *self.record.outputs)
+        self.seconds += time.perf_counter() - begin
+
+    # --- What is changed as it goes on ---
+
+    def push(self, loads: Mapping[Address, float]) -> None:
+        """Add to drives behind their limits, from now on; beside the loads of the options.
+
+        Parameters
+        ----------
+        loads : mapping of (str, str) to float
+            By axis and port of an input, in its unit; the others are let go.
+        """
+        if self._loads is None:
+            raise ValueError("this run was not made to be pushed")
+        inputs = list(self.course.site.interface.inputs)
+        self._held = {inputs.index(port): value for port, value in loads.items() if value}
+
+    def _write_loads(self, end: int) -> None:
+        if self._loads is None or not self._held:
+            return
+        first = int(self.record.progress[TICK])
+        last = first + int(self.course.motion.iterations[self.next : end].sum())
+        rows = np.asarray(self._loads).reshape(self.course.steps, -1)
+        for column, value in self._held.items():
+            rows[first:last, column] += value
+
+    def take_over(self, controller: Controller) -> None:
+        """Go on with another controller of the same structure; what is remembered stays.
+
+        So gains, terms and tables are changed while a run goes on.
+
+        Parameters
+        ----------
+        controller : Controller
+            For the plant of this run.
+
+        Raises
+        ------
+        StructureError
+            If its instructions are others, see :meth:`fuzzyarm.loop.program.Program.structure`.
+        SourceError
+            If the plant does not have what it measures or drives.
+        """
+        program = Program(controller_on(controller, self.site), self.program.arithmetic)
+        if not program.compilable or program.structure() != self.program.structure():
+            raise StructureError(f"{controller.name} has another structure")
+        # Its cells lie elsewhere where a rule base has another layout; their order is the same.
+        memory = program.memory.copy()
+        memory[program.kept()] = np.asarray(self.record.memory)[self.program.kept()]
+        self.record.memory = flat(memory, as_array=self.course.as_array)
+        self._use(program)
+
+    def _use(self, program: Program) -> None:
+        self.program = program
+        self._own = program.inputs(as_array=self.course.as_array)
+        self._loop = loop_for(program, self.course, self.record)
+
+
+@contextmanager
+def plain_errors(plant: Plant) -> Iterator[None]:
+    """Make one clear sentence of what a plant in plain Python raises."""
+    try:
+        yield
+    except FuzzyarmError:
+        raise
+    except Exception as error:
+        if is_compiled(plant):
+            raise
+        path = sys.modules[type(plant).__module__].__file__ or ""
+        raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error

@@ -1,0 +1,360 @@
+"""The view Run without a browser: what a page may run, push and change, and what it hears."""
+
+import json
+import shutil
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from fuzzyarm.controller import find_controller
+from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_gain
+from fuzzyarm.loop import Signal, simulate
+from fuzzyarm.plant import find_plant
+from fuzzyarm.shipped_files import shipped
+
+pytest.importorskip("starlette", reason="the extra designer is not installed")
+
+TOKEN = "b" * 32
+FILES = ("servo", "tanks", "pd7", "ball-and-beam", "heater")
+SERVO = shipped("servo.frb").read_text()
+
+MINE = """\
+from fuzzyarm.plant import Plant, Port
+
+class Kiln(Plant):
+    inputs = {"power": Port("%", 0, 100)}
+    outputs = {"temperature": Port("°C", 0, 1200)}
+    states = {"charge": "°C"}
+    duration = 600.0
+
+    def derivative(self, t, x, u, p):
+        return [0.2 * u[0] - 0.01 * x[0]]
+
+    def draw(self, axes, x):
+        axes.set_xlim(0, 1)
+        axes.set_ylim(0, 1)
+        axes.plot([0, 1], [0, x[0] / 1200], color="#ff0000")
+
+class Fails(Kiln):
+    def derivative(self, t, x, u, p):
+        return [1 / 0 if t > 100 else 0.0]
+"""
+
+
+# --- the edit of the text ---
+
+
+def test_a_gain_is_an_edit_of_its_number():
+    text = SERVO.replace('gain G_u  = 4.5 "V",', 'gain G_u  = 9/2, 3*pi "V",')
+    text = text.replace("log\ngain G_ce", "log  # fast\ngain G_ce")
+    for name, values in (("G_e", [17.25]), ("G_u", [4.0, -1e-3])):
+        text = apply_edits(text, set_gain(read(text), name, values))
+    assert 'gain G_e  = 17.25 "1/rad", tune 2 .. 200 log  # fast\n' in text
+    assert 'gain G_u  = 4, -0.001 "V", tune 1 .. 10 log\n' in text
+    for name, values in (("G_e", [1.0, 2.0]), ("G_x", [1.0])):
+        with pytest.raises(ReshapeError):
+            set_gain(read(text), name, values)
+
+
+# --- the server ---
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("run")
+    for name in FILES:
+        shutil.copy(shipped(f"{name}.frb"), found)
+    (found / "mine.py").write_text(MINE)
+    (found / "way.csv").write_text("time,value\n0,0\n1,1\n")
+    (found.parent / "outside.csv").write_text("time,value\n0,0\n1,1\n")
+    return found
+
+
+class Page:
+    """A window on a file."""
+
+    def __init__(self, socket, file):
+        self.socket, self.number = socket, 0
+        self.send(do="open", file=file)
+
+    def send(self, **message):
+        self.socket.send_text(json.dumps(message))
+
+    def start(self, what, **asked):
+        self.number += 1
+        self.send(do="start", id=self.number, what=what, **asked)
+
+    def say(self, **words):
+        self.send(do="say", id=self.number, **words)
+
+    def hear(self, wanted):
+        """Return the next news that fits, and all before it."""
+        found = []
+        while True:
+            news = json.loads(self.socket.receive_text())
+            if news["is"] == "job" and news["id"] == self.number:
+                found.append(news)
+                if "end" in news or wanted(news):
+                    return found
+
+    def until(self, kind):
+        found = self.hear(lambda news: news.get("news") == kind)
+        assert found[-1].get("news") == kind, found[-1]
+        return found
+
+    def stop(self):
+        self.send(do="stop", id=self.number)
+        return self.hear(lambda news: False)[-1]
+
+
+@pytest.fixture(scope="module")
+def client(folder):
+    from starlette.testclient import TestClient
+
+    from fuzzyarm.designer.server import Designer, Workspace
+    from fuzzyarm.designer.stage import Plants
+
+    plants = Plants((f"{folder / 'mine.py'}:Kiln", f"{folder / 'mine.py'}:Fails"))
+    app = Designer(Workspace(folder), TOKEN, plants).app()
+    with TestClient(app, base_url="http://127.0.0.1:8000") as found:
+        yield found
+
+
+@pytest.fixture
+def open_page(client):
+    sockets = []
+
+    def opened(file):
+        socket = client.websocket_connect(
+            f"ws://127.0.0.1:8000/{TOKEN}/socket", headers={"origin": "http://127.0.0.1:8000"}
+        )
+        sockets.append(socket)
+        return Page(socket.__enter__(), file)
+
+    yield opened
+    for socket in sockets:
+        socket.__exit__(None, None, None)
+
+
+FAST = {"plant": "motor", "reference": ["position=step:1"], "duration": "500ms", "speed": None}
+
+
+def test_a_page_runs_what_simulate_runs(open_page, folder):
+    page = open_page("servo.frb")
+    page.start("run", **FAST)
+    heard = page.until("over")
+    ready = next(each for each in heard if each.get("news") == "ready")
+    assert (ready["drawn"], ready["duration"]) == (True, pytest.approx(0.5))
+    assert ready["drives"] == [{"name": "voltage", "unit": "V", "low": -24.0, "high": 24.0}]
+    run = simulate(find_controller(str(folder / "servo.frb")), find_plant("motor"), duration=0.5)
+    # Where many samples come at once, a point of a curve is the smallest and largest of some.
+    t, low, high = [], [[], [], [], []], [[], [], [], []]
+    for each in heard:
+        t += each.get("t", ())
+        for k, column in enumerate(each.get("low", ())):
+            low[k] += column
+            high[k] += each.get("high", each["low"])[k]
+    first = np.searchsorted(run.time, np.array(t) - 1e-6)
+    angle = run.reference[:, 0] - run.errors[:, 0]
+    expected = (run.reference[:, 0], angle, run.errors[:, 0], run.drives["voltage"])
+    for k, values in enumerate(expected):
+        assert low[k] == pytest.approx(np.minimum.reduceat(values, first), rel=1e-4, abs=1e-9)
+        assert high[k] == pytest.approx(np.maximum.reduceat(values, first), rel=1e-4, abs=1e-9)
+    assert len(t) > 100
+    metrics = next(each for each in reversed(heard) if each.get("news") == "metrics")["metrics"]
+    for name, value in run.metrics["shaft"].as_dict().items():
+        assert metrics["shaft"][name] == pytest.approx(value, rel=1e-4), name
+    assert heard[-1]["how"] == "finished"
+    assert page.stop()["end"] == "stopped"
+
+
+def test_a_page_hears_which_plants_its_text_controls(open_page):
+    page = open_page("heater.frb")
+    page.start("plants")
+    found = page.hear(lambda news: "plants" in news)[-1]
+    fitting = {each["name"].rpartition("/")[2]: each for each in found["plants"] if not each["why"]}
+    assert set(fitting) == {"room", "mine.py:Kiln", "mine.py:Fails"}
+    assert found["chosen"] == "room"
+    assert fitting["room"]["reference"] == "temperature=step:21"
+    assert all("'" in each["why"] for each in found["plants"] if each["why"])
+
+
+def test_only_plants_that_were_named_are_run(open_page, folder):
+    page = open_page("heater.frb")
+    own = folder / "mine.py"
+    for name in ("none", f"{own}", f"{own}:Other", "mine.py:Kiln", "gym:CartPole-v1", "../x.fmu"):
+        page.start("run", plant=name, speed=None)
+        end = page.hear(lambda news: False)[-1]
+        assert end["end"] == "failed", name
+        assert "this designer runs no plant" in end["message"]
+    page.start(
+        "run", plant=f"{own}:Kiln", reference=["temperature=step:100"], duration="10min", speed=None
+    )
+    heard = page.until("over")
+    drawing = next(each["drawing"] for each in heard if each.get("drawing"))
+    assert drawing["parts"][0] == {
+        "is": "line", "colour": "#ff0000", "width": 1.5, "points": drawing["parts"][0]["points"],
+    }  # fmt: skip
+    assert page.stop()["end"] == "stopped"
+
+
+def test_what_cannot_be_run_is_said(open_page, folder):
+    page = open_page("servo.frb")
+    for change, words in (
+        ({"reference": ["position=stap:1"]}, "no reference is called 'stap'"),
+        ({"reference": ["speed=step:1"]}, "no port 'speed'"),
+        ({"reference": [f"position={folder.parent / 'outside.csv'}"]}, "not a file of this folder"),
+        ({"reference": ["position=../outside.csv"]}, "not a file of this folder"),
+        ({"disturb": ["voltage=../outside.csv"]}, "not a file of this folder"),
+        ({"duration": "500"}, "takes a time with a unit"),
+        ({"duration": "9h"}, "up to 2,000,000 set points"),
+        ({"noise": ["position"]}, "takes NAME=VALUE"),
+        ({"plant": "tanks"}, "the tanks has no reference value 'position'"),
+        ({"speed": -1}, "not understood"),
+    ):
+        page.start("run", **{**FAST, **change})
+        end = page.hear(lambda news: False)[-1]
+        assert words in end["message"], end
+    page.start("run", **{**FAST, "reference": ["position=way.csv"]})
+    assert page.until("over")[-1]["how"] == "finished"
+    page.stop()
+
+
+def test_divergence_and_a_plant_that_fails_are_said(open_page, folder):
+    page = open_page("ball-and-beam.frb")
+    page.start("run", plant="ball-and-beam", reference=["position=step:1"], speed=None)
+    end = page.until("over")[-1]
+    assert (end["how"], end["port"], end["bound"]) == ("diverged", "position", 0.5)
+    assert abs(end["value"]) > 0.5
+    page.say(restart=True, asked={"plant": "ball-and-beam", "reference": ["position=step:0.1"],
+                                  "duration": "1s"}, speed=None)  # fmt: skip
+    assert page.until("over")[-1]["how"] == "finished"
+    page.stop()
+    page = open_page("heater.frb")
+    page.start("run", plant=f"{folder / 'mine.py'}:Fails", duration="10min", speed=None)
+    end = page.hear(lambda news: False)[-1]
+    assert (end["end"], "ZeroDivisionError" in end["message"]) == ("failed", True)
+
+
+def test_a_hand_pauses_steps_pushes_and_tunes(open_page):
+    page = open_page("servo.frb")
+    page.start("run", **{**FAST, "duration": "", "paused": True})
+    first = page.until("samples")[-1]
+    assert (first["paused"], first["time"]) == (True, 0.001)
+    page.say(step=499)
+    at_rest = page.until("samples")[-1]
+    assert (at_rest["time"], at_rest["paused"]) == (0.5, True)
+    assert abs(at_rest["low"][2][-1]) < 1e-3
+    page.say(pull=[-0.2, 0.0])  # the pointer is at 1 rad: to the left turns it on
+    page.say(step=200)
+    pushed = page.until("samples")[-1]
+    assert pushed["low"][1][-1] > 57.3 + 1.0
+    held = pushed["low"][2][-1]
+    page.say(gains={"G_u": [9.0]})
+    page.say(step=400)
+    stiffer = page.until("samples")[-1]["low"][2][-1]
+    assert abs(stiffer) < 0.7 * abs(held)
+    page.say(gains={"G_x": [9.0]})
+    assert "no gain 'G_x'" in page.until("note")[-1]["text"]
+    page.say(pull=None)
+    page.say(step=600)
+    assert abs(page.until("samples")[-1]["low"][2][-1]) < 1e-2
+    page.stop()
+
+
+def test_a_text_is_taken_up_while_it_runs(open_page, folder):
+    page = open_page("servo.frb")
+    page.start("run", **{**FAST, "duration": "", "paused": True})
+    page.until("ready")
+    page.say(gains={"G_e": [30.0]})
+    page.say(text=SERVO.replace("= 4.5", "= 9"))
+    taken = page.until("text")[-1]
+    assert taken["taken"]
+    assert {each["name"]: each["values"] for each in taken["gains"]}["G_u"] == [9.0]
+    page.say(text=SERVO.replace("period 1 ms", "period 2 ms"))
+    assert page.until("text")[-1]["taken"] is False
+    page.say(text=SERVO.replace("period", "peridot"))
+    assert "mistakes" in page.until("note")[-1]["text"]
+    page.say(restart=True)  # of a text with mistakes: what ran is still there
+    assert "mistakes" in page.hear(lambda n: n.get("news") == "note" and n["text"])[-1]["text"]
+    page.say(text=SERVO.replace("period 1 ms", "period 2 ms"), restart=True)
+    assert [each["period"] for each in page.hear(lambda n: n.get("news") == "ready")
+            if each.get("news") == "ready"] == [0.002]  # fmt: skip
+    # A rule base that the controller uses is written by somebody else.
+    page.until("samples")
+    rules = folder / "pd7.frb"
+    time.sleep(0.02)
+    rules.write_text(
+        rules.read_text().replace("  ZE      NB  NM  NS  ZE", "  ZE      NB  NM  NS  PS")
+    )
+    assert page.until("text")[-1]["taken"]
+    page.stop()
+
+
+def test_a_rule_base_runs_on_the_arm(open_page):
+    page = open_page("pd7.frb")
+    page.start("run", plant="arm", trajectory="pick-and-place", payload=True, speed=None)
+    heard = page.until("over")
+    ready = next(each for each in heard if each.get("news") == "ready")
+    assert [each["unit"] for each in ready["drives"]] == ["N m", "N m", "V", "V"]
+    assert not any(each["written"] for each in ready["gains"])
+    last = [each["drawing"] for each in heard if each.get("drawing")][-1]
+    assert {part["colour"] for part in last["parts"]} >= {"first", "second", "wanted", "metal"}
+    page.stop()
+
+
+def test_a_run_that_is_stopped_leaves_no_thread(open_page):
+    def jobs():
+        return [each for each in threading.enumerate() if each.name == "fuzzyarm-job"]
+
+    page = open_page("servo.frb")
+    for paused in (True, False):
+        page.start("run", **{**FAST, "duration": "", "speed": 1, "paused": paused})
+        page.until("samples")
+        assert jobs()
+        assert page.stop()["end"] == "stopped"
+        for _ in range(100):
+            if not jobs():
+                break
+            time.sleep(0.02)
+        assert not jobs()
+
+
+def test_the_plants_of_the_command_line_are_judged_before_it_serves(tmp_path, capsys):
+    from fuzzyarm.cli.main import main
+
+    (tmp_path / "mine.py").write_text(MINE)
+    words = ["designer", str(tmp_path), "--no-browser", "--plant"]
+    assert main([*words, f"{tmp_path / 'mine.py'}:Kilm"]) == 1
+    assert "has no plant 'Kilm'" in capsys.readouterr().err
+
+
+def test_a_pull_in_the_wind_is_no_load():
+    from fuzzyarm.designer.stage import loads_of
+    from fuzzyarm.loop.run import SoFar
+    from fuzzyarm.plant.plant import interface_of
+    from fuzzyarm.show.figures.plants import Scene
+
+    plant = find_plant("arm")
+    at = {f"joint{k}.position": np.zeros(1) for k in (1, 2)}
+    scene = Scene(SoFar("arm", {}, at, {}, ()), plant, 0)
+    port = interface_of(plant)
+    assert loads_of(scene, port, float("nan"), 0.0) == {}
+    # A force along the stretched arm makes no torque; one across it the lengths times itself.
+    along = loads_of(scene, port, 1.0, 0.0)
+    assert list(along.values()) == [0.0, 0.0]
+    across = loads_of(scene, port, 0.0, 1.0)
+    assert across["joint1", "torque"] == pytest.approx(60.0 * (0.26 + 0.28))
+    assert across["joint2", "torque"] == pytest.approx(60.0 * 0.28)
+
+
+def test_signals_of_a_page_are_those_of_simulate():
+    from fuzzyarm.designer.stage import words_of
+
+    words = words_of({"reference": ["position=step:2"], "duration": "1s", "seed": 3, "plant": "x"})
+    motion = words.motion(find_controller(str(shipped("servo.frb"))), find_plant("motor"))
+    assert motion.references[0][0] == 2.0
+    assert words.options(find_plant("motor")).seed == 3
+    assert Signal("step", (2.0,)).numbers == (2.0,)

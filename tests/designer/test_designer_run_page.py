@@ -1,0 +1,138 @@
+"""The view Run in a browser: it starts, moves, is pushed, tuned by slider and stopped."""
+
+import re
+
+import pytest
+from test_designer_page import AXE, CHROMIUM, Served, put, sync_api, text_of, until
+
+from fuzzyarm.shipped_files import shipped
+
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed"),
+    pytest.mark.slow,
+]
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    found = Served(tmp_path_factory.mktemp("designer-run"))
+    yield found
+    found.stop()
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with sync_api.sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+def open_run(server, chromium, name, **options):
+    """Open a shipped file in the view Run; its faults are kept."""
+    address = put(server, f"{name}.frb", shipped(f"{name}.frb").read_text())[1]
+    context = chromium.new_context(viewport={"width": 1280, "height": 720}, **options)
+    context.set_default_timeout(10_000)
+    page = context.new_page()
+    page.faults = []
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    page.on("console", lambda said: said.type == "error" and page.faults.append(said.text))
+    page.goto(address)
+    page.get_by_role("tab", name="Run").click()
+    until(lambda: page.locator(".run-form select").nth(1).input_value(), "the plants")
+    return page
+
+
+def clock(page):
+    found = re.match(r"[\d.]+", page.locator("output.clock").text_content())
+    return float(found[0]) if found else 0.0
+
+
+def final_error(page):
+    cell = page.locator(".metrics tr", has=page.get_by_role("rowheader", name="final")).locator(
+        "td"
+    )
+    return float(cell.text_content().split()[0])
+
+
+def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
+    page = open_run(server, chromium, "servo")
+    before = text_of(page)
+    assert page.locator(".run-form select").nth(1).input_value() == "motor"
+    assert page.get_by_label("Reference", exact=True).input_value() == "position=step:1"
+    page.get_by_role("button", name="Start").click()
+    until(lambda: clock(page) > 0.6, "it moves")
+    until(lambda: abs(final_error(page)) < 1e-3, "it arrives")
+    drawn = page.locator(".run-picture canvas").evaluate("canvas => canvas.toDataURL()")
+
+    # Pushed by the mouse and by the keyboard: it gives way while it is held, and comes back.
+    canvas = page.locator(".run-picture canvas")
+    box = canvas.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 60, y + 40, steps=3)
+    until(lambda: abs(final_error(page)) > 1.0, "it gives way")
+    assert canvas.evaluate("canvas => canvas.toDataURL()") != drawn
+    page.mouse.up()
+    until(lambda: abs(final_error(page)) < 1e-2, "it comes back")
+    canvas.focus()
+    page.keyboard.down("ArrowUp")
+    until(lambda: abs(final_error(page)) > 1.0, "it gives way to the key")
+    page.keyboard.up("ArrowUp")
+    until(lambda: abs(final_error(page)) < 1e-2, "it comes back")
+
+    # Space pauses, a step is a sample.
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="Go on").wait_for()
+    at = clock(page)
+    page.get_by_role("button", name="Step").click()
+    until(lambda: clock(page) == pytest.approx(at + 0.001), "a step")
+    page.get_by_role("button", name="Go on").click()
+
+    # A slider is an edit of the text, which is taken up and can be undone.
+    page.get_by_label("G_u", exact=True).focus()
+    page.keyboard.press("ArrowRight")
+    until(lambda: text_of(page) != before, "the gain is an edit")
+    number = re.search(r'gain G_u  = ([\d.]+) "V", tune 1 \.\. 10 log', text_of(page))
+    assert 4.5 < float(number[1]) < 4.6
+    page.get_by_text("The text of now runs.").wait_for()
+    page.locator(".cm-content").focus()
+    page.keyboard.press("Control+z")
+    assert text_of(page) == before
+    until(
+        lambda: page.get_by_label("G_u: value").input_value() == "4.5",
+        "the slider follows the text",
+    )
+    page.evaluate("designer.text.goTo([6, 7])")
+    page.keyboard.press("Delete")
+    page.keyboard.type("2")  # period 2 ms
+    page.get_by_text("Restart runs it").wait_for()
+    page.get_by_role("button", name="Restart").click()
+    until(lambda: clock(page) < at, "it begins again")
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_role("button", name="Start").wait_for()
+    stopped = clock(page)
+    page.wait_for_timeout(200)
+    assert clock(page) == stopped
+    assert page.faults == []
+    page.context.close()
+
+
+def test_a_rule_base_runs_on_the_arm_and_a_dragged_corner_counts(server, chromium):
+    page = open_run(server, chromium, "pd7", bypass_csp=AXE.exists(), color_scheme="dark")
+    page.get_by_role("button", name="Start").click()
+    until(lambda: clock(page) > 0.2, "it moves")
+    assert page.get_by_label("G_e", exact=True).is_enabled()
+    page.get_by_role("tab", name="Design").click()
+    page.get_by_label("u PM: corner 2").focus()
+    page.keyboard.press("ArrowRight")
+    page.get_by_role("tab", name="Run").click()
+    page.get_by_text("The text of now runs.").wait_for()
+    if AXE.exists():
+        page.evaluate(AXE.read_text())
+        found = page.evaluate("axe.run(document, { resultTypes: ['violations'] })")["violations"]
+        serious = [each for each in found if each["impact"] in {"serious", "critical"}]
+        assert [(each["id"], each["nodes"][0]["html"]) for each in serious] == []
+    assert page.faults == []
+    page.context.close()
