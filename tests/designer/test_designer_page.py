@@ -284,7 +284,7 @@ DROP = """([name, text]) => {
 def opened(page, name):
     """Wait until another file is shown: the page is loaded anew for it."""
     shown = "name => document.title.includes(name) && !!window.designer?.store.scene"
-    page.wait_for_function(shown, arg=name)
+    page.wait_for_function(shown, arg=name, timeout=30_000)
 
 
 def test_files_are_dropped_exported_made_and_compared(served, window):
@@ -325,7 +325,7 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
 
     page.get_by_role("tab", name="Compare").click()
     page.locator(".compare .bar select").first.select_option("base.frb")
-    page.get_by_text("Largest difference here").wait_for()
+    page.get_by_text("Largest difference here").wait_for(timeout=30_000)
     assert page.locator(".changes li.changed").count() >= 1
 
     page.get_by_role("tab", name="Files").click()
