@@ -93,7 +93,7 @@ def draw() -> None:
         main(["plot", str(path), "-o", str(out)])
         picture = Image.open(out).convert("RGB")
         picture.thumbnail((900, 900))
-        picture.quantize(64).save(out, optimize=True)
+        picture.quantize(256).save(out, optimize=True)  # with fewer, terms share a colour
 
 
 if __name__ == "__main__":

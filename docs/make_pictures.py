@@ -39,10 +39,8 @@ from fuzzyarm.plant import find_plant, pick_and_place
 from fuzzyarm.show.figures import inference_figure, rulebase_figure
 from fuzzyarm.show.figures.animation import animate
 from fuzzyarm.show.figures.run import draw_runs
-from fuzzyarm.show.table import table_view
 from fuzzyarm.studio.app import Studio
 from fuzzyarm.studio.document import StudioDocument
-from fuzzyarm.table import compile_table
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -51,8 +49,11 @@ RULEBASES = ROOT / "rulebases"
 
 def draw_table() -> None:
     """Draw the table of pd7.frb as a colour terminal shows it."""
-    table = compile_table(load_rulebase(shipped("pd7.frb")))
-    recorded("fuzzyarm show pd7.lut", table_view(table), width=78, name="pd7-table")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        shutil.copy(RULEBASES / "pd7.frb", folder / "pd7.frb")
+        command("compile", "pd7.frb", "-o", "pd7.lut", folder=folder)
+        recorded("a table", command("show", "pd7.lut", folder=folder), name="pd7-table")
 
 
 def draw_surface() -> None:

@@ -55,7 +55,8 @@ def from_live(
     ----------
     found : object
         A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
-        pyfuzzylite, a ``FuzzySystem`` of simpful, or a ``Rule`` of fuzzylogic.
+        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or an ``IT2Mamdani``
+        or ``IT2TSK`` of pyit2fls.
     name : str, optional
         What the rule base is called; by default that of the library.
     points : bool
@@ -301,8 +302,9 @@ def read_script(
     if not systems:
         raise ScriptError(
             f"{os.fspath(path)}: no fuzzy system found",
-            "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful "
-            "or a Rule of fuzzylogic must be there when the script has run",
+            "a ControlSystem of scikit-fuzzy, an Engine of pyfuzzylite, a FuzzySystem of simpful, "
+            "a Rule of fuzzylogic or an IT2Mamdani or IT2TSK of pyit2fls must be there when the "
+            "script has run",
             diagnostics,
         )
     return systems, diagnostics

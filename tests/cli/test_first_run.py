@@ -76,6 +76,14 @@ def test_new_says_what_can_be_typed(tmp_path, monkeypatch, capsys):
     assert (tmp_path / words[-1]).is_file()
 
 
+@pytest.mark.parametrize("name", ["", ".", "..", ".frb", "/"])
+def test_new_wants_a_name(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", name]) == 1
+    assert f"'{name}' is not a name for a rule base" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_shipped_lists_every_file_with_what_it_is(capsys):
     assert main(["shipped"]) == 0
     lines = capsys.readouterr().out.splitlines()

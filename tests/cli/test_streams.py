@@ -174,7 +174,8 @@ def test_every_command_bears_a_reader_that_has_gone(files, monkeypatch):
         os.close(reading)
         return opened(writing)
 
-    run_all(monkeypatch, pipe, lambda: opened(files / "err"))
+    statuses = run_all(monkeypatch, pipe, lambda: opened(files / "err"))
+    assert statuses["show", PD7] == 0  # `fuzzyarm show | head` is not a fault
 
 
 @pytest.mark.slow

@@ -23,6 +23,7 @@ ELSEWHERE = {
     "from-fuzzylite.md": "formats/test_coming_pages.py",
     "from-matlab.md": "formats/test_coming_pages.py",
     "from-scikit-fuzzy.md": "formats/test_coming_pages.py",
+    "from-pyit2fls.md": "formats/test_coming_pages.py",
     "from-simpful.md": "formats/test_coming_pages.py",
     "proofs.md": "proof/test_proofs_page.py",
     "python.md": "python/test_python_page.py",

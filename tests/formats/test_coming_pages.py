@@ -18,7 +18,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Defuzzifier, RuleBase
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("scikit-fuzzy", "simpful", "matlab", "fuzzylite")
+PAGES = ("scikit-fuzzy", "simpful", "pyit2fls", "matlab", "fuzzylite")
 TEXTS = {page: (ROOT / f"docs/from-{page}.md").read_text(encoding="utf-8") for page in PAGES}
 
 

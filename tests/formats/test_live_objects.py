@@ -14,6 +14,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pyit2fls
 import pytest
 import simpful
 import skfuzzy
@@ -26,6 +27,7 @@ import fuzzyarm
 from fuzzyarm.formats.objects import comparison_points, read_object
 from fuzzyarm.language import write
 from fuzzyarm.live import compare
+from fuzzyarm.model.rulebase import Defuzzifier
 from fuzzyarm.text.diagnostic import RuleBaseError
 
 STAND_IN = Path(__file__).parent / "stand_in"
@@ -125,7 +127,68 @@ def tank() -> Any:
     )
 
 
-MAKERS = {"mamdani": mamdani, "sugeno": sugeno, "fan": fan, "tank": tank}
+def type_2(
+    t_norm: Any = pyit2fls.product_t_norm,
+    s_norm: Any = pyit2fls.max_s_norm,
+    method: str = "Centroid",
+    algorithm: str = "KM",
+) -> Any:
+    around, points = np.linspace(-1, 1, 51), np.linspace(0, 10, 101)
+    system = pyit2fls.IT2Mamdani(t_norm, s_norm, method=method, algorithm=algorithm)
+    sets = (
+        pyit2fls.IT2FS(around, pyit2fls.trapezoid_mf, [-2, -1, -0.5, 0.4, 1],
+                       pyit2fls.trapezoid_mf, [-2, -1, -0.6, 0.2, 0.9]),
+        pyit2fls.IT2FS_Gaussian_UncertStd(around, [0, 0.4, 0.3, 1]),
+        pyit2fls.IT2FS(around, pyit2fls.ltri_mf, [-0.2, 0.8, 1], lower_half, []),
+    )  # fmt: skip
+    ends = (
+        pyit2fls.IT2FS(points, pyit2fls.tri_mf, [0, 2, 5, 1], pyit2fls.tri_mf, [1, 2, 4, 0.9]),
+        pyit2fls.IT2FS_Gaussian_UncertStd(points, [5, 1.5, 0.4, 0.9]),
+        pyit2fls.IT2FS(points, pyit2fls.gbell_mf, [1, 2, 8, 1], pyit2fls.gbell_mf, [0.8, 2, 8, 1]),
+    )
+    for name in ("a", "b"):
+        system.add_input_variable(name)
+    system.add_output_variable("z")
+    for i, one in enumerate(sets):
+        for j, other in enumerate(sets):
+            system.add_rule([("a", one), ("b", other)], [("z", ends[(i + j) % 3])])
+    return system
+
+
+def lower_half(x: Any, _parameters: Any) -> Any:
+    return np.minimum(0.5, np.maximum(0.0, x / 2))
+
+
+def type_2_sums() -> Any:
+    system = pyit2fls.IT2TSK(pyit2fls.min_t_norm, pyit2fls.max_s_norm)
+    around = np.linspace(-1, 1, 51)
+    sets = (
+        pyit2fls.IT2FS(around, pyit2fls.rtri_mf, [1, -1, 1], pyit2fls.rtri_mf, [0.8, -1, 0.9]),
+        pyit2fls.IT2FS(around, pyit2fls.ltri_mf, [-1, 1, 1], pyit2fls.ltri_mf, [-0.8, 1, 0.9]),
+    )
+    for name in ("x", "y"):
+        system.add_input_variable(name)
+    for name in ("u", "v"):
+        system.add_output_variable(name)
+    for i, one in enumerate(sets):
+        for j, other in enumerate(sets):
+            sums = {"const": i - j, "x": 1.0 + i, "y": 0.5 * j}
+            constant = {"const": 2.0 * i + j, "x": 0.0, "y": 0.0}
+            system.add_rule([("x", one), ("y", other)], [("u", sums), ("v", constant)])
+    return system
+
+
+MAKERS = {
+    "mamdani": mamdani,
+    "sugeno": sugeno,
+    "fan": fan,
+    "tank": tank,
+    "type_2": type_2,
+    "type_2_eiasc": lambda: type_2(algorithm="EIASC"),
+    "type_2_nie_tan": lambda: type_2(algorithm="NT"),
+    "type_2_bounded": lambda: type_2(pyit2fls.lukasiewicz_t_norm, pyit2fls.bounded_sum_s_norm),
+    "type_2_sums": type_2_sums,
+}
 
 
 @pytest.fixture
@@ -163,6 +226,59 @@ def test_what_the_libraries_take_for_granted_is_written_out() -> None:
     assert "temp is power(0.75) hot" in texts["fan"]
     assert "term hum box:    rectangle 30.5 50" in texts["fan"]
     assert "defuzzifier centroid(33, joined), no-rule error" in texts["tank"]
+
+
+def test_sets_of_type_2_keep_both_functions() -> None:
+    rulebase = read_object(type_2(), "z").rulebase
+    assert rulebase is not None
+    first, second, third = rulebase.inputs[0].terms
+    assert (first.shape.kind, first.lower.kind) == ("trapezoid", "trapezoid")
+    assert (second.shape.kind, second.lower.kind) == ("gaussian", "gaussian")
+    assert (third.shape.kind, third.lower.kind, third.lower.height) == ("ramp", "ramp", 0.5)
+    assert rulebase.outputs[0].defuzzifier == Defuzzifier("karnik-mendel", 101, "endpoints")
+    assert read_object(type_2_sums(), "z").rulebase.outputs[1].terms[3].shape.parameters == (3.0,)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"algorithm": "WM"}, "the algorithm 'WM_algorithm' is not supported"),
+        ({"method": "CoSet"}, "the type reduction 'CoSet' is not supported"),
+        ({"t_norm": lambda a, *others: a}, "the norm '<lambda>' is not supported"),
+    ],
+)
+def test_what_pyit2fls_alone_has_is_refused_by_name(options: Any, said: str) -> None:
+    assert [d.message.partition(";")[0] for d in read_object(type_2(**options)).errors] == [said]
+
+
+def test_a_function_without_a_shape_is_taken_at_points_and_the_size_is_said() -> None:
+    system = type_2()
+    two = pyit2fls.IT2FS_Gaussian_UncertMean(np.linspace(-1, 1, 51), [0, 0.4, 0.3, 1])
+    system.add_rule([("a", two)], system.rules[0][1])
+    imported = read_object(system, "z")
+    assert imported.rulebase.inputs[0].terms[3].shape.kind == "two-sided-gaussian"
+    assert imported.rulebase.inputs[0].terms[3].lower.kind == "points"
+    assert "(gauss_uncert_mean_lmf) is taken at 1001 points" in imported.diagnostics[0].message
+    with (
+        pytest.warns(fuzzyarm.FileWarning, match="1001 points"),
+        pytest.warns(fuzzyarm.FileWarning, match=r"'z' differs by up to \d(\.\d)?e-0[5-7] of its"),
+    ):
+        fuzzyarm.from_live(system)
+
+
+def test_a_wrong_algorithm_of_pyit2fls_is_told_by_the_size_of_its_difference() -> None:
+    with pytest.warns(fuzzyarm.FileWarning, match=r"'z' differs by up to 0\.00"):
+        fuzzyarm.from_live(type_2(algorithm="EKM"))
+
+
+def test_rules_of_pyit2fls_that_cannot_be_carried() -> None:
+    system = type_2()
+    known = system.rules[0]
+    system.rules = [([("w", known[0][0][1])], known[1]), ([], known[1]), (known[0], [])]
+    found = {d.name for d in read_object(system).errors}
+    assert found == {"undefined-variable", "empty-rule"}
+    system.rules = []
+    assert {d.name for d in read_object(system).errors} == {"no-rules"}
 
 
 def test_an_engine_is_read_through_its_own_exporter(stand_in: Any) -> None:

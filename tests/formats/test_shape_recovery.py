@@ -18,6 +18,7 @@ from fuzzyarm.formats.recovery import (
     joined,
     recovered,
     shape_of,
+    straight_shape,
 )
 from fuzzyarm.language.declarations import even_shapes
 from fuzzyarm.model.rulebase import Shape
@@ -143,3 +144,24 @@ def test_a_function_that_is_another_between_its_samples_is_none() -> None:
 def test_which_sets_go_on_as_they_end() -> None:
     assert constant_beyond(Shape("ramp", (2.0, 8.0)), 0.0, 10.0)
     assert not constant_beyond(Shape("triangle", (2.0, 8.0, 14.0)), 0.0, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("corners", "expected"),
+    [
+        ((0, 0, 1, 1, 2, 0), ("triangle", 0, 1, 2)),
+        ((0, 0, 0.5, 0.5, 1, 1, 2, 1, 4, 0), ("trapezoid", 0, 1, 2, 4)),
+        ((0, 1, 1, 0), ("ramp", 1, 0)),
+        ((-1, 0, 1, 1), ("ramp", -1, 1)),
+        ((0, 0, 1, 0.3, 2, 1, 3, 0), ()),
+        ((0, 0, 0, 1, 1, 0), ()),
+        ((0, 0.2, 1, 1, 2, 0), ()),
+        ((0, 0, 1, 1, 2, 1e-9), ()),
+    ],
+)
+def test_points_that_are_a_straight_shape(corners: tuple, expected: tuple) -> None:
+    points = Shape("points", tuple(map(float, corners)), 0.7)
+    found = straight_shape(points)
+    assert (found.kind, *found.parameters) == (expected or ("points", *corners))
+    for x in np.linspace(-3.0, 5.0, 257).tolist():
+        assert abs(membership(found, x) - membership(points, x)) <= TOLERANCE

@@ -15,10 +15,10 @@ A table becomes the rules whose terms come nearest; what they cannot express is 
 
     fuzzyarm convert project.py -o rules/
 
-A script of scikit-fuzzy, pyfuzzylite, simpful or fuzzylogic is run, in a process of its own and
-after a question (--run answers it), and each fuzzy system that it makes becomes a .frb, named
-after the variable. Numbers are compared at 100 points with those of the library's own object: they
-are the same to 1e-9 of the range, or the greatest difference is said.
+A script of scikit-fuzzy, pyfuzzylite, simpful, fuzzylogic or pyit2fls is run, in a process of its
+own and after a question (--run answers it), and each fuzzy system that it makes becomes a .frb,
+named after the variable. Numbers are compared at 100 points with those of the library's own
+object: they are the same to 1e-9 of the range, or the greatest difference is said.
 """
 
 from __future__ import annotations

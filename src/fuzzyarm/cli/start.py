@@ -46,6 +46,9 @@ def _wish(text: str) -> Wish:
 
 def _new(arguments: argparse.Namespace) -> int:
     path = Path(arguments.name if arguments.name.endswith(".frb") else f"{arguments.name}.frb")
+    if not path.name.removesuffix(".frb").strip("."):
+        message = f"'{arguments.name}' is not a name for a rule base"
+        raise NewFileError(message, hint="take one such as joint")
     text = starting_text(path.stem, arguments.kind, arguments.input, arguments.output)
     if path.exists() and not arguments.force:
         raise NewFileError(f"{path} is there already", hint="--force replaces it")

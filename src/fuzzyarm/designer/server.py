@@ -41,6 +41,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.designer.assets import asset, index_page
 from fuzzyarm.designer.compared import compare
+from fuzzyarm.designer.computed import surface
 from fuzzyarm.designer.exports import export
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
 WORKS: dict[str, Work] = {
     "compare": compare,
     "export": export,
+    "surface": surface,
     "learnable": learnable,
     "learn": learn,
     "table-error": table_error,

@@ -31,6 +31,7 @@ from fuzzyarm.formats.findings import (
     written,
 )
 from fuzzyarm.formats.meaning import Block, blocks_in_model, is_on
+from fuzzyarm.formats.recovery import straight_shape
 from fuzzyarm.formats.sentences import read_sentences
 from fuzzyarm.formats.shapes import formula_shape, spelled_shape
 from fuzzyarm.formats.writing import FUZZYLITE_WORDS, HEADER, Writer, identifiers, written_sentences
@@ -169,7 +170,8 @@ def _shape(
     if spelling.kind == "ramp" and len(values) in (2, 3) and values[0] == values[1]:
         findings.error("unordered-corners", "the start and the end of a Ramp must differ", name)
         return None
-    return spelled_shape(spelling, values, inputs, name, findings, FLL)
+    shape = spelled_shape(spelling, values, inputs, name, findings, FLL)
+    return straight_shape(shape) if shape is not None and shape.kind == "points" else shape
 
 
 # --- Read FLL ---

@@ -88,6 +88,7 @@ _AFTER_IMPORT: dict[str, Callable[[ModuleType], None]] = {
     "fuzzylite.engine": _keep("Engine"),
     "simpful.simpful": _keep("FuzzySystem"),
     "fuzzylogic.classes": _keep("Rule"),
+    "pyit2fls.pyit2fls": _keep("IT2Mamdani", "IT2TSK"),
 }
 """Module → what is changed in it as soon as it is loaded."""
 
@@ -269,9 +270,19 @@ def _gathered(module: ModuleType, stem: str, options: dict[str, Any]) -> list[di
     _load_fuzzyarm()
     from fuzzyarm.formats.objects import library_of
 
+    _name_sets(module)
     systems = _systems(module, stem, lambda value: library_of(value) is not None)
     deadline = time.monotonic() + MEASURING
     return [_as_found(name, each, options, deadline) for name, each in systems.items()]
+
+
+def _name_sets(module: ModuleType) -> None:
+    """Tell sets that have no name of their own what the script calls them."""
+    from fuzzyarm.formats.pyit2fls import NAME
+
+    for name, value in _named(module):
+        if type(value).__module__.partition(".")[0] == "pyit2fls" and hasattr(value, "umf"):
+            vars(value).setdefault(NAME, name)
 
 
 def _as_found(name: str, system: Any, options: dict[str, Any], deadline: float) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from typing import Any
 from fuzzyarm.formats.findings import Imported
 from fuzzyarm.formats.fll import parse_fll
 from fuzzyarm.formats.fuzzylogic import from_fuzzylogic, fuzzylogic_numbers
+from fuzzyarm.formats.pyit2fls import from_pyit2fls, pyit2fls_numbers
 from fuzzyarm.formats.simpful import from_simpful, simpful_numbers
 from fuzzyarm.formats.skfuzzy import from_skfuzzy, skfuzzy_numbers
 from fuzzyarm.model.rulebase import Input, RuleBase
@@ -113,6 +114,7 @@ LIBRARIES = (
     ),
     Library("simpful", "simpful", ("FuzzySystem",), from_simpful, simpful_numbers),
     Library("fuzzylogic", "fuzzylogic", ("Rule",), from_fuzzylogic, fuzzylogic_numbers),
+    Library("pyit2fls", "pyit2fls", ("IT2Mamdani", "IT2TSK"), from_pyit2fls, pyit2fls_numbers),
 )  # fmt: skip
 """Libraries whose live objects are read."""
 
@@ -141,7 +143,8 @@ def read_object(
     ----------
     found : object
         A ``ControlSystem`` or ``ControlSystemSimulation`` of scikit-fuzzy, an ``Engine`` of
-        pyfuzzylite, a ``FuzzySystem`` of simpful, or a ``Rule`` of fuzzylogic.
+        pyfuzzylite, a ``FuzzySystem`` of simpful, a ``Rule`` of fuzzylogic, or an ``IT2Mamdani``
+        or ``IT2TSK`` of pyit2fls.
     name : str
         What the rule base is called.
     points : bool

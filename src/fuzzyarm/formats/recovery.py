@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import chain, pairwise, product
 from typing import NamedTuple
 
@@ -28,6 +29,7 @@ __all__ = [
     "joined",
     "recovered",
     "shape_of",
+    "straight_shape",
 ]
 
 TOLERANCE = 1e-12
@@ -87,6 +89,24 @@ def joined(xs: Sequence[float], ys: Sequence[float]) -> Shape:
         low, high = max(low, slope - _STRAIGHT / width), min(high, slope + _STRAIGHT / width)
     kept.append(len(xs) - 1)
     return Shape("points", tuple(chain.from_iterable((xs[i], ys[i]) for i in dict.fromkeys(kept))))
+
+
+def straight_shape(points: Shape) -> Shape:
+    """Return the triangle, trapezoid or ramp that is ``points`` everywhere, or the points."""
+    xs, ys = points.parameters[0::2], points.parameters[1::2]
+    if any(a >= b for a, b in pairwise(xs)) or not all(0.0 <= y <= 1.0 for y in ys):
+        return points
+    found = recovered(xs, ys)
+    if found is None or not is_joined(found, xs):
+        return points
+    width, degree = xs[-1] - xs[0], membership_function(points)
+    asked = [xs[0] - width, xs[0] - 1e-9 * width, *xs, xs[-1] + 1e-9 * width, xs[-1] + width]
+    degrees = [degree(x) for x in asked]
+    scaled = [
+        replace(each, height=each.height * points.height)
+        for each in (found, _open_ended(found, xs))
+    ]
+    return next((each for each in scaled if _has(each, asked, degrees)), points)
 
 
 def is_joined(shape: Shape, xs: Sequence[float]) -> bool:

@@ -67,6 +67,9 @@ def make_console(file: IO[str] | None = None, **options: Any) -> Console:
                 else:
                     yield Segment("\n".join(map(printable, text.split("\n"))), style)
 
+        def on_broken_pipe(self) -> None:
+            raise  # noqa: PLE0704 - rich would end the process with status 1
+
     settings: dict[str, Any] = {"highlight": False, "markup": False, "emoji": False}
     if file is not None:
         settings["force_jupyter"] = False  # else a notebook would show it as well

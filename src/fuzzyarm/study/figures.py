@@ -344,12 +344,15 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
     spots = [(x * scale[0], y * scale[1]) for x, y in points]
     offsets = place_labels(spots, [each.name for each in compared])
     for each, value, (right, up) in zip(compared, values, offsets, strict=True):
+        to_the_left = right < -0.5 * _width(each.name)
         panel.annotate(
             each.name,
             (value, each.error),
-            xytext=(right, up),
+            # Widths are estimates: a label to the left ends where it is to end.
+            xytext=(-BESIDE if to_the_left else right, up),
             textcoords="offset points",
             fontsize=LETTERS,
+            ha="right" if to_the_left else "left",
             va="center",
             color=_colour_of(chapter_of_controller(each.name)),
         )
@@ -360,6 +363,9 @@ PANEL = (420.0, 430.0)
 
 LETTERS = 7.0
 """Their size, points; a letter is about half as wide."""
+
+BESIDE = 6.0
+"""From a mark to the label beside it, points."""
 
 
 def place_labels(
@@ -378,11 +384,11 @@ def place_labels(
     taken = [(x - 4.0, y - 4.0, x + 4.0, y + 4.0) for x, y in spots]
     found = []
     for (x, y), label in zip(spots, labels, strict=True):
-        width, height = 0.55 * LETTERS * len(label), 1.15 * LETTERS
+        width, height = _width(label), 1.15 * LETTERS
         sides = [
             (right, up)
             for up in (0.0, 7.0, -7.0, 13.0, -13.0, 19.0, -19.0)
-            for right in (6.0, -6.0 - width, -0.5 * width)
+            for right in (BESIDE, -BESIDE - width, -0.5 * width)
             if up or right != -0.5 * width
         ]
 
@@ -401,6 +407,10 @@ def place_labels(
         taken.append((left, bottom, left + width, bottom + height))
         found.append(best)
     return found
+
+
+def _width(label: str) -> float:
+    return 0.55 * LETTERS * len(label)
 
 
 def _colour_of(chapter: str) -> str:

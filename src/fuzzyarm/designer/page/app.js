@@ -1,11 +1,13 @@
 // The page of the server: one socket, one file at a time.
 
 import { COMPARE } from "./compare.js";
+import { ask } from "./dialogs.js";
 import { clean, el } from "./draw.js";
 import { FILES } from "./files.js";
 import { DESIGN, frame } from "./frame.js";
 import { LEARN } from "./learn.js";
 import { RUN } from "./run.js";
+import { askServer } from "./remote.js";
 import { Store } from "./store.js";
 import { TABLE } from "./table.js";
 import { textPane } from "./text.js";
@@ -38,6 +40,7 @@ let dirty = false;
 let lost = false;
 let turning = false; // to another file of this page
 let asked = 0;
+let latest = null; // findings, which come in front of the picture of the same text
 const answers = new Map();
 const jobs = new Map(); // what hears of long work, by its number
 
@@ -94,6 +97,8 @@ function mark(changed) {
 const text = textPane(link, start.nonce);
 const hand = {
   edit: (shapes) => text.edit("shapes", { shapes }),
+  change: (what, details) => text.edit(what, details), // an edit that the server makes
+  askFor: ask,
   numbers: (variable) => text.numbers(variable),
   ask: (question) => link.ask(question),
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
@@ -101,7 +106,6 @@ const hand = {
   setGain: (name, values) => text.edit("gain", { name, values }),
   text: () => text.state().text,
   goTo: (at) => text.goTo(at),
-  change: (what, details) => text.edit(what, details), // an edit that the server makes
   askNow: (what, details) => text.question(what, details), // of the text as it is typed
   settled: () => text.sent(),
   replace: (words) => text.replace(words),
@@ -111,6 +115,7 @@ const hand = {
   listed,
   turnTo,
 };
+askServer(store, hand.start);
 const banner = el("div", { class: "banner", role: "alert", hidden: true });
 const chooser = start.only ? el("strong", { textContent: file }) : files;
 const views = frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })], VIEWS);
@@ -179,6 +184,7 @@ const TAKEN = {
   updates: (message) => text.receive(message),
   findings(message) {
     text.show(message);
+    latest = message;
     store.emit("text"); // what was asked of an older text may be asked again
   },
   moved(message) {
@@ -187,6 +193,7 @@ const TAKEN = {
   },
   scene(message) {
     if (message.version !== text.version()) return;
+    store.findings = latest?.version === message.version ? latest.findings : [];
     if (message.scene) store.show(message.scene);
     else store.mistaken(message.why);
     store.judge(message.why !== "mistakes");
