@@ -34,7 +34,7 @@ function comparePane(store, hand) {
       const axes = found.shared.map((n) => [n, n]);
       bar.append(choice(S.horizontal, axes, found.x, set("x")), choice(S.vertical, axes, found.y, set("y")));
     }
-    const views = [["both", S.sideBySide], ["difference", S.difference]];
+    const views = [["both", S.sideBySide], ["difference", S.onlyDifference]];
     bar.append(choice(S.view, views, wanted.view, set("view")), el("button", { textContent: S.compareAgain, onclick: run }));
   }
 

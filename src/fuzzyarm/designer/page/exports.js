@@ -51,7 +51,7 @@ function fieldsOf(suffix, kinds, store) {
   const named = outputs.length > 1 ? [{ name: "output", options: outputs.map((n) => [n, n]) }] : [];
   const mode = { name: "mode", options: [["", S.asInFile], ["bins", "bins"], ["nearest", "nearest"], ["linear", "linear"]] };
   const made = [{ name: "levels", hint: S.levelsHint }, mode];
-  const precision = { name: "precision", options: [["", S.usual], ["mixed", "mixed"], ["float32", "float32"], ["float64", "float64"]] };
+  const precision = { name: "precision", options: [["", S.usualOne], ["mixed", "mixed"], ["float32", "float32"], ["float64", "float64"]] };
   const whole = { name: "q", options: [["", S.floats], ["15", "int16 (q15)"], ["7", "int8 (q7)"]] };
   const ways = controller ? [["direct", S.direct], ["table", S.byTable]] : [["table", S.byTable], ["direct", S.direct]];
   const way = { name: "way", options: ways };

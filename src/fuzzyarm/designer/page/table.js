@@ -40,7 +40,7 @@ function cellsPane(store, hand) {
   }
 
   function words(table) {
-    const axes = table.axes.map((axis) => S.axis(axis.name, axis.levels.length,
+    const axes = table.axes.map((axis) => S.axisLevels(axis.name, axis.levels.length,
       shortNumber(axis.levels[0], 6), shortNumber(axis.levels.at(-1), 6), axis.bins));
     const thin = table.columns.length < table.axes.at(-1).levels.length || table.rows.length < (table.axes.at(-2)?.levels.length ?? 1);
     return el("p", { class: "note", textContent: [
