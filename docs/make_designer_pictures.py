@@ -161,7 +161,7 @@ def draw_files(browser: Any, address: str) -> None:
     page = open_page(browser, address, "pd7")
     page.get_by_role("tab", name="Table").click()
     page.get_by_text("Every cell is proved").wait_for()
-    page.locator(".errors .bar select").last.select_option("proved")
+    page.locator(".accuracy .bar select").last.select_option("proved")
     page.wait_for_timeout(300)
     page.screenshot(path=HERE / "designer_table.png")
     page.get_by_role("tab", name="Compare").click()

@@ -503,7 +503,7 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     page.get_by_role("tab", name="Compare").click()
     page.locator(".compare .bar select").first.select_option("base.frb")
     page.get_by_text("Largest difference here").wait_for(timeout=30_000)
-    assert page.locator(".changes li.changed").count() >= 1
+    assert page.locator(".differing li.changed").count() >= 1
 
     page.get_by_role("tab", name="Files").click()
     page.get_by_role("button", name="New file").click()

@@ -9,7 +9,7 @@ function comparePane(store, hand) {
   const { section, bar, body } = pane("compare", S.compare);
   const canvases = [0, 1, 2].map(() => el("canvas", { role: "img" }));
   const state = el("p", { class: "note", role: "status", textContent: S.chooseOther });
-  const changes = el("div", { class: "changes" });
+  const changes = el("div", { class: "differing" });
   const pictures = el("div", { class: "three", hidden: true }, ...canvases);
   body.append(state, pictures, changes);
   const wanted = { other: "", output: "", x: "", y: "", view: "both" };

@@ -88,7 +88,7 @@ function valuesOf(form) {
 function exportDialog(hand, suffix, fields) {
   const state = el("p", { class: "state", role: "status" });
   const found = el("ul", { class: "made" });
-  const lines = el("pre", { class: "said", tabIndex: 0, hidden: true, "aria-label": S.report });
+  const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
   const go = el("button", { type: "submit", textContent: S.exportNow });
   const close = el("button", { type: "button", textContent: S.close, onclick: () => dialog.close() });
   const form = el("form", { class: "exporting" },

@@ -97,11 +97,11 @@ function cellsPane(store, hand) {
 
 /** How far a table is from the rules: a map, the worst point, and what is proved of each cell. */
 function errorPane(store, hand) {
-  const { section, bar, body } = pane("errors", S.tableError);
+  const { section, bar, body } = pane("accuracy", S.tableError);
   const canvas = el("canvas", { role: "img", "aria-label": S.tableError });
   const state = el("p", { class: "note", role: "status" });
   const worst = el("p", { class: "worst" });
-  const lines = el("pre", { class: "said", tabIndex: 0, hidden: true, "aria-label": S.report });
+  const lines = el("pre", { class: "printed", tabIndex: 0, hidden: true, "aria-label": S.report });
   const wanted = { levels: "", mode: "", output: "", x: "", y: "" };
   const side = el("div", { class: "side" }, worst, state, lines);
   body.append(el("div", { class: "beside" }, canvas, side));
