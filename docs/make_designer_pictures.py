@@ -156,29 +156,71 @@ def draw_tuning(browser: Any, address: str) -> None:
     page.close()
 
 
+def draw_files(browser: Any, address: str) -> None:
+    """Draw the views of files, tables and comparison."""
+    page = open_page(browser, address, "pd7")
+    page.get_by_role("tab", name="Table").click()
+    page.get_by_text("Every cell is proved").wait_for()
+    page.locator(".accuracy .bar select").last.select_option("proved")
+    page.wait_for_timeout(300)
+    page.screenshot(path=HERE / "designer_table.png")
+    page.get_by_role("tab", name="Compare").click()
+    page.locator(".compare .bar select").first.select_option("pd7-soft.frb")
+    page.get_by_text("Over all inputs").wait_for()
+    page.screenshot(path=HERE / "designer_compare.png")
+    page.get_by_role("tab", name="Files").click()
+    page.wait_for_timeout(3000)
+    page.screenshot(path=HERE / "designer_files.png")
+    page.close()
+
+    page = browser.new_page(viewport=SIZE, color_scheme="dark")
+    page.goto(f"{address}#file=thermostat.lut")
+    page.get_by_text("not proved one by one").wait_for()
+    page.locator(".cells .bar select").select_option("6")
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_lut.png")
+    page.close()
+
+
+def prepare(folder: str) -> None:
+    """Put copies of shipped files into a folder, a table, and a rule base with softer rules."""
+    for name in (
+        "pd7", "thermostat", "tipper", "tipper2", "servo", "cartpole", "heater", "roompi"
+    ):  # fmt: skip
+        shutil.copy(ROOT / "rulebases" / f"{name}.frb", folder)
+    lesson = (ROOT / "docs" / "tutorial" / "6-a-table-that-learns.md").read_text("utf-8")
+    (Path(folder) / "servo-soc.frb").write_text(
+        lesson.split("```frb\n# servo-soc.frb\n")[1].split("```")[0], "utf-8"
+    )
+    compiling = [sys.executable, "-m", "fuzzyarm", "compile", "thermostat.frb"]
+    subprocess.run([*compiling, "-o", "thermostat.lut"], cwd=folder, check=True)
+    text = (Path(folder) / "pd7.frb").read_text(encoding="utf-8")
+    row = "  ZE      NB  NM  NS  ZE  PS  PM  PB"
+    soft = text.replace(row, "  ZE      NM  NS  ZE  ZE  ZE  PS  PM")
+    soft = soft.replace("rulebase pd7", "rulebase pd7-soft")
+    (Path(folder) / "pd7-soft.frb").write_text(soft, encoding="utf-8")
+
+
 def main() -> None:
     """Serve copies of shipped files, and look at them."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in (
-            "pd7", "thermostat", "tipper", "tipper2", "servo", "cartpole", "heater", "roompi"
-        ):  # fmt: skip
-            shutil.copy(ROOT / "rulebases" / f"{name}.frb", folder)
-        lesson = (ROOT / "docs" / "tutorial" / "6-a-table-that-learns.md").read_text("utf-8")
-        text = lesson.split("```frb\n# servo-soc.frb\n")[1].split("```")[0]
-        (Path(folder) / "servo-soc.frb").write_text(text, "utf-8")
+        prepare(folder)
         words = [sys.executable, "-m", "fuzzyarm", "designer", folder, "--no-browser"]
         state = {**os.environ, "XDG_STATE_HOME": folder}
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=state) as server:
             assert server.stdout is not None
             address = server.stdout.readline().strip()
-            with sync_playwright() as playwright:
-                browser = playwright.chromium.launch(
-                    executable_path=shutil.which("chromium"), args=["--no-sandbox"]
-                )
-                draw(browser, address)
-                run(browser, address)
-                browser.close()
-            server.terminate()
+            try:
+                with sync_playwright() as playwright:
+                    browser = playwright.chromium.launch(
+                        executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+                    )
+                    draw(browser, address)
+                    draw_files(browser, address)
+                    run(browser, address)
+                    browser.close()
+            finally:
+                server.terminate()
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from fuzzyarm.errors import FuzzyarmError
@@ -55,3 +56,21 @@ def shipped(name: str) -> Path:
     if Path(name).name != name or not path.is_file():
         raise NotShippedError(name, shipped_names())
     return path
+
+
+_HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)
+"""The line of a file that says what it is: of a table that of its output."""
+
+_KINDS = {"rulebase": "rule base", "controller": "controller", "output": "table"}
+
+
+def what_it_is(text: str) -> tuple[str, str]:
+    """Return of which kind the text of a file is, and what it says of itself.
+
+    Parameters
+    ----------
+    text : str
+        Of a ``.frb`` or ``.lut`` file. Both are empty where it has no description.
+    """
+    found = _HEAD.search(text)
+    return (_KINDS[found[1]], found[2]) if found else ("", "")

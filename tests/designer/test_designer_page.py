@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 
 import fuzzyarm
+from fuzzyarm.designer.exports import files_of
+from fuzzyarm.designer.folder import converted_file
 from fuzzyarm.designer.written import page_of
+from fuzzyarm.lsp.session import Session
 from fuzzyarm.shipped_files import shipped
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -446,6 +449,76 @@ def test_a_hostile_file_is_text(served, window, tmp_path):
         assert each.evaluate("window.caught") is None
         assert each.locator("b, i, img, script:not([type])").count() == 0
         assert each.evaluate("designer.store.scene.inputs[0].name") == "<b>x</b>"
+
+
+DROP = """([name, text]) => {
+  const carried = new DataTransfer();
+  carried.items.add(new File([text], name));
+  for (const kind of ["dragenter", "drop"]) {
+    const event = new DragEvent(kind, { dataTransfer: carried, bubbles: true, cancelable: true });
+    document.querySelector(".cm-content").dispatchEvent(event);
+  }
+}"""
+
+
+def opened(page, name):
+    """Wait until another file is shown: the page is loaded anew for it."""
+    shown = "name => document.title.includes(name) && !!window.designer?.store.scene"
+    page.wait_for_function(shown, arg=name, timeout=30_000)
+
+
+def test_files_are_dropped_exported_made_and_compared(served, window):
+    path, address = put(served, "base.frb")
+    (served.folder / "<img src=x onerror='window.caught=1'>.frb").write_text(path.read_text())
+    page = window(address)
+    page.get_by_role("tab", name="Files").click()
+    page.get_by_role(
+        "button", name="<img src=x onerror='window.caught=1'>.frb", exact=True
+    ).wait_for()
+    assert page.locator("img").count() == 0
+
+    # What is typed and not saved is exported, and is there again after another file.
+    page.evaluate("designer.text.goTo([0, 0])")
+    page.keyboard.type("# mine\n")
+    page.get_by_role("button", name="C header").click()
+    page.locator("dialog select[name=way]").select_option("direct")
+    with page.expect_download() as loading:
+        page.get_by_role("button", name="Export", exact=True).click()
+    assert loading.value.suggested_filename == "base.h"
+    made = Path(loading.value.path()).read_text()
+    assert (
+        made.encode()
+        == files_of(Session(str(path), text_of(page)), ".h", {"way": "direct"}, print)[0][0].content
+    )
+    page.get_by_role("button", name="Close").click()
+
+    exported = files_of(Session(str(path), path.read_text()), ".fis", {}, lambda _: None)[0][0]
+    text = exported.content.decode().replace("[-2 0 2]", "[-3 0 2]")
+    page.evaluate(DROP, ["dropped.fis", text])
+    page.get_by_text("read with the defaults of fuzzylite").wait_for()
+    page.get_by_role("button", name="Close").click()
+    opened(page, "dropped.frb")
+    dropped = served.folder / "dropped.frb"
+    assert dropped.read_text() == converted_file("dropped.fis", text.encode())["text"]
+    assert value_at(page, 1.0, 0.0) == fuzzyarm.infer(fuzzyarm.load(dropped), e=1.0, ce=0.0)["u"]
+    assert "# mine" not in path.read_text()
+
+    page.get_by_role("tab", name="Compare").click()
+    page.locator(".compare .bar select").first.select_option("base.frb")
+    page.get_by_text("Largest difference here").wait_for(timeout=30_000)
+    assert page.locator(".differing li.changed").count() >= 1
+
+    page.get_by_role("tab", name="Files").click()
+    page.get_by_role("button", name="New file").click()
+    page.locator("dialog input[name=name]").fill("a/../b")
+    page.get_by_role("button", name="Create").click()
+    page.get_by_text("not every system takes").wait_for()
+    page.locator("dialog input[name=name]").fill("made")
+    page.get_by_role("button", name="Create").click()
+    opened(page, "made.frb")
+    page.locator("header select").select_option("base.frb")
+    opened(page, "base.frb")
+    until(lambda: text_of(page).startswith("# mine\n"), "what was not saved")
 
 
 AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.min.js"

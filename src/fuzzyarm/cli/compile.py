@@ -1,7 +1,8 @@
 """Compile a rule base to a lookup table or to source text, or a controller to a program.
 
-The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json. Source text:
-.h (a C99 header on its own), .c (with a .h beside it) or .st (IEC 61131-3 Structured Text);
+The suffix of OUT tells the format. Tables: .lut (text), .csv, .npz or .json,
+and .tex (LaTeX, to be printed). Source text: .h (a C99 header on its own), .c (with a .h
+beside it) or .st (IEC 61131-3 Structured Text);
 .mjs or .js is a module of JavaScript that infers the rules themselves.
 FILE may be a table already; it is then rewritten in the other format.
 
@@ -25,8 +26,7 @@ with --table looked up in tables that are made as above.
 from __future__ import annotations
 
 import argparse
-import re
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -48,16 +48,16 @@ from fuzzyarm.cli.command import (
     require_suffix,
     say,
 )
-from fuzzyarm.language.tokens import Cursor, Fault, tokenize
-from fuzzyarm.text.diagnostic import Diagnostic
-from fuzzyarm.text.numbers import outward_text
+from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.export import Exported, ExportedController
     from fuzzyarm.export.routine import Routine
     from fuzzyarm.model.rulebase import RuleBase
+    from fuzzyarm.proof.compiled import Making
     from fuzzyarm.table import CompileReport, LookupTable
+    from fuzzyarm.table.compiler import Levels
 
 
 _EXPORTS = (".h", ".c", ".st")
@@ -74,13 +74,15 @@ _MADE_TABLES_ONLY = ("levels", "tolerance", "round", "date", "mode")
 
 def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.table import SUFFIXES
+    from fuzzyarm.table.files import LATEX
 
+    tables = (*SUFFIXES, LATEX)
     arguments.out = str(Path(arguments.out))  # ./x.lut is x.lut
-    suffix = require_suffix(arguments.out, (*SUFFIXES, *_EXPORTS, _UNIT, *_MODULES))
+    suffix = require_suffix(arguments.out, (*tables, *_EXPORTS, _UNIT, *_MODULES))
     if suffix in _MODULES:
         _write_module(arguments)
         return 0
-    exports = suffix not in SUFFIXES
+    exports = suffix not in tables
     controller = load_controller(arguments.file) if exports else None
     if controller is not None:
         _export_controller(controller, suffix, arguments)
@@ -125,17 +127,15 @@ def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
             has = f"it has {model.output}"
             raise WordError(f"the table has no output '{arguments.output}': {has}")
         if exports:
-            _export([model], (), arguments)
+            _export(model, arguments)
         else:
             _rewrite(model, arguments)
     elif arguments.direct:
         _forbid(arguments, (*_TABLES_ONLY, "ends"), "with --direct there is no table")
-        _export(model, (), arguments)
+        _export(model, arguments)
     elif exports:
         _forbid(arguments, ("ends",), "make the two tables first; each becomes source text")
-        names = [arguments.output] if arguments.output else [each.name for each in model.outputs]
-        reports = [_compile(model, name, arguments) for name in names or [None]]
-        _export([report.table for report in reports], reports, arguments)
+        _export(model, arguments)
     elif arguments.ends:
         _compile_ends(model, arguments)
     else:
@@ -144,7 +144,7 @@ def _compile_sheet(arguments: argparse.Namespace, *, exports: bool) -> None:
         if arguments.json:
             print_json(_report_data(report, arguments.out), 2)
         else:
-            say(*_report_lines(report, arguments.out))
+            say(*report_lines(report, arguments.out))
 
 
 def _compile_ends(model: RuleBase, arguments: argparse.Namespace) -> None:
@@ -166,7 +166,7 @@ def _compile_ends(model: RuleBase, arguments: argparse.Namespace) -> None:
         if arguments.json:
             data.append(_report_data(report, arguments.out))
         else:
-            say(f"{arguments.out}: the {end} end", *_report_lines(report, arguments.out))
+            say(f"{arguments.out}: the {end} end", *report_lines(report, arguments.out))
     if arguments.json:
         print_json(data, 2)
 
@@ -177,27 +177,46 @@ def _forbid(arguments: argparse.Namespace, words: tuple[str, ...], why: str) -> 
             raise WordError(f"--{word} does not apply: {why}")
 
 
-def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
-    from fuzzyarm.proof import table_proof
-    from fuzzyarm.table.compiler import choose_output
-    from fuzzyarm.table.fidelity import compile_with_report
+def _making(arguments: argparse.Namespace) -> Making:
+    """Return what the options say."""
+    from fuzzyarm.proof.compiled import Making
 
     def number(text: str | None, option: str) -> float | None:
         return None if text is None else read_number(text, option)
 
+    return Making(
+        source=arguments.file,
+        output=arguments.output,
+        levels=None if arguments.levels is None else _levels(arguments.levels),
+        tolerance=number(arguments.tolerance, "--tolerance"),
+        rounding=number(arguments.round, "--round"),
+        mode=arguments.mode,
+        date=datetime.now(UTC).date().isoformat() if arguments.date else None,
+        direct=arguments.direct,
+        table=arguments.table,
+        q=arguments.q,
+        precision=arguments.precision,
+        name=arguments.name,
+        fmi=arguments.fmi or 2,
+    )
+
+
+def _levels(text: str) -> Levels | Mapping[str, Levels]:
+    from fuzzyarm.table.axis import TableError
+    from fuzzyarm.table.levels import read_levels
+
+    try:
+        return read_levels(text)
+    except TableError as error:
+        raise WordError(f"--{error.message}") from None
+
+
+def _compile(model: RuleBase, output: str | None, arguments: argparse.Namespace) -> CompileReport:
+    from fuzzyarm.proof.compiled import compiled
+
+    how = _making(arguments)
     with busy("compiling") as progress:
-        return compile_with_report(
-            model,
-            output,
-            levels=None if arguments.levels is None else _read_levels(arguments.levels),
-            rounding=number(arguments.round, "--round"),
-            mode=arguments.mode,
-            tolerance=number(arguments.tolerance, "--tolerance"),
-            source=arguments.file,
-            date=datetime.now(UTC).date().isoformat() if arguments.date else None,
-            progress=progress,
-            proof=table_proof(model, choose_output(model, output).name),
-        )
+        return compiled(model, output, how, progress)
 
 
 def _rewrite(table: LookupTable, arguments: argparse.Namespace) -> None:
@@ -208,7 +227,7 @@ def _rewrite(table: LookupTable, arguments: argparse.Namespace) -> None:
     if arguments.json:
         print_json({**_table_data(table, arguments.out), "mode": table.default_mode}, 2)
     else:
-        say(_table_words(table, arguments.out))
+        say(table_words(table, arguments.out))
 
 
 def _write(table: LookupTable, arguments: argparse.Namespace) -> None:
@@ -217,48 +236,31 @@ def _write(table: LookupTable, arguments: argparse.Namespace) -> None:
     write_table(table, arguments.out)
 
 
-def _export(
-    model: RuleBase | list[LookupTable],
-    reports: Sequence[CompileReport],
-    arguments: argparse.Namespace,
-) -> None:
+def _export(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> None:
     """Write source text and say how accurate and how large it is."""
-    from fuzzyarm.export import routines_of, write_export
+    from fuzzyarm.proof.compiled import source_of
+    from fuzzyarm.text.files import write_atomically
 
-    precision = arguments.precision
-    if precision is None:  # few PLCs have a double; a C compiler always has
-        precision = "float32" if arguments.out.lower().endswith(".st") else "mixed"
-    elif arguments.q is not None:
+    if arguments.precision is not None and arguments.q is not None:
         raise WordError("--precision does not apply with --q: whole numbers have no precision")
-    proved = {
-        report.table.output: fidelity.proved
-        for report in reports
-        for fidelity in report.fidelities
-        if fidelity.mode == (arguments.mode or report.table.default_mode)
-    }
-    routines = routines_of(
-        model,
-        output=arguments.output if arguments.direct else None,
-        mode=arguments.mode,
-        q=arguments.q,
-        precision=precision,
-        source=arguments.file,
-        proved=proved,
-    )
-    exported = write_export(routines, arguments.out, arguments.name)
+    how = _making(arguments)
+    with busy("compiling") as progress:
+        exported, reports = source_of(model, arguments.out, how, progress)
+    for where, text in exported.files:
+        write_atomically(where, text)
     if arguments.json:
         tables = [_report_data(report, arguments.out) for report in reports]
         print_json({**_export_data(exported), "tables": tables}, 2)
         return
-    lines = [line for report in reports for line in _report_lines(report, arguments.out)]
-    say(*lines, *_export_lines(exported))
+    lines = [line for report in reports for line in report_lines(report, arguments.out)]
+    say(*lines, *export_lines(exported))
 
 
 def _export_controller(
     controller: ControllerText, suffix: str, arguments: argparse.Namespace
 ) -> None:
     """Write a controller as a program and say what it is."""
-    from fuzzyarm.export import ControllerProgram, export_controller, with_tables
+    from fuzzyarm.proof.compiled import program_of
 
     if arguments.table and arguments.direct:
         raise WordError("--table and --direct exclude each other")
@@ -269,78 +271,19 @@ def _export_controller(
         _forbid(arguments, ("fmi",), f"{Path(arguments.out).name} is not an FMU")
     elif arguments.precision not in (None, "float64"):
         raise WordError("an FMU computes in double precision: --precision float64")
-    default = {".st": "float32", _UNIT: "float64"}.get(suffix, "mixed")
-    reports: list[CompileReport] = []
-    if arguments.table:
-
-        def compile_output(rulebase: RuleBase, output: str) -> LookupTable:
-            report = _compile(rulebase, output, arguments)
-            reports.append(report)
-            table = report.table
-            return table if arguments.mode is None else replace(table, mode=arguments.mode)
-
-        controller = with_tables(controller, compile_output)
-    program = ControllerProgram(controller, arguments.precision or default, arguments.q)
-    with busy("exporting"):
-        exported = export_controller(program, arguments.out, arguments.name, fmi=arguments.fmi or 2)
+    how = _making(arguments)
+    with busy("exporting") as progress:
+        exported, reports = program_of(controller, arguments.out, how, progress)
     exported.write()
     if arguments.json:
         tables = [_report_data(report, arguments.out) for report in reports]
         print_json({**_controller_data(exported), "tables": tables}, 2)
         return
-    lines = [line for report in reports for line in _report_lines(report, arguments.out)]
-    say(*lines, *_controller_lines(exported))
+    lines = [line for report in reports for line in report_lines(report, arguments.out)]
+    say(*lines, *controller_lines(exported))
 
 
-# --- The `--levels`, in the words of the language ---
-
-Levels = int | tuple[float, ...]
-
-_NAMED = re.compile(r"\s*(?P<name>[^=:]+?)\s*[=:]\s*(?P<rest>.+)", re.DOTALL)
-
-
-def _read_levels(text: str) -> Levels | dict[str, Levels]:
-    """Return what ``--levels`` asks for.
-
-    That many even levels for every input (``49``), these levels (``-6 .. 6 step 1``,
-    ``0 1 5``), or either for named inputs (``e = 49, ce = -6 .. 6 step 1``).
-    """
-    parts = [part for part in re.split(r"[,;]", text) if part.strip()]
-    if not parts:
-        raise WordError("--levels says nothing")
-    if len(parts) == 1 and not _NAMED.match(parts[0]):
-        return _levels_of_one(parts[0])
-    levels: dict[str, Levels] = {}
-    for part in parts:
-        match = _NAMED.match(part)
-        if match is None:
-            raise WordError(f"--levels '{part.strip()}' does not say for which input")
-        levels[match["name"].strip("'")] = _levels_of_one(match["rest"])
-    return levels
-
-
-def _levels_of_one(text: str) -> Levels:
-    from fuzzyarm.table.header import read_number_list
-
-    if re.fullmatch(r"\s*[0-9]+\s*", text):
-        return int(text)
-    diagnostics: list[Diagnostic] = []
-    lines = tokenize(text, diagnostics)
-    tokens = lines[0].tokens if lines else ()
-    if diagnostics or not tokens:
-        raise WordError(f"--levels '{text.strip()}' is not a list of numbers")
-    cursor = Cursor(tokens)
-    try:
-        values = read_number_list(cursor, "levels")
-        cursor.finish()
-    except Fault as fault:
-        raise WordError(f"--levels '{text.strip()}': {fault.diagnostic.message}") from None
-    if len(values) == 1:
-        raise WordError(f"--levels '{text.strip()}' is not a whole number of levels")
-    return values
-
-
-# --- What is said of tables and of source text ---
+# --- What --json says of tables and of source text ---
 
 
 def _table_data(table: LookupTable, out: str) -> dict[str, Any]:
@@ -351,11 +294,6 @@ def _table_data(table: LookupTable, out: str) -> dict[str, Any]:
         "shape": list(table.shape),
         "cells": int(table.values.size),
     }
-
-
-def _table_words(table: LookupTable, out: str) -> str:
-    shape = " x ".join(map(str, table.shape))
-    return f"{out}: {shape} cells of {table.output} over {', '.join(table.names)}"
 
 
 def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
@@ -377,36 +315,6 @@ def _report_data(report: CompileReport, out: str) -> dict[str, Any]:
             for fidelity in report.fidelities
         ],
     }
-
-
-def _report_lines(report: CompileReport, out: str) -> list[str]:
-    from fuzzyarm.show.drawing import number_words
-
-    lines = [_table_words(report.table, out)]
-    if report.default_levels:
-        lines.append("inputs without levels in the file got 13 even ones")
-    lines.append("difference to direct inference, in units of the output:")
-    for fidelity in report.fidelities:
-        where = ", ".join(f"{name} = {number_words(x, 4)}" for name, x in fidelity.at)
-        size = " x ".join(map(str, fidelity.points))
-        worst = f"{number_words(fidelity.worst, 4)} (sampled)"
-        if fidelity.proved is not None:
-            worst = f"{outward_text(fidelity.proved, up=True, digits=6)} (proved)"
-        lines.append(
-            f"  {fidelity.mode:<7}  worst {worst:<18} "
-            f"rms {number_words(fidelity.rms, 4):<8} worst at {where} (of {size} points)"
-        )
-    if report.few_points:
-        lines.append("only a few points were compared, because direct inference is slow here")
-    if report.tolerance is not None:
-        known = (
-            "proved" if all(each.proved is not None for each in report.fidelities) else "sampled"
-        )
-        lines.append(
-            f"this is the smallest even grid within {report.tolerance:g} ({known}),"
-            " looked up linearly"
-        )
-    return lines
 
 
 def _export_data(exported: Exported) -> dict[str, Any]:
@@ -439,23 +347,6 @@ def _proved(routine: Routine) -> float | None:
     return routine.worst_proved() if isinstance(routine, TableRoutine) else None
 
 
-def _export_lines(exported: Exported) -> list[str]:
-    from fuzzyarm.export.routine import proved_words
-    from fuzzyarm.show.drawing import number_words
-
-    lines = [f"{path}: {len(text.encode()):,} bytes of source" for path, text in exported.files]
-    for call, routine in zip(exported.calls, exported.routines, strict=True):
-        accuracy, cost = routine.accuracy, routine.cost()
-        worst = number_words(accuracy.worst, 3)
-        lines += [
-            call,
-            f"  worst error against {accuracy.against}: {worst} (of {accuracy.points:,} points)",
-            *([f"  worst error {proved}"] if (proved := proved_words(routine)) else []),
-            f"  at most {cost.in_words()}",
-        ]
-    return lines
-
-
 def _controller_data(exported: ExportedController) -> dict[str, Any]:
     from fuzzyarm.export.controllers import port_name
 
@@ -479,24 +370,6 @@ def _controller_data(exported: ExportedController) -> dict[str, Any]:
         "largest": tried.largest,
         "periods": len(tried.vectors.expected),
     }
-
-
-def _controller_lines(exported: ExportedController) -> list[str]:
-    from fuzzyarm.show.drawing import number_words
-
-    tried = exported.program.tried
-    lines = []
-    for path, content in exported.files:
-        size = len(content.encode() if isinstance(content, str) else content)
-        what = "bytes of source" if isinstance(content, str) else "bytes"
-        lines.append(f"{path}: {size:,} {what}")
-    worst, largest = number_words(tried.worst, 3), number_words(tried.largest, 3)
-    return [
-        *lines,
-        *exported.calls,
-        f"  worst difference to the controller in double precision: {worst}"
-        f" ({len(tried.vectors.expected)} periods, drives up to {largest})",
-    ]
 
 
 COMMANDS = (

@@ -47,12 +47,11 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.formats import PRODUCERS, Exported, Imported, read, suffix_of, write
-from fuzzyarm.formats.tables import in_tables
-from fuzzyarm.language.reading import format_text, read_text, text_to_show
-from fuzzyarm.language.tokens import tokenize
+from fuzzyarm.formats.conversion import converted, findings_of
+from fuzzyarm.language.reading import read_text, text_to_show
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.table import SUFFIXES
-from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, Severity
+from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic
 from fuzzyarm.text.files import write_atomically
 
 if TYPE_CHECKING:
@@ -88,13 +87,11 @@ def _run(arguments: argparse.Namespace) -> int:
         lossy=arguments.lossy,
         strict=arguments.strict,
     )
-    found = list(imported.diagnostics)
-    text = None
+    exported = None
     if imported.rulebase is not None:
         exported = _exported(arguments, imported.rulebase, target)
-        text = exported.text
-        # A rule knows where it stood in the file that was read.
-        found += [replace(d, path=arguments.source) for d in exported.diagnostics]
+    found = findings_of(imported, exported, arguments.source)
+    text = None if exported is None else exported.text
     if text is not None:
         write_atomically(arguments.target, text)
     _report(arguments, imported, found, written=text is not None)
@@ -108,23 +105,15 @@ def _same_file(source: str, target: str) -> bool:
 def _exported(arguments: argparse.Namespace, rulebase: RuleBase, target: str) -> Exported:
     """Write a rule base; a text of the language keeps its comments, or they are counted."""
     is_own = Path(arguments.source).suffix.lower() == ".frb"
-    source = read_text(arguments.source) if is_own else ""
-    if is_own and target == ".frb":
-        return Exported(format_text(source, arguments.source))
-    named = _named(rulebase, arguments.source)
-    exported = write(
-        in_tables(named) if target == ".frb" else named,
+    return converted(
+        rulebase,
+        arguments.source,
         target,
+        read_text(arguments.source) if is_own else "",
         producer=arguments.consumer,
         lossy=arguments.lossy,
         strict=arguments.strict,
     )
-    comments = sum(bool(line.comment) for line in tokenize(source, []))
-    if not comments:
-        return exported
-    message = f"{counted(comments, 'comment')} left out"
-    lost = Diagnostic("dropped-comments", message, severity=Severity.INFO)
-    return replace(exported, diagnostics=(lost, *exported.diagnostics))
 
 
 def _convert_table(arguments: argparse.Namespace, target: str) -> int:
@@ -312,11 +301,6 @@ def _print_systems(
         },
         2,
     )
-
-
-def _named(rulebase: RuleBase, path: str) -> RuleBase:
-    """Give a rule base without a name that of its file."""
-    return rulebase if rulebase.name.strip() else replace(rulebase, name=Path(path).stem)
 
 
 def _report(

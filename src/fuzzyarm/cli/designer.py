@@ -40,7 +40,8 @@ def _run(arguments: argparse.Namespace) -> int:
     demand_extra("starlette", "designer", "the designer")
     demand_extra("uvicorn", "designer", "the designer")
     demand_extra("websockets", "designer", "the designer")
-    from fuzzyarm.designer.server import SUFFIXES, serve
+    from fuzzyarm.designer.folder import SUFFIXES
+    from fuzzyarm.designer.server import serve
 
     if path.is_file() and path.suffix.lower() not in SUFFIXES:
         raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")

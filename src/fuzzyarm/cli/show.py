@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-    from fuzzyarm.proof import Verdict
     from fuzzyarm.table import LookupTable
     from fuzzyarm.table.diff import TableDiff
 
@@ -158,39 +158,19 @@ def _loop_figure(arguments: argparse.Namespace) -> Figure:
 
 
 def _figure(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Figure:
-    from fuzzyarm.show.figures import (
-        memberships_figure,
-        rulebase_figure,
-        surface_figure,
-        table_figure,
-    )
+    from fuzzyarm.cli.command import busy
+    from fuzzyarm.show.figures.whole import model_figure
 
     words = [] if arguments.at is None else [arguments.at]
     if not isinstance(model, RuleBase):
         if arguments.what != "all" or arguments.output is not None:
             raise WordError("--what and --output are for rule bases, not for tables")
-        return table_figure(model, at=read_assignments(words, model.names))
-    point = read_assignments(words, [variable.name for variable in model.inputs])
-    if arguments.what == "terms":
-        return memberships_figure(model)
-    output = None
-    if arguments.output is not None:
-        from fuzzyarm.table.compiler import choose_output
-
-        output = choose_output(model, arguments.output).name
-    draw = surface_figure if arguments.what == "surface" else rulebase_figure
-    return draw(model, output, point, _refuted(model))
-
-
-def _refuted(rulebase: RuleBase) -> list[Verdict]:
-    """Return the properties of a rule base that fail, as far as a check finds them."""
-    if not rulebase.properties:
-        return []
-    from fuzzyarm.api import judge
-    from fuzzyarm.cli.command import busy
-
-    with busy("proving what the file says"):
-        return [each for each in judge(rulebase).verdicts if each.verdict == "refuted"]
+        names: Sequence[str] = model.names
+    else:
+        names = [variable.name for variable in model.inputs]
+    point = read_assignments(words, names)
+    with busy("drawing"):
+        return model_figure(model, arguments.what, arguments.output, point)
 
 
 _DIFF = """Compare two tables cell by cell, or two rule bases rule by rule.

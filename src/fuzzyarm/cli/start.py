@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import re
 import sys
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 
-from fuzzyarm.api import check_text
+from fuzzyarm.builder.starting import STARTS, NewFileError, Wish, read_wish, starting_text
 from fuzzyarm.cli.command import (
     argument,
     command,
@@ -23,13 +21,9 @@ from fuzzyarm.cli.command import (
     write_text,
 )
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.language import format_text
-from fuzzyarm.language.queries import apply_edits, fixes
-from fuzzyarm.language.tokens import name_text
-from fuzzyarm.shipped_files import shipped, shipped_names
+from fuzzyarm.shipped_files import shipped, shipped_names, what_it_is
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.text.names import typed
-from fuzzyarm.text.numbers import number_text
 
 _NEW = r"""A commented rule base to start from, which passes `check`.
 
@@ -43,196 +37,11 @@ Writes NAME.frb in the current folder; what is there already is only replaced wi
 """
 
 
-# --- The text of a starting file: a grid whose terms rise with the inputs, and what it says ---
-
-
-@dataclass(frozen=True, slots=True)
-class _Kind:
-    """What a starting file is for: its first line, its descriptions and its variables."""
-
-    purpose: str
-    descriptions: tuple[str, str, str]
-    inputs: tuple[str, ...]
-    output: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Variable:
-    """A variable as it was asked for: its range and its terms from low to high."""
-
-    name: str
-    low: float
-    high: float
-    terms: tuple[str, ...]
-
-    @property
-    def written(self) -> str:
-        """The name as it stands in a file."""
-        return name_text(self.name)
-
-    @property
-    def middle(self) -> float:
-        """The middle of the range."""
-        return 0.5 * (self.low + self.high)
-
-
-_SEVEN = "-6..6 NB NM NS ZE PS PM PB"
-
-_KINDS = {
-    "pd": _Kind(
-        "The output follows the error and its rate: a PD-type controller.",
-        ("error, normalised", "error rate, normalised", "control, normalised"),
-        (f"e {_SEVEN}", f"ce {_SEVEN}"),
-        f"u {_SEVEN}",
-    ),
-    "pi": _Kind(
-        "The output is added to the control in each step: a PI-type controller.",
-        ("error, normalised", "error rate, normalised", "increment of the control"),
-        (f"e {_SEVEN}", f"ce {_SEVEN}"),
-        f"du {_SEVEN}",
-    ),
-    "single": _Kind(
-        "The output follows one input.",
-        ("what is measured", "", "what is done about it"),
-        ("x 0..10 LOW MIDDLE HIGH",),
-        "y 0..1 LOW MIDDLE HIGH",
-    ),
-}
-
-
-def _starting_text(name: str, kind: _Kind, inputs: list[_Variable], output: _Variable) -> str:
-    """Return a rule base with comments, in canonical form, on one or two inputs."""
-    lines = [
-        f"# {kind.purpose}",
-        "# Check it with `fuzzyarm check`, see it with `fuzzyarm studio`.",
-        f'rulebase {name_text(name)} "{kind.purpose.split(":")[0].rstrip(".").lower()}"',
-        "",
-        *_declarations(kind, inputs, output),
-        "",
-        "# Evenly spaced over the range, each foot under its neighbour's peak. For a shape of its",
-        f"# own write  term {inputs[0].written} {name_text(inputs[0].terms[0])}: triangle …",
-        *_terms([*inputs, output]),
-        "",
-        "inference and min, or max, implication min, aggregation max, defuzzifier centroid exact,"
-        " outside clamp, no-rule error",
-        "",
-        *_grid(inputs, output),
-        "",
-        "lookup  # how `fuzzyarm compile` samples the rules to a table",
-        *_levels(inputs),
-        "",
-        "# What must come out; `fuzzyarm check` evaluates it.",
-        _expectation(inputs, output),
-        "",
-    ]
-    return _with_allowances(format_text("\n".join(lines)))
-
-
-def _with_allowances(text: str) -> str:
-    """Say where the wishes leave a doubt (an output without a middle term, for instance)."""
-    for _ in range(text.count("\n")):
-        doubts = check_text(text).diagnostics
-        repairs = [fix for doubt in doubts for fix in fixes(doubt, text) if not fix.preferred]
-        if not repairs:
-            break
-        text = apply_edits(text, repairs[0].edits)
-    return text
-
-
-def _declarations(kind: _Kind, inputs: list[_Variable], output: _Variable) -> list[str]:
-    words = kind.descriptions
-    roles = [("input", wish, words[i]) for i, wish in enumerate(inputs)]
-    return [
-        f'{role} {wish.written} {number_text(wish.low)} .. {number_text(wish.high)} "{said}"'
-        for role, wish, said in [*roles, ("output", output, words[2])]
-    ]
-
-
-def _terms(wishes: list[_Variable]) -> list[str]:
-    by_terms: dict[tuple[str, ...], list[str]] = {}
-    for wish in wishes:
-        by_terms.setdefault(wish.terms, []).append(wish.written)
-    return [
-        f"terms {', '.join(names)}: triangles {' '.join(map(name_text, terms))}"
-        for terms, names in by_terms.items()
-    ]
-
-
-def _grid(inputs: list[_Variable], output: _Variable) -> list[str]:
-    across = inputs[-1]
-    header = " ".join(map(name_text, across.terms))
-    if len(inputs) == 1:
-        cells = " ".join(
-            _cell(j / (len(across.terms) - 1), output) for j in range(len(across.terms))
-        )
-        return [
-            f"rules {output.written}",
-            f"  {across.written} {header}",
-            f"  {output.written} {cells}",
-        ]
-    down = inputs[0]
-    rows = [
-        "# The variable before the backslash goes down, the one behind it across.",
-        "# A dot would mean: no rule here.",
-        f"rules {output.written}",
-        f"  {down.written} \\ {across.written} {header}",
-    ]
-    for i, label in enumerate(down.terms):
-        # The sum of both inputs, each from −1 to 1, held to the range of the output.
-        sums = [
-            2 * i / (len(down.terms) - 1) - 1 + 2 * j / (len(across.terms) - 1) - 1
-            for j in range(len(across.terms))
-        ]
-        cells = " ".join(_cell(0.5 + 0.5 * max(-1.0, min(1.0, x)), output) for x in sums)
-        rows.append(f"  {name_text(label)} {cells}")
-    return rows
-
-
-def _cell(share: float, output: _Variable) -> str:
-    # Ties go away from the middle on both sides alike, so that the grid stays antisymmetric.
-    position = share * (len(output.terms) - 1)
-    middle = 0.5 * (len(output.terms) - 1)
-    distance = abs(position - middle)
-    steps = int(distance + 0.5 + 1e-9) if middle == int(middle) else int(distance) + 0.5
-    index = middle + (steps if position > middle else -steps)
-    if abs(position - middle) < 1e-9:
-        index = int(middle)
-    return name_text(output.terms[int(min(max(index, 0), len(output.terms) - 1))])
-
-
-def _levels(inputs: list[_Variable]) -> list[str]:
-    return [
-        f"  levels {wish.written}: {number_text(wish.low)} .. {number_text(wish.high)} count 13"
-        for wish in inputs
-    ]
-
-
-def _expectation(inputs: list[_Variable], output: _Variable) -> str:
-    given = ", ".join(f"{wish.written} = {number_text(wish.high)}" for wish in inputs)
-    return f"expect {given} -> {output.written} > {number_text(output.middle)}"
-
-
-_WISH = re.compile(
-    r"\s*(?P<name>'[^']+'|[^\s'\"]+)\s+(?P<low>[-+.\deE]+?)\s*\.\.\s*(?P<high>[-+.\deE]+)"
-    r"(?P<terms>(?:\s+(?:'[^']+'|[^\s'\"]+))*)\s*\Z"
-)
-
-
-class NewFileError(FuzzyarmError, ValueError):
-    """A starting file that cannot be written as it was asked for."""
-
-
-def _read_variable(text: str) -> _Variable:
-    match = _WISH.match(text)
-    if match is None:
-        raise argparse.ArgumentTypeError(f"'{text}' is not of the form NAME LOW..HIGH TERM…")
+def _wish(text: str) -> Wish:
     try:
-        low, high = float(match["low"]), float(match["high"])
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"the range in '{text}' is not two numbers") from None
-    names = re.findall(r"'[^']+'|\S+", match["terms"])
-    terms = tuple(name.strip("'") for name in names)
-    return _Variable(match["name"].strip("'"), low, high, terms)
+        return read_wish(text)
+    except NewFileError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _new(arguments: argparse.Namespace) -> int:
@@ -240,36 +49,12 @@ def _new(arguments: argparse.Namespace) -> int:
     if not path.name.removesuffix(".frb").strip("."):
         message = f"'{arguments.name}' is not a name for a rule base"
         raise NewFileError(message, hint="take one such as joint")
-    kind = _KINDS[arguments.kind]
-    inputs = arguments.input or [_read_variable(text) for text in kind.inputs]
-    output = arguments.output or _read_variable(kind.output)
-    most = len(kind.inputs)
-    if len(inputs) > most:
-        raise NewFileError(
-            f"a starting file of kind {arguments.kind} has at most {counted(most, 'input')}, "
-            f"not {len(inputs)}",
-            hint="add further inputs in the file, with `rules … when …`",
-        )
-    _demand_sound([*inputs, output])
-    text = _starting_text(path.stem, kind, inputs, output)
+    text = starting_text(path.stem, arguments.kind, arguments.input, arguments.output)
     if path.exists() and not arguments.force:
         raise NewFileError(f"{path} is there already", hint="--force replaces it")
     write_atomically(path, text)
     say(f"{path}: written; see it with  fuzzyarm studio {typed(path)}")
     return 0
-
-
-def _demand_sound(wishes: list[_Variable]) -> None:
-    names = [wish.name for wish in wishes]
-    for index, wish in enumerate(wishes):
-        if wish.name in names[:index]:
-            raise NewFileError(f"two variables are called '{wish.name}'")
-        if not wish.low < wish.high:
-            raise NewFileError(
-                f"the range of '{wish.name}' does not go up: {wish.low:g} .. {wish.high:g}"
-            )
-        if len(wish.terms) < 2 or len(set(wish.terms)) < len(wish.terms):
-            raise NewFileError(f"'{wish.name}' needs two or more different terms")
 
 
 # --- The files that come with the program ---
@@ -283,9 +68,6 @@ taken. To change one, copy it first.
   fuzzyarm shipped pd7.frb           the text of one
   fuzzyarm shipped pd7.frb -o .      a copy in this folder
 """
-
-_HEAD = re.compile(r'^(rulebase|controller|output)\s[^"\n]*"([^"]*)"', re.MULTILINE)
-"""The line of a file that says what it is: of a table that of its output."""
 
 
 def _list_shipped(arguments: argparse.Namespace) -> int:
@@ -330,9 +112,7 @@ def _copy(paths: list[Path], out: Path, *, force: bool) -> None:
 
 def _what_is(name: str) -> tuple[str, str]:
     """Return of which kind a shipped file is, and what it says of itself."""
-    found = _HEAD.search(shipped(name).read_text(encoding="utf-8"))
-    kinds = {"rulebase": "rule base", "controller": "controller", "output": "table"}
-    return (kinds[found[1]], found[2]) if found else ("", "")
+    return what_it_is(shipped(name).read_text(encoding="utf-8"))
 
 
 # --- The whole story ---
@@ -415,9 +195,9 @@ COMMANDS = (
         _NEW,
         _new,
         argument("name NAME", "name of the rule base; writes NAME.frb"),
-        argument("--kind", "what it is for; pd by default", choices=tuple(_KINDS), default="pd"),
-        argument("--input SPEC", f"an input: {_FORM}", action="append", type=_read_variable),
-        argument("--output SPEC", "the output, likewise", type=_read_variable),
+        argument("--kind", "what it is for; pd by default", choices=tuple(STARTS), default="pd"),
+        argument("--input SPEC", f"an input: {_FORM}", action="append", type=_wish),
+        argument("--output SPEC", "the output, likewise", type=_wish),
         flag("--force", "replace a file that is there"),
     ),
     command(

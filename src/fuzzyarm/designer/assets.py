@@ -39,8 +39,9 @@ def asset(name: str) -> tuple[bytes, str] | None:
     return (PAGE / name).read_bytes(), KINDS[Path(name).suffix]
 
 
-def index_page(files: list[str], nonce: str) -> str:
-    """Return the page that talks to the server."""
+def index_page(files: list[str], nonce: str, *, only: bool = False, largest: int = 0) -> str:
+    """Return the page that talks to the server; `largest` bytes of a dropped file are taken."""
     page = (PAGE / "index.html").read_text(encoding="utf-8")
-    start = {"files": files, "nonce": nonce, "version": __version__}
+    start = {"files": files, "nonce": nonce, "version": __version__, "only": only}
+    start["largest"] = largest
     return page.replace("START", script_json(start))

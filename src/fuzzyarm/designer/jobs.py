@@ -11,11 +11,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import queue
+import secrets
 import threading
+from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any, Protocol
+from urllib.parse import quote
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
@@ -24,6 +27,10 @@ Tell = Callable[[dict[str, Any]], Awaitable[None]]
 
 LOOK_EVERY = 0.25
 """Seconds after which work that waits for a word notices that it has been stopped."""
+
+
+MOST_KEPT, LARGEST_KEPT = 64, 200_000_000
+"""Files for download, and their bytes, beyond which the oldest are dropped."""
 
 
 class StoppedError(FuzzyarmError, RuntimeError):
@@ -38,6 +45,32 @@ class Folder(Protocol):
 
     def listed(self, *suffixes: str) -> list[str]:
         """Return the names of the folder's files of some kinds."""
+
+    def session(self, name: str) -> Session:
+        """Return a file of the folder as it is now."""
+
+
+class Downloads:
+    """Files that a page may load, each under a key of its own; the oldest go."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[str, tuple[str, bytes]] = OrderedDict()
+
+    def offer(self, name: str, content: bytes) -> str:
+        """Keep a file; return its address below the page."""
+        key = secrets.token_urlsafe(12)
+        self._kept[key] = name, content
+        while len(self._kept) > MOST_KEPT or sum(map(_size, self._kept.values())) > LARGEST_KEPT:
+            self._kept.popitem(last=False)
+        return f"download/{key}/{quote(name)}"
+
+    def find(self, key: str) -> tuple[str, bytes] | None:
+        """Return the name and the content of a file that is kept."""
+        return self._kept.get(key)
+
+
+def _size(kept: tuple[str, bytes]) -> int:
+    return len(kept[1])
 
 
 class Work(Protocol):
@@ -58,11 +91,16 @@ class Job:
         Sends a message to the window.
     folder : Folder
         Whose files it may read and write.
+    downloads : Downloads, optional
+        Where it puts what the page is to load.
     """
 
-    def __init__(self, number: int, tell: Tell, folder: Folder) -> None:
+    def __init__(
+        self, number: int, tell: Tell, folder: Folder, downloads: Downloads | None = None
+    ) -> None:
         self.number = number
         self.folder = folder
+        self._downloads = downloads or Downloads()
         self._tell = tell
         self._loop = asyncio.get_running_loop()
         self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
@@ -151,6 +189,14 @@ class Job:
         """Raise `StoppedError` if the page wants no more."""
         if self.stopped:
             raise StoppedError("stopped")
+
+    def progress(self, words: str) -> None:
+        """Tell what is going on."""
+        self.tell({"doing": words})
+
+    def offer(self, name: str, content: bytes) -> str:
+        """Keep a file for the page to load; return its address."""
+        return self._downloads.offer(name, content)
 
     async def _send(self, news: dict[str, Any]) -> None:
         await self._tell({"is": "job", "id": self.number, **news})

@@ -7,15 +7,18 @@ elsewhere and runs no text.
 
 The socket speaks JSON, an object each way. A window sends ``{"do": "open", "file": …}``, then
 ``push`` (changes and the version that they are for), ``ask`` (a question with an ``id``),
-``save`` and ``settle``; for long work ``start`` (``what``, and an ``id`` of the page's own),
-``say`` and ``stop`` with that ``id``. It hears ``opened`` or ``reopened``, ``updates``,
-``findings``, ``scene``, ``answer``, ``status``, ``job`` (news of long work; the last has ``end``)
+``save`` and ``settle``; ``folder`` (a question with an ``id`` about the files, or what is to be
+done with one: `Workspace.answer`); for long work ``start`` (``what``, and an ``id`` of the page's
+own), ``say`` and ``stop`` with that ``id``. It hears ``opened`` or ``reopened``, ``updates``,
+``findings``, ``scene``, ``answer``, ``status``, ``moved`` (its file has another name, or none),
+``job`` (news of long work; the last has ``end``)
 and ``failed``, each under ``is``.
 """
 
 from __future__ import annotations
 
 import asyncio
+import base64
 import contextlib
 import hashlib
 import hmac
@@ -23,11 +26,11 @@ import json
 import os
 import secrets
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import urlsplit
+from urllib.parse import quote, urlsplit
 
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -37,10 +40,15 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.designer.assets import asset, index_page
+from fuzzyarm.designer.compared import compare
 from fuzzyarm.designer.computed import surface
-from fuzzyarm.designer.jobs import Job, Work
+from fuzzyarm.designer.exports import export
+from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
+from fuzzyarm.designer.jobs import Downloads, Job, Work
 from fuzzyarm.designer.learning import learn, learnable
+from fuzzyarm.designer.names import in_words
 from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.designer.tables import table_error
 from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
 
@@ -49,13 +57,13 @@ if TYPE_CHECKING:
     from fuzzyarm.designer.stage import Plants
     from fuzzyarm.lsp.session import Session
 
-SUFFIXES = (".frb", ".lut")
-"""Files that are opened."""
-
 WORKS: dict[str, Work] = {
+    "compare": compare,
+    "export": export,
     "surface": surface,
     "learnable": learnable,
     "learn": learn,
+    "table-error": table_error,
     "tunable": tunable,
     "tune": tune,
 }
@@ -66,77 +74,8 @@ LOOK_EVERY = 0.4
 """Seconds between two looks at the open files."""
 
 
-class OutsideError(FuzzyarmError, ValueError):
-    """A file that is not in the folder, or of a kind that is not opened."""
-
-
 class PortError(FuzzyarmError, OSError):
     """A port that is taken, or that may not be used."""
-
-
-class Workspace:
-    """A folder, or one file of it.
-
-    Parameters
-    ----------
-    path : Path
-        The folder, or the file; nothing else is read or written.
-    """
-
-    def __init__(self, path: Path) -> None:
-        path = path.resolve()
-        self.only = None if path.is_dir() else path.name
-        self.folder = path if path.is_dir() else path.parent
-        self._open: dict[str, SharedText] = {}
-
-    def listed(self, *suffixes: str) -> list[str]:
-        """Return the names of the folder's files of some kinds; with one file open, none."""
-        if self.only is not None:
-            return []
-        found = (each for each in self.folder.iterdir() if each.suffix.lower() in suffixes)
-        return sorted(each.name for each in found if self._is_inside(each))
-
-    def beside(self, name: str, suffix: str) -> Path:
-        """Return where a file of the folder stands that may be written.
-
-        Raises
-        ------
-        OutsideError
-            If it is not in the folder, or the designer was opened with one file alone.
-        """
-        if self.only is not None:
-            raise OutsideError("the designer has one file open; open its folder to write others")
-        path = self.folder / name
-        plain = name.isprintable() and Path(name).name == name and not name.startswith(".")
-        if not plain or not self._is_inside(path):
-            raise OutsideError(f"'{name}' is not the name of a file in this folder")
-        if path.suffix.lower() != suffix:
-            raise OutsideError(f"the name must end with {suffix}, as in {path.stem}{suffix}")
-        return path
-
-    def _is_inside(self, path: Path) -> bool:
-        """Whether a path leads to a file of the folder; a link may lead out of it."""
-        return path.resolve().parent == self.folder
-
-    def files(self) -> list[str]:
-        """Return the names of the files that can be opened."""
-        if self.only is not None:
-            return [self.only]
-        return self.listed(*SUFFIXES)
-
-    def text(self, name: str) -> SharedText:
-        """Return the open file of a name.
-
-        Raises
-        ------
-        OutsideError
-            If it is not one of the folder's.
-        """
-        if name not in self._open:
-            if name not in self.files() or not self._is_inside(self.folder / name):
-                raise OutsideError(f"'{name}' is not a file of this folder")
-            self._open[name] = SharedText(self.folder / name)
-        return self._open[name]
 
 
 class Window:
@@ -176,6 +115,7 @@ class Designer:
         self.works: dict[str, Work] = {"run": self._run, "plants": self._describe}
         self.workspace = workspace
         self.token = token
+        self.downloads = Downloads()
         self.windows: list[Window] = []
         self._checks: dict[str, asyncio.Task[None]] = {}
         self._running: set[asyncio.Task[None]] = set()
@@ -185,6 +125,7 @@ class Designer:
         routes = [
             Route("/{token}/", self._index),
             Route("/{token}/page/{name:path}", self._asset),
+            Route("/{token}/download/{key}/{name:path}", self._download),
             WebSocketRoute("/{token}/socket", self._socket),
         ]
         return Guarded(Starlette(routes=routes, lifespan=self._lifespan), self.token)
@@ -222,7 +163,10 @@ class Designer:
             f" style-src 'self' 'nonce-{nonce}'; base-uri 'none'; form-action 'none';"
             " frame-ancestors 'none'"
         )
-        page = index_page(self.workspace.files(), nonce)
+        folder = self.workspace
+        page = index_page(
+            folder.files(), nonce, only=folder.only is not None, largest=LARGEST_IMPORT
+        )
         headers = {"Content-Security-Policy": policy}
         return Response(page, media_type="text/html; charset=utf-8", headers=headers)
 
@@ -232,6 +176,17 @@ class Designer:
             return PlainTextResponse("not found", 404)
         content, kind = found
         return Response(content, media_type=kind)
+
+    async def _download(self, request: Request) -> Response:
+        """Answer with an exported file, which a browser saves and never shows."""
+        found = self.downloads.find(request.path_params["key"])
+        if found is None:
+            return PlainTextResponse("not found", 404)
+        name, content = found
+        plain = "".join(c if c.isascii() and c not in '"\\%' else "_" for c in name)
+        said = f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
+        headers = {"Content-Disposition": said, "Content-Security-Policy": "default-src 'none'"}
+        return Response(content, media_type="application/octet-stream", headers=headers)
 
     # --- The socket ---
 
@@ -263,6 +218,9 @@ class Designer:
         if wanted in {"say", "stop"}:
             _passed_on(window, message)
             return
+        if wanted == "folder":
+            self._hold(self._foldered(window, message))
+            return
         shared = self.workspace.text(window.file)
         if wanted == "push":
             await self._pushed(window, shared, message)
@@ -281,15 +239,52 @@ class Designer:
     def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
         work, number = {**WORKS, **self.works}[message["what"]], int(message["id"])
-        job = window.jobs[number] = Job(number, window.tell, self.workspace)
+        job = Job(number, window.tell, self.workspace, self.downloads)
+        window.jobs[number] = job
 
         async def run() -> None:
             await job.run(work, shared.session.copy(), message)
             del window.jobs[number]
 
-        task = asyncio.create_task(run())
-        self._running.add(task)  # a task that nobody holds may be dropped
+        self._hold(run())
+
+    def _hold(self, work: Coroutine[Any, Any, None]) -> None:
+        """Run something beside the answering; a task that nobody holds may be dropped."""
+        task = asyncio.create_task(work)
+        self._running.add(task)
         task.add_done_callback(self._running.discard)
+
+    async def _foldered(self, window: Window, asked: dict[str, Any]) -> None:
+        """Answer a question about the folder."""
+        what, found = str(asked.get("what")), {}
+        try:
+            if what == "findings":
+                found = await asyncio.to_thread(self.workspace.findings, str(asked["file"]))
+            elif what == "import":
+                found = await self._imported(str(asked["name"]), asked["data"])
+            else:
+                found = self.workspace.answer(asked)
+        except (FuzzyarmError, OSError) as error:
+            found = {"error": in_words(error)}
+        except (KeyError, TypeError, ValueError):
+            found = {"error": "a question that is not understood"}
+        moved = [(old, new) for old, new in [found.get("renamed", ("", ""))] if old]
+        moved += [(found["deleted"], "")] if "deleted" in found else []
+        told = []
+        for old, new in moved:
+            for each in [each for each in self.windows if each.file == old]:
+                each.file = new
+                told.append(each.tell({"is": "moved", "file": new}))
+        await asyncio.gather(*told)
+        await window.tell({"is": "answer", "id": asked.get("id"), **found})
+
+    async def _imported(self, name: str, data: str) -> dict[str, Any]:
+        """Convert what was dropped, and write it; with one file open it is to replace its text."""
+        found = await asyncio.to_thread(converted_file, name, base64.b64decode(data, validate=True))
+        if self.workspace.only is not None:
+            return {**found, "only": True}
+        put = self.workspace.put(found["name"], found["text"])
+        return {"findings": found["findings"], **put, **self.workspace.listing()}
 
     async def _opened(self, window: Window, message: dict[str, Any]) -> None:
         name = str(message["file"])

@@ -181,6 +181,11 @@ class SharedText:
         write_atomically(self.path, content.encode("utf-8"))
         self.saved, self.stamp = self.text, stamp_of(self.path)
 
+    def move(self, path: Path) -> None:
+        """Belong to another file from now on, to which this one has been renamed."""
+        self.path, self.stamp = path, stamp_of(path)
+        self.session = Session(str(path), self.text, self.version)
+
     def settle(self, *, mine: bool) -> None:
         """End a conflict: with the text here (the next save writes it), or with that on disk."""
         disk, self.conflict = self.conflict, None
@@ -335,6 +340,22 @@ class SharedText:
         term = None if term is None else str(term)
         return self._edits(set_cell(self.session.reading, int(line), int(column), term))
 
+    def _table(self, asked: dict[str, Any]) -> dict[str, Any]:
+        from fuzzyarm.designer.tables import table_page
+
+        return {"table": table_page(self.session, asked.get("page") or ())}
+
+    def _table_cell(self, asked: dict[str, Any]) -> dict[str, Any]:
+        from fuzzyarm.designer.tables import cell_place
+
+        span = cell_place(self.session, asked["cell"])
+        return {"range": None if span is None else Positions(self.session.lines).of(span)}
+
+    def _exports(self, _asked: dict[str, Any]) -> dict[str, Any]:
+        from fuzzyarm.designer.exports import kinds_of
+
+        return {"kinds": kinds_of(self.session)}
+
     def _movable(self, _asked: dict[str, Any]) -> dict[str, Any]:
         """Write into the text what tuning moves where nothing is said, and ranges of gains."""
         from fuzzyarm.tuning.design import default_ranges, everything
@@ -388,6 +409,9 @@ _QUESTIONS = {
     "gain": SharedText._gain,
     "rule": SharedText._rule,
     "numbers": SharedText._numbers,
+    "table": SharedText._table,
+    "table-cell": SharedText._table_cell,
+    "exports": SharedText._exports,
 }
 """What a page may ask → who answers."""
 

@@ -64,7 +64,12 @@ def page_of(path: Path) -> str:
     """
     if path.suffix.lower() != ".frb":
         raise NotWrittenError(f"{path} is not a .frb file: a page is made of a rule base")
-    reading = read(read_text(path).replace("\r\n", "\n").replace("\r", "\n"), str(path))
+    return page_of_text(read_text(path), path)
+
+
+def page_of_text(text: str, path: Path) -> str:
+    """Return a page for the text of a rule base; as :func:`page_of`."""
+    reading = read(text.replace("\r\n", "\n").replace("\r", "\n"), str(path))
     rulebase = reading.parsed.rulebase
     if rulebase is None:
         mistakes = [each for each in reading.parsed.diagnostics if each.is_error]

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -200,9 +201,14 @@ class Prover:
             low=low, high=high, reached_low=low, reached_high=math.sqrt(found.reached_high)
         )
 
-    def table(self, table: LookupTable, mode: str) -> Bounds:
-        """Return bounds of what a table is above the output (negative: below it)."""
-        box = self.box({})
+    def table(
+        self,
+        table: LookupTable,
+        mode: str,
+        region: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+    ) -> Bounds:
+        """Return bounds of what a table is above the output (negative: below it) over a region."""
+        box = self.box(region)
         table = self._fitting(table)
         if self.model is None:
             return self._boxes(box).table(table, mode, self.gap)

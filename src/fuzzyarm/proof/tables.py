@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import product
 from typing import TYPE_CHECKING
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.plan import part_for
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.bounds import Bounds
 from fuzzyarm.proof.prover import Prover
 
 if TYPE_CHECKING:
     from fuzzyarm.table import LookupTable
 
-__all__ = ["table_proof"]
+__all__ = ["cell_errors", "table_proof"]
 
 SECONDS = 10.0
 """How long a proof of one table may take before the error is only sampled."""
@@ -44,11 +46,9 @@ def table_proof(
     provers: dict[bool, Prover] = {}
 
     def prover_for(table: LookupTable) -> Prover:
-        # Over fewer inputs there are far fewer pieces; a table may have more axes all the same.
-        part = part_for(rulebase, [output])
-        enough = set(table.names) <= {each.name for each in part.inputs}
+        enough = _covers(table, rulebase, output)
         if enough not in provers:
-            provers[enough] = Prover(part if enough else rulebase, output)
+            provers[enough] = _prover(table, rulebase, output)
         return provers[enough]
 
     def prove(table: LookupTable, mode: str) -> float | None:
@@ -63,3 +63,53 @@ def table_proof(
         return max(bounds.high, -bounds.low) if bounds.complete else None
 
     return prove
+
+
+def cell_errors(
+    table: LookupTable, rulebase: RuleBase, mode: str, stop: Stop | None = None
+) -> Iterator[tuple[tuple[int, ...], Bounds]]:
+    """Prove the error of a table cell by cell, from level to level along each axis.
+
+    Parameters
+    ----------
+    table : LookupTable
+        Of one or more inputs, in the order of its axes.
+    rulebase : RuleBase
+        What it stands for.
+    mode : str
+        How it is looked up.
+    stop : Stop, optional
+        When to give up.
+
+    Yields
+    ------
+    tuple of int
+        Which cell: the lower level of each axis.
+    Bounds
+        Of what the table is above the output there.
+
+    Raises
+    ------
+    UnprovableError
+        If it cannot be proved in exact pieces.
+    """
+    prover = _prover(table, rulebase, table.output)
+    prover.demand_pieces("the error in each cell")
+    prover.stop = stop or prover.stop
+    for cell in product(*(range(len(axis.levels) - 1) for axis in table.axes)):
+        region = {
+            axis.name: (axis.levels[k], axis.levels[k + 1])
+            for axis, k in zip(table.axes, cell, strict=True)
+        }
+        yield cell, prover.table(table, mode, region)
+
+
+def _covers(table: LookupTable, rulebase: RuleBase, output: str) -> bool:
+    # Over fewer inputs there are far fewer pieces; a table may have more axes all the same.
+    part = part_for(rulebase, [output])
+    return set(table.names) <= {each.name for each in part.inputs}
+
+
+def _prover(table: LookupTable, rulebase: RuleBase, output: str) -> Prover:
+    enough = _covers(table, rulebase, output)
+    return Prover(part_for(rulebase, [output]) if enough else rulebase, output)

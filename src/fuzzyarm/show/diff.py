@@ -201,7 +201,7 @@ def table_diff_view(diff: TableDiff) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    parts: list[RenderableType] = [Text(_summary(diff), "bold")]
+    parts: list[RenderableType] = [Text(table_summary(diff), "bold")]
     if diff.transposed:
         order = ", ".join(map(name_text, diff.before.names))
         parts.append(Text(f"the second table has its inputs in another order than {order}"))
@@ -210,14 +210,15 @@ def table_diff_view(diff: TableDiff) -> Group:
         difference: Any = diff.after.values - diff.before.values
         grids = table_grids(diff.before, difference, text=_change_text)
         parts += [Text(), Text("after - before"), *grids, Text()]
-        parts += [Text(_change_words(diff, change)) for change in diff.changes[:_MOST_LISTED]]
+        parts += [Text(table_change_words(diff, change)) for change in diff.changes[:_MOST_LISTED]]
         rest = len(diff.changes) - _MOST_LISTED
         if rest > 0:
             parts.append(Text(f"and {rest} more cells"))
     return Group(*parts)
 
 
-def _summary(diff: TableDiff) -> str:
+def table_summary(diff: TableDiff) -> str:
+    """Return how many cells differ, and by how much at most."""
     if not diff.comparable:
         return "the tables cannot be compared cell by cell: their inputs or levels differ"
     count, size = len(diff.changes), diff.before.values.size
@@ -230,7 +231,8 @@ def _summary(diff: TableDiff) -> str:
     )
 
 
-def _change_words(diff: TableDiff, change: CellChange) -> str:
+def table_change_words(diff: TableDiff, change: CellChange) -> str:
+    """Return a changed cell: where it is, what it was and what it is."""
     cell = ", ".join(
         f"{name_text(name)} = {number_words(level)}"
         for name, level in zip(diff.before.names, change.levels, strict=True)

@@ -43,6 +43,10 @@ if TYPE_CHECKING:
     from fuzzyarm.table.table import LookupTable
 
 
+LATEX = ".tex"
+"""A table to be printed: it is written and not read."""
+
+
 class TableFileError(RuleBaseError):
     """A file that is not a table; ``diagnostics`` say what is wrong and where."""
 
@@ -106,7 +110,7 @@ def write_table(table: LookupTable, path: str | Path) -> None:
     Raises
     ------
     TableError
-        If the suffix is none of ``.lut``, ``.csv``, ``.npz``, ``.json``.
+        If the suffix is none of ``.lut``, ``.csv``, ``.npz``, ``.json``, ``.tex``.
     OSError
         If the folder cannot be written.
     """
@@ -120,6 +124,10 @@ def table_as(table: LookupTable, suffix: str, path: str | Path = "") -> str | by
         return _TEXTS[suffix].write(table.plain())
     if suffix == ".npz":
         return _npz_bytes(table)
+    if suffix == LATEX:
+        from fuzzyarm.table.latex import write_latex
+
+        return write_latex(table.plain())
     raise _unknown_suffix(Path(path))
 
 

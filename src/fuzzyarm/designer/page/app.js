@@ -1,29 +1,40 @@
 // The page of the server: one socket, one file at a time.
 
+import { COMPARE } from "./compare.js";
 import { ask } from "./dialogs.js";
 import { clean, el } from "./draw.js";
+import { FILES } from "./files.js";
 import { DESIGN, frame } from "./frame.js";
 import { LEARN } from "./learn.js";
 import { RUN } from "./run.js";
 import { askServer } from "./remote.js";
 import { Store } from "./store.js";
+import { TABLE } from "./table.js";
 import { textPane } from "./text.js";
 import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
-const VIEWS = [DESIGN, RUN, LEARN, TUNE];
+const VIEWS = [DESIGN, RUN, TABLE, LEARN, TUNE, COMPARE, FILES];
 
 const start = JSON.parse(document.getElementById("start").textContent);
 const store = new Store();
 const status = el("span", { id: "status", role: "status" });
 const save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => link.save() });
 const files = el("select", { "aria-label": S.file, onchange: () => turnTo(files.value) });
-for (const name of start.files) files.append(el("option", { value: name, textContent: name }));
+listed(start.files);
 
 let socket = null;
 let file = new URLSearchParams(location.hash.slice(1)).get("file") ?? start.files[0] ?? "";
 if (!start.files.includes(file)) file = start.files[0] ?? "";
 files.value = file;
+
+/** Offer these files; the one that is shown stays chosen. */
+function listed(names) {
+  const shown = files.value;
+  files.replaceChildren(...names.map((name) => el("option", { value: name, textContent: name })));
+  files.value = shown;
+}
+
 let saved = null; // the text on disk, as the server knows it
 let dirty = false;
 let lost = false;
@@ -39,6 +50,14 @@ const link = {
     const id = ++asked;
     return new Promise((resolve) => {
       if (send({ do: "ask", id, ...question })) answers.set(id, resolve);
+      else resolve({ error: S.gone });
+    });
+  },
+  /** Ask of the folder, or have something done in it. */
+  folder(question) {
+    const id = ++asked;
+    return new Promise((resolve) => {
+      if (send({ do: "folder", id, ...question })) answers.set(id, resolve);
       else resolve({ error: S.gone });
     });
   },
@@ -87,12 +106,21 @@ const hand = {
   setGain: (name, values) => text.edit("gain", { name, values }),
   text: () => text.state().text,
   goTo: (at) => text.goTo(at),
+  askNow: (what, details) => text.question(what, details), // of the text as it is typed
+  settled: () => text.sent(),
+  replace: (words) => text.replace(words),
+  folder: (question) => link.folder(question),
+  file: () => file,
+  largest: start.largest,
+  listed,
+  turnTo,
 };
 askServer(store, hand.start);
 const banner = el("div", { class: "banner", role: "alert", hidden: true });
-const chooser = start.files.length > 1 ? files : el("strong", { textContent: file });
-frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })], VIEWS);
+const chooser = start.only ? el("strong", { textContent: file }) : files;
+const views = frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })], VIEWS);
 document.querySelector("main").before(banner);
+if (/\.lut$/i.test(file)) views.turn(TABLE.name);
 
 function tell(words, ...buttons) {
   banner.replaceChildren(clean(words), ...buttons);
@@ -113,6 +141,12 @@ function connect() {
   address.hash = "";
   socket = new WebSocket(address);
   socket.onopen = () => {
+    if (!file) { // the folder is empty
+      lost = false;
+      tell("");
+      views.turn(FILES.name);
+      return;
+    }
     const { epoch, text: now } = text.state();
     send(epoch
       ? { do: "open", file, epoch, version: text.version(), text: now, saved }
@@ -153,6 +187,10 @@ const TAKEN = {
     latest = message;
     store.emit("text"); // what was asked of an older text may be asked again
   },
+  moved(message) {
+    if (!message.file) text.drop(); // deleted: nothing of it is kept
+    turnTo(message.file);
+  },
   scene(message) {
     if (message.version !== text.version()) return;
     store.findings = latest?.version === message.version ? latest.findings : [];
@@ -191,8 +229,13 @@ function take(message) {
   TAKEN[message.is]?.(message);
 }
 
-/** Show another file; what is not saved stays with the server. */
-function turnTo(name) {
+/** Show another file, when the server has all that was typed; what is not saved stays with it. */
+async function turnTo(name) {
+  if (text.state().epoch && !(await text.sent())) {
+    files.value = file;
+    link.say(S.gone);
+    return;
+  }
   turning = true;
   location.hash = new URLSearchParams({ file: name });
   location.reload();

@@ -37,6 +37,52 @@ export async function choose(title, texts) {
   return found === "" ? null : Number(found);
 }
 
+/** What several lines of text say, to be closed. */
+export async function tellAll(title, lines) {
+  const list = el("ul", { class: "choices" }, ...lines.map((line) => el("li", { textContent: line })));
+  const row = el("div", { class: "row" }, el("button", { value: "", textContent: S.close, type: "submit" }));
+  await opened(el("strong", {}, title), list, row);
+}
+
+/**
+ * Fields to be filled in: `{ name, label, value }`, or with `options` as pairs of value and words.
+ * `act` takes their values and answers; while that has an `error` the dialog stays. Null if nothing is done.
+ */
+export function fill(title, fields, button, act, note = "") {
+  const wrong = el("p", { class: "error", role: "alert" });
+  const controls = fields.map(({ name, value, options }) => (options
+    ? el("select", { name }, ...options.map(([key, words]) => el("option", { value: key, textContent: words })))
+    : el("input", { type: "text", name, value, autocomplete: "off" })));
+  const labels = fields.map(({ label }, i) => el("label", { class: "field" }, el("span", { textContent: label }), controls[i]));
+  const go = el("button", { type: "submit", textContent: button });
+  const stop = el("button", { type: "button", textContent: S.cancel, onclick: () => dialog.close() });
+  const form = el("form", {}, el("strong", {}, title), ...(note ? [el("p", { textContent: note })] : []), ...labels, wrong,
+    el("div", { class: "row" }, stop, go));
+  const dialog = el("dialog", { "aria-label": title }, form);
+  let done = null;
+  form.addEventListener("submit", async (event) => {
+    event.preventDefault();
+    go.disabled = true;
+    const answer = await act(Object.fromEntries(new FormData(form)));
+    go.disabled = false;
+    wrong.textContent = answer.error ?? "";
+    if (answer.error) return;
+    done = answer;
+    dialog.close();
+  });
+  document.body.append(dialog);
+  dialog.showModal();
+  const text = controls.find((each) => each.tagName === "INPUT");
+  text?.focus();
+  text?.setSelectionRange(0, text.value.replace(/\.[^.]*$/, "").length);
+  return new Promise((resolve) => {
+    dialog.addEventListener("close", () => {
+      dialog.remove();
+      resolve(done);
+    });
+  });
+}
+
 /** Whether a person wants it. */
 export async function confirm(question, button) {
   const row = el("div", { class: "row" },

@@ -41,6 +41,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
       view.hidden = i !== shown || !note.hidden;
     });
     tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(i === shown)));
+    if (store.view === shownViews[shown].name) return;
     store.view = shownViews[shown].name;
     store.emit("view");
   }
@@ -54,6 +55,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
     area.classList.add("stale"); // what is drawn is that of the last sound text
   });
+  return { turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
 }
 
 function themeButton(store) {

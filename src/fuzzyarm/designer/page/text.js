@@ -127,7 +127,7 @@ export function textPane(link, nonce) {
   }
 
   /** Whether the server has everything that is here. */
-  const settled = () => !sending && sendableUpdates(view.state).length === 0;
+  const settled = () => Boolean(epoch) && !sending && sendableUpdates(view.state).length === 0;
 
   /** Ask something of the text as it is: what is typed first goes first. */
   async function question(what, details = {}) {
@@ -247,9 +247,31 @@ export function textPane(link, nonce) {
     view.focus();
   }
 
+  /** Wait until the server has everything that is here; whether it has. */
+  async function sent() {
+    for (let tries = 0; tries < 100 && !settled(); tries++) {
+      send();
+      await new Promise((resolve) => setTimeout(resolve, 20));
+    }
+    return settled();
+  }
+
+  /** Put another text in the place of this one: one step back undoes it. */
+  function replace(words) {
+    const changes = { from: 0, to: view.state.doc.length, insert: words };
+    view.dispatch({ changes, userEvent: "input.replace" });
+    send();
+  }
+
   return {
     section,
     view,
+    question,
+    sent,
+    replace,
+    drop() {
+      epoch = "";
+    },
     open,
     receive,
     show,

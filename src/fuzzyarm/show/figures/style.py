@@ -172,13 +172,27 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int = 150) -> None:
         If the folder cannot be written.
     """
     require_figure_suffix(path)
+    write_atomically(path, figure_bytes(figure, Path(path).suffix.lower(), dpi=dpi))
+
+
+def figure_bytes(figure: Figure, suffix: str, *, dpi: int = 150) -> bytes:
+    """Return the content of a file of `figure`; the same figure, the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        Any of matplotlib.
+    suffix : str
+        ``.png``, ``.svg`` or ``.pdf``.
+    dpi : int
+        Dots per inch of a ``.png``.
+    """
     import matplotlib as mpl
 
-    suffix = Path(path).suffix.lower()
     out = io.BytesIO()
     with mpl.rc_context({"svg.hashsalt": "fuzzyarm", "svg.fonttype": "none"}), _settled(figure):
         figure.savefig(out, format=suffix[1:], dpi=dpi, metadata=_METADATA[suffix])
-    write_atomically(path, out.getvalue())
+    return out.getvalue()
 
 
 @contextlib.contextmanager

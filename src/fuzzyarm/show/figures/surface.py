@@ -156,7 +156,7 @@ class Response:
             **self._fixed,
             **{side.name: values for side, values in zip(sides, grid, strict=True)},
         }
-        found = _with_gaps(self._rulebase, self._output, inputs)
+        found = with_gaps(self._rulebase, self._output, inputs)
         values = np.broadcast_to(found, [each.size for each in points])
         notes = [_fixed_words(self._fixed), "blank: no rule fires" if _has_gaps(values) else ""]
         title = "\n".join(wrapped(note, LABEL, 0.42 * self.width) for note in notes if note)
@@ -187,7 +187,7 @@ class Response:
             if any(point[name] != x for name, x in self._fixed.items()):
                 continue
             inputs = {name: np.array([point[name]]) for name in (*names, *self._fixed)}
-            value = float(np.ravel(_with_gaps(self._rulebase, self._output, inputs))[0])
+            value = float(np.ravel(with_gaps(self._rulebase, self._output, inputs))[0])
             height = value if math.isfinite(value) else self._output.low
             found.append(([point[name] for name in names], height, number))
         return found
@@ -226,7 +226,7 @@ def _name_failures(axes: Axes, fails: Sequence[Verdict]) -> None:
         )  # fmt: skip
 
 
-def _with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
+def with_gaps(rulebase: RuleBase, output: Output, inputs: Mapping[str, Any]) -> Any:
     """Return the inference, NaN where no rule fires and the file states no value for that."""
     from fuzzyarm.inference import infer
 

@@ -1,0 +1,210 @@
+"""Two files side by side: their surfaces over the same inputs, and what differs in meaning."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzyarm.designer.exports import ExportRefusedError, model_of
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.show.diff import compare_rulebases, table_change_words, table_summary
+from fuzzyarm.show.figures.surface import with_gaps
+from fuzzyarm.table import LookupTable, compare_tables
+
+if TYPE_CHECKING:
+    from fuzzyarm.designer.jobs import Job
+
+__all__ = ["compare"]
+
+ACROSS = 61
+"""Points of a surface along each input, as many as a page draws."""
+
+EVERYWHERE = 60_000
+"""Points over all inputs at which the largest difference is sought."""
+
+MOST_CHANGES = 400
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One output of a rule base or a table, by names of inputs."""
+
+    ranges: Mapping[str, tuple[float, float]]
+    at: Callable[[Mapping[str, Array]], Array]
+
+
+def compare(session: Session, asked: dict[str, Any], job: Job) -> None:
+    """Tell how the surfaces of two files differ, where most, and what differs in meaning."""
+    other = job.folder.session(str(asked["other"]))
+    one, two = model_of(session), model_of(other)
+    for model in (one, two):
+        if not isinstance(model, RuleBase | LookupTable):
+            raise ExportRefusedError("surfaces are those of rule bases and tables")
+    shared = [name for name in _outputs(one) if name in _outputs(two)]
+    wanted = str(asked.get("output") or "")
+    output = wanted if wanted in shared else shared[0] if shared else ""
+    first = _surface(one, output or _outputs(one)[0])
+    second = _surface(two, output or _outputs(two)[0])
+    names = [name for name in first.ranges if name in second.ranges]
+    if not names:
+        raise ExportRefusedError("the two files have no input of the same name")
+    ranges = {**second.ranges, **first.ranges, **_overlap(first, second, names)}
+    axes = asked.get("axes") or {}
+    job.tell({
+        "outputs": shared,
+        "output": output or f"{_outputs(one)[0]}, {_outputs(two)[0]}",
+        "names": list(ranges),
+        "shared": names,
+        **_slice(first, second, names, ranges, axes),
+    })  # fmt: skip
+    job.tell({"changes": _changes(one, two)})
+    job.progress("looking for the largest difference")
+    job.tell({"largest": _largest(first, second, names, ranges)})
+
+
+def _outputs(model: RuleBase | LookupTable) -> list[str]:
+    if isinstance(model, LookupTable):
+        return [model.output]
+    if not model.outputs:
+        raise ExportRefusedError(f"'{model.name}' has no outputs")
+    return [each.name for each in model.outputs]
+
+
+def _surface(model: RuleBase | LookupTable, output: str) -> Surface:
+    if isinstance(model, LookupTable):
+        ends = {each.name: (each.low, each.high) for each in model.axes}
+        for axis in model.axes:
+            low, high = ends[axis.name]
+            ends[axis.name] = (
+                low if math.isfinite(low) else axis.levels[0],
+                high if math.isfinite(high) else axis.levels[-1],
+            )
+        table = model
+        return Surface(ends, lambda at: np.asarray(table.lookup(*(at[n] for n in table.names))))
+    rulebase, target = model, model.output(output)
+    ranges = {each.name: (each.low, each.high) for each in rulebase.inputs}
+    unbounded = [name for name, ends in ranges.items() if not all(map(math.isfinite, ends))]
+    if unbounded:
+        raise ExportRefusedError(f"input '{unbounded[0]}' of '{rulebase.name}' is unbounded")
+
+    def infer_at(at: Mapping[str, Array]) -> Array:
+        return np.asarray(with_gaps(rulebase, target, {name: at[name] for name in ranges}))
+
+    return Surface(ranges, infer_at)
+
+
+def _overlap(first: Surface, second: Surface, names: list[str]) -> dict[str, tuple[float, float]]:
+    """Return where both have values."""
+    found = {}
+    for name in names:
+        low = max(first.ranges[name][0], second.ranges[name][0])
+        high = min(first.ranges[name][1], second.ranges[name][1])
+        if not low < high:
+            raise ExportRefusedError(f"the ranges of '{name}' in the two files do not overlap")
+        found[name] = (low, high)
+    return found
+
+
+def _slice(
+    first: Surface,
+    second: Surface,
+    names: list[str],
+    ranges: Mapping[str, tuple[float, float]],
+    axes: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return both surfaces over two of the inputs that both have; the others are held."""
+    x = str(axes.get("x")) if axes.get("x") in names else names[0]
+    rest = [name for name in names if name != x]
+    y = str(axes.get("y")) if axes.get("y") in rest else rest[0] if rest else ""
+    wanted = axes.get("at") or {}
+    at: dict[str, Array] = {}
+    for name, (low, high) in ranges.items():
+        value = float(wanted.get(name, 0.5 * (low + high)))
+        at[name] = np.array(min(max(value, low), high))
+    held = {name: float(value) for name, value in at.items() if name not in (x, y)}
+    xs = np.linspace(*ranges[x], ACROSS)
+    ys = np.linspace(*ranges[y], ACROSS) if y else np.zeros(1)
+    at[x] = xs[None, :]
+    if y:
+        at[y] = ys[:, None]
+    values = [np.broadcast_to(each.at(at), (ys.size, xs.size)) for each in (first, second)]
+    where = _where(np.abs(values[1] - values[0]), {y or "": ys, x: xs})
+    return {
+        "x": x,
+        "y": y,
+        "held": held,
+        "xs": xs.tolist(),
+        "ys": ys.tolist(),
+        "before": _finite(values[0]),
+        "after": _finite(values[1]),
+        "worst": where,
+    }
+
+
+def _finite(values: Array) -> list[float | None]:
+    return [x if math.isfinite(x) else None for x in values.ravel().tolist()]
+
+
+def _where(difference: Array, points: Mapping[str, Array]) -> dict[str, Any] | None:
+    """Return the largest difference and where; None where there is nothing to compare."""
+    if np.isnan(difference).all():
+        return None
+    index = np.unravel_index(int(np.nanargmax(difference)), difference.shape)
+    named = zip(points.items(), index, strict=True)
+    at = {name: float(values[k]) for (name, values), k in named if name}
+    return {"difference": float(difference[index]), "at": at}
+
+
+def _largest(
+    first: Surface,
+    second: Surface,
+    names: list[str],
+    ranges: Mapping[str, tuple[float, float]],
+) -> dict[str, Any] | None:
+    """Return the largest difference over an even grid of all inputs."""
+    count = max(3, round(EVERYWHERE ** (1.0 / len(ranges))))
+    if count ** len(ranges) > 20 * EVERYWHERE:
+        return None
+    points = {name: np.linspace(*ends, count) for name, ends in ranges.items()}
+    mesh = dict(zip(points, np.ix_(*points.values()), strict=True))
+    shape = (count,) * len(points)
+    values = [np.broadcast_to(each.at(mesh), shape) for each in (first, second)]
+    found = _where(np.abs(values[1] - values[0]), points)
+    one_sided = int(np.sum(np.isnan(values[0]) != np.isnan(values[1])))
+    return None if found is None else {**found, "points": count ** len(ranges), "alone": one_sided}
+
+
+def _changes(one: RuleBase | LookupTable, two: RuleBase | LookupTable) -> dict[str, Any]:
+    """Return what differs in meaning, as ``fuzzyarm diff`` says it."""
+    if isinstance(one, RuleBase) and isinstance(two, RuleBase):
+        diff = compare_rulebases(one, two)
+        parts = {"rules": diff.rules, "terms": diff.terms, "settings": diff.settings}
+        return {
+            "same": diff.same,
+            "parts": [
+                [title, [[each.kind, str(each)] for each in changes]]
+                for title, changes in parts.items()
+                if changes
+            ],
+        }
+    if isinstance(one, LookupTable) and isinstance(two, LookupTable):
+        cells = compare_tables(one, two)
+        header = [["changed", f"{what}: {a} -> {b}"] for what, a, b in cells.header]
+        listed = [["changed", table_change_words(cells, each)] for each in cells.changes]
+        rest = len(listed) - MOST_CHANGES
+        listed = listed[:MOST_CHANGES] + ([["more", str(rest)]] if rest > 0 else [])
+        parts_ = [["settings", header], ["cells", listed]]
+        return {
+            "same": cells.same,
+            "summary": table_summary(cells),
+            "parts": [each for each in parts_ if each[1]],
+        }
+    return {"same": False, "mixed": True, "parts": []}

@@ -1,0 +1,274 @@
+"""Exports of the text as it is now: the bytes of the commands, to be downloaded.
+
+Each is what `fuzzyarm compile`, `convert`, `plot` or `designer --export` writes of the same text.
+Files that a controller uses are taken as they are saved, and only those of the folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fuzzyarm.designer.names import clean_name, in_words
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.formats.conversion import converted, findings_of
+from fuzzyarm.formats.findings import Imported
+from fuzzyarm.formats.registry import FOREIGN
+from fuzzyarm.inference.layout import NotCoveredError
+from fuzzyarm.language.queries import Reading
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof.compiled import Making, compiled, program_of, source_of
+from fuzzyarm.show.compiled import controller_lines, export_lines, report_lines, table_words
+from fuzzyarm.table import SUFFIXES as TABLES
+from fuzzyarm.table import LookupTable
+from fuzzyarm.table.files import LATEX, table_as
+from fuzzyarm.table.levels import read_levels
+from fuzzyarm.text.diagnostic import RuleBaseError
+
+if TYPE_CHECKING:
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.designer.jobs import Job
+
+__all__ = ["ExportRefusedError", "Offered", "export", "kinds_of", "model_of"]
+
+SOURCES = (".h", ".c", ".st")
+Sheet = RuleBase | LookupTable
+
+PICTURES = (".png", ".svg", ".pdf")
+WRITTEN_TABLES = (*TABLES, LATEX)
+
+_DRAWING = threading.Lock()
+"""Figures are drawn one at a time: settings of the library are everybody's."""
+
+
+class ExportRefusedError(FuzzyarmError, ValueError):
+    """A text that is not exported so."""
+
+
+@dataclass(frozen=True)
+class Offered:
+    """A file to be downloaded."""
+
+    name: str
+    content: bytes
+
+
+def model_of(session: Session) -> Any:
+    """Return the rule base, controller or table that a text means.
+
+    Raises
+    ------
+    ExportRefusedError
+        If it has mistakes.
+    """
+    parsed = session.reading.parsed
+    mistakes = [each for each in parsed.diagnostics if each.is_error]
+    if mistakes:
+        raise ExportRefusedError(f"the text has mistakes: {in_words(RuleBaseError(mistakes[:1]))}")
+    if not isinstance(session.reading, Reading):
+        return LookupTable.from_plain(parsed.table)
+    if parsed.controller is not None:
+        return _controller(session)
+    if parsed.rulebase is None:
+        raise ExportRefusedError("the text has no rules yet")
+    return parsed.rulebase
+
+
+def _controller(session: Session) -> ControllerText:
+    """Return a controller with the files that it uses, which stand in its folder."""
+    from fuzzyarm.controller.text import sheet_path, with_files
+    from fuzzyarm.shipped_files import shipped_folder
+
+    model, path = session.reading.parsed.controller, Path(session.path)
+    homes = {path.parent.resolve(), shipped_folder().resolve()}
+    for file in (file for use in model.uses for file in use.files):
+        if sheet_path(file, path.parent).resolve().parent not in homes:
+            raise ExportRefusedError(f"'{file}' is not a file of this folder")
+    text, faults = with_files(model, path.parent, session.path)
+    if faults:
+        raise ExportRefusedError(in_words(RuleBaseError(faults)))
+    return text
+
+
+def kinds_of(session: Session) -> list[str]:
+    """Return the suffixes of what a text can be exported as."""
+    if not isinstance(session.reading, Reading):
+        return [*SOURCES, ".csv", LATEX, ".json", ".npz", ".png", ".svg"]
+    if session.reading.parsed.controller is not None:
+        return [*SOURCES, ".fmu"]
+    tables = (".lut", ".csv", LATEX)
+    return [*SOURCES, *tables, ".mjs", ".html", ".png", ".svg", *FOREIGN]
+
+
+def export(session: Session, asked: dict[str, Any], job: Job) -> None:
+    """Make files, and tell what is said of them; a page loads them by their addresses."""
+    suffix = str(asked["suffix"])
+    made, lines = files_of(session, suffix, asked.get("options") or {}, job.progress)
+    job.check()
+    offered = [
+        {"name": each.name, "bytes": len(each.content), "href": job.offer(each.name, each.content)}
+        for each in made
+    ]
+    job.tell({"files": offered, "lines": lines})
+
+
+def files_of(
+    session: Session, suffix: str, options: dict[str, Any], progress: Callable[[str], None]
+) -> tuple[list[Offered], list[str]]:
+    """Return the files of an export and what is said of them.
+
+    Parameters
+    ----------
+    session : Session
+        The text.
+    suffix : str
+        One of `kinds_of`.
+    options : dict
+        From the page, see `making_of`; ``what`` of a picture is ``all``, ``terms`` or ``surface``.
+    progress : callable
+        Called with a word on what is going on; what it raises ends it.
+
+    Raises
+    ------
+    FuzzyarmError
+        If it cannot be exported so.
+    """
+    if suffix not in kinds_of(session):
+        raise ExportRefusedError(f"{Path(session.path).name} is not exported as {suffix}")
+    model = model_of(session)
+    out = clean_name(Path(session.path).name, suffix)
+    how = making_of(session, options)
+    if isinstance(model, RuleBase | LookupTable):
+        return _sheet(session, model, out, how, options, progress)
+    # What a head says of its source is read from the file: that is the text as it is now.
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
+        path = Path(folder) / Path(session.path).name
+        path.write_bytes(_content(session))
+        program, reports = program_of(replace(model, path=str(path)), out, how, progress)
+        made = [_offered(path.name, content) for path, content in program.files]
+        lines = [line for report in reports for line in report_lines(report, out)]
+        return made, [*lines, *controller_lines(program)]
+
+
+def _content(session: Session) -> bytes:
+    """Return the bytes of a text: those of the file, with its line ends, where it is saved."""
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        data = Path(session.path).read_bytes()
+        if data.decode("utf-8-sig").replace("\r\n", "\n") == session.text:
+            return data
+    return session.text.encode()
+
+
+def making_of(session: Session, options: dict[str, Any]) -> Making:
+    """Return what the fields of a dialog say; an empty field is as without the option."""
+
+    def number(word: str) -> float | None:
+        text = str(options.get(word) or "").strip()
+        try:
+            return float(text) if text else None
+        except ValueError:
+            raise ExportRefusedError(f"'{text[:40]}' is not a number") from None
+
+    def one_of(word: str, *known: str) -> str | None:
+        text = str(options.get(word) or "")
+        if text and text not in known:
+            raise ExportRefusedError(f"'{text[:40]}' is not one of {', '.join(known)}")
+        return text or None
+
+    levels = str(options.get("levels") or "").strip()
+    q = one_of("q", "15", "7")
+    way = one_of("way", "table", "direct")
+    tolerance = number("tolerance")
+    if levels and tolerance is not None:
+        raise ExportRefusedError("levels and a tolerance exclude each other")
+    return Making(
+        source=Path(session.path).name,
+        output=str(options.get("output") or "") or None,
+        levels=read_levels(levels) if levels else None,
+        tolerance=tolerance,
+        rounding=number("round"),
+        mode=one_of("mode", "bins", "nearest", "linear"),
+        direct=way == "direct",
+        table=way == "table",
+        q=int(q) if q else None,
+        precision=None if q else one_of("precision", "mixed", "float32", "float64"),
+        name=str(options.get("name") or "").strip() or None,
+        fmi=int(one_of("fmi", "2", "3") or 2),
+    )
+
+
+def _sheet(
+    session: Session,
+    model: Sheet,
+    out: str,
+    how: Making,
+    options: dict[str, Any],
+    progress: Callable[[str], None],
+) -> tuple[list[Offered], list[str]]:
+    suffix = Path(out).suffix
+    if suffix in SOURCES:
+        exported, reports = source_of(model, out, how, progress)
+        lines = [line for report in reports for line in report_lines(report, out)]
+        made = [_offered(path.name, text) for path, text in exported.files]
+        return made, [*lines, *export_lines(exported)]
+    if suffix in PICTURES:
+        return [Offered(out, _picture(model, suffix, how, options))], []
+    if suffix in WRITTEN_TABLES:
+        return _table(model, out, how, progress)
+    assert isinstance(model, RuleBase)
+    if suffix == ".mjs":
+        return [_offered(out, _module(model, how.source))], []
+    if suffix == ".html":
+        from fuzzyarm.designer.written import page_of_text
+
+        return [_offered(out, page_of_text(session.text, Path(session.path)))], []
+    return _conversion(session, model, out)
+
+
+def _table(
+    model: Sheet, out: str, how: Making, progress: Callable[[str], None]
+) -> tuple[list[Offered], list[str]]:
+    suffix = Path(out).suffix
+    if isinstance(model, LookupTable):
+        return [_offered(out, table_as(model, suffix))], [table_words(model, out)]
+    report = compiled(model, how.output, how, progress)
+    return [_offered(out, table_as(report.table, suffix))], report_lines(report, out)
+
+
+def _picture(model: Sheet, suffix: str, how: Making, options: dict[str, Any]) -> bytes:
+    from fuzzyarm.show.figures.style import figure_bytes
+    from fuzzyarm.show.figures.whole import model_figure
+
+    what = str(options.get("what") or "all")
+    if what not in ("all", "terms", "surface"):
+        raise ExportRefusedError(f"'{what[:40]}' is not one of all, terms, surface")
+    with _DRAWING:
+        return figure_bytes(model_figure(model, what, how.output), suffix)
+
+
+def _module(model: RuleBase, source: str) -> str:
+    from fuzzyarm.export.javascript import rule_base_module
+
+    try:
+        return rule_base_module(model, source)
+    except NotCoveredError as error:
+        raise ExportRefusedError(str(error)) from None
+
+
+def _conversion(session: Session, model: RuleBase, out: str) -> tuple[list[Offered], list[str]]:
+    exported = converted(model, session.path, Path(out).suffix, session.text)
+    found = findings_of(Imported(model, (), "fuzzyarm"), exported, session.path)
+    lines = [in_words(RuleBaseError([each])) for each in found]
+    if exported.text is None:
+        raise ExportRefusedError("; ".join(lines))
+    return [_offered(out, exported.text)], lines
+
+
+def _offered(name: str, content: str | bytes) -> Offered:
+    return Offered(name, content.encode() if isinstance(content, str) else content)

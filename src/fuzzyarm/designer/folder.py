@@ -1,0 +1,342 @@
+"""The files of the designer: what stands in its folder, new ones, other names, and what is dropped.
+
+Nothing outside the folder is read or written. A name that comes from a page is checked before it
+becomes a path: it must be one that every system takes, and it never leads out of the folder.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from fuzzyarm.builder.starting import STARTS, starting_text
+from fuzzyarm.designer.names import (
+    OutsideError,
+    clean_name,
+    demand_name,
+    finding_words,
+    in_words,
+    with_suffix,
+)
+from fuzzyarm.designer.shared import SharedText
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.formats import read as read_foreign
+from fuzzyarm.formats.conversion import converted, findings_of
+from fuzzyarm.formats.registry import READABLE
+from fuzzyarm.language import read_text
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.shipped_files import what_it_is
+from fuzzyarm.table import SUFFIXES as TABLES
+from fuzzyarm.table import read_table
+from fuzzyarm.table.files import table_as
+from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.files import stamp_of, write_atomically
+from fuzzyarm.text.names import printable
+
+__all__ = [
+    "LARGEST_IMPORT",
+    "SUFFIXES",
+    "Workspace",
+    "converted_file",
+]
+
+SUFFIXES = (".frb", ".lut")
+"""Files that are opened."""
+
+IMPORTS = (*READABLE, *TABLES)
+"""Files that are taken where they are dropped."""
+
+LARGEST_IMPORT = 8_000_000
+"""Bytes of a file that is dropped."""
+
+
+class Workspace:
+    """A folder, or one file of it.
+
+    Parameters
+    ----------
+    path : Path
+        The folder, or the file; nothing else is read or written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        path = path.resolve()
+        self.only = None if path.is_dir() else path.name
+        self.folder = path if path.is_dir() else path.parent
+        self._open: dict[str, SharedText] = {}
+        self._checked: dict[str, tuple[Any, dict[str, Any]]] = {}
+
+    # --- What is there ---
+
+    def listed(self, *suffixes: str) -> list[str]:
+        """Return the names of the folder's files of some kinds; with one file open, none."""
+        if self.only is not None:
+            return []
+        found = (each for each in self.folder.iterdir() if each.suffix.lower() in suffixes)
+        return sorted(each.name for each in found if each.is_file() and self._is_inside(each))
+
+    def files(self) -> list[str]:
+        """Return the names of the files that can be opened."""
+        return self.listed(*SUFFIXES) if self.only is None else [self.only]
+
+    def beside(self, name: str, suffix: str) -> Path:
+        """Return where a file of the folder stands that may be written.
+
+        Raises
+        ------
+        OutsideError
+            If it is not in the folder, or the designer was opened with one file alone.
+        """
+        self._demand_folder()
+        path = self.folder / demand_name(name)
+        if not self._is_inside(path):
+            raise OutsideError(f"'{printable(name)}' is not a file of this folder")
+        if path.suffix.lower() != suffix:
+            raise OutsideError(f"the name must end with {suffix}, as in {path.stem}{suffix}")
+        return path
+
+    def _is_inside(self, path: Path) -> bool:
+        """Whether a path leads to a file of the folder; a link may lead out of it."""
+        return path.resolve().parent == self.folder
+
+    def text(self, name: str) -> SharedText:
+        """Return the open file of a name.
+
+        Raises
+        ------
+        OutsideError
+            If it is not one of the folder's.
+        """
+        if name not in self._open:
+            self._open[name] = SharedText(self._path(name))
+        return self._open[name]
+
+    def session(self, name: str) -> Session:
+        """Return a file of the folder as it is now, in its window or else on disk.
+
+        Raises
+        ------
+        OutsideError
+            If it is not one of the folder's.
+        """
+        path, shared = self._path(name), self._open.get(name)
+        return Session(str(path), read_text(path) if shared is None else shared.text)
+
+    def _path(self, name: str) -> Path:
+        path = self.folder / name
+        if name not in self.files() or not self._is_inside(path):
+            raise OutsideError(f"'{printable(name)}' is not a file of this folder")
+        return path
+
+    # --- What a page asks ---
+
+    def answer(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """Answer a question about the folder, or do what it wants; an error is said in words."""
+        act = _ACTS.get(str(asked.get("what")))
+        if act is None:
+            return {"error": "unknown question"}
+        try:
+            return {**act(self, asked), **self.listing()}
+        except (FuzzyarmError, OSError) as error:
+            return {"error": in_words(error), **self.listing()}
+        except (KeyError, TypeError, ValueError):
+            return {"error": "a question that is not understood"}
+
+    def listing(self) -> dict[str, Any]:
+        """Return the files with what is quickly known of them."""
+        return {
+            "only": self.only is not None,
+            "starts": {name: start.purpose for name, start in STARTS.items()},
+            "files": [self._row(name) for name in self.files()],
+        }
+
+    def _row(self, name: str) -> dict[str, Any]:
+        shared, kind, words = self._open.get(name), "", ""
+        with contextlib.suppress(OSError, RuleBaseError):
+            text = shared.text if shared else _beginning(self.folder / name)
+            kind, words = what_it_is(text)
+        if name.lower().endswith(".lut"):
+            kind = "table"
+        elif kind != "controller":
+            kind = "rule base"
+        changed = shared is not None and shared.text != shared.saved
+        return {"name": name, "kind": kind, "description": words, "changed": changed}
+
+    def findings(self, name: str) -> dict[str, Any]:
+        """Return how many findings a file has; what was found last, where it has not changed."""
+        shared = self._open.get(name)
+        known = shared.text if shared else stamp_of(self._path(name))
+        if name in self._checked and self._checked[name][0] == known:
+            return self._checked[name][1]
+        try:
+            review = self.session(name).review()
+            found = {"summary": review.summary, "sound": not review.failed}
+        except (FuzzyarmError, OSError) as error:
+            found = {"summary": in_words(error), "sound": False}
+        self._checked[name] = known, found
+        return found
+
+    # --- What a hand does ---
+
+    def _list(self, _asked: Mapping[str, Any]) -> dict[str, Any]:
+        return {}
+
+    def _new(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        name, kind = with_suffix(str(asked["name"]), ".frb"), str(asked["kind"])
+        if kind not in STARTS:
+            raise KeyError(kind)
+        return self._written(name, starting_text(Path(name).stem, kind))
+
+    def _duplicate(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        old = str(asked["file"])
+        name = with_suffix(str(asked["name"]), Path(old).suffix)
+        return self._written(name, self.session(old).text)
+
+    def _rename(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        old = str(asked["file"])
+        path = self._path(old)
+        name = with_suffix(str(asked["name"]), path.suffix)
+        target = self._reserved(name)
+        try:
+            path.replace(target)
+        except OSError:
+            target.unlink()
+            raise
+        shared = self._open.pop(old, None)
+        if shared is not None:
+            shared.move(target)
+            self._open[name] = shared
+        return {"renamed": [old, name], "open": name}
+
+    def _delete(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        name = str(asked["file"])
+        self._demand_folder()
+        self._path(name).unlink()
+        self._open.pop(name, None)
+        return {"deleted": name}
+
+    def _users(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """Name the controllers that use a file: they would miss it."""
+        use = re.compile(rf'^use\s[^#\n]*"{re.escape(str(asked["file"]))}"', re.MULTILINE)
+        found = []
+        for name in self.files():
+            with contextlib.suppress(OSError, FuzzyarmError):
+                if use.search(self.session(name).text):
+                    found.append(name)
+        return {"users": found}
+
+    def put(self, name: str, text: str) -> dict[str, Any]:
+        """Write what was dropped under a free name near to `name`."""
+        self._demand_folder()
+        taken = {each.name.casefold() for each in self.folder.iterdir()}
+        path, number = Path(name), 1
+        while name.casefold() in taken:
+            number += 1
+            name = f"{path.stem}-{number}{path.suffix}"
+        return self._written(name, text)
+
+    def _written(self, name: str, text: str) -> dict[str, Any]:
+        target = self._reserved(name)
+        try:
+            write_atomically(target, text)
+        except OSError:
+            target.unlink()
+            raise
+        return {"open": name}
+
+    def _reserved(self, name: str) -> Path:
+        """Create an empty file, so that nobody else takes the name."""
+        self._demand_free(name)
+        target = self.folder / name
+        with target.open("x"):
+            return target
+
+    def _demand_free(self, name: str) -> None:
+        path = self.beside(name, Path(name).suffix.lower())
+        if path.name != name or path.suffix.lower() not in SUFFIXES:
+            raise OutsideError(f"'{printable(name)}' is not the name of a file that is opened")
+        # Some systems do not tell small letters from capital ones.
+        taken = {each.name.casefold() for each in self.folder.iterdir()}
+        if name.casefold() in taken:
+            raise OutsideError(f"'{name}' is there already")
+
+    def _demand_folder(self) -> None:
+        if self.only is not None:
+            raise OutsideError("the designer has one file open; open its folder to write others")
+
+
+_ACTS = {
+    "list": Workspace._list,
+    "new": Workspace._new,
+    "duplicate": Workspace._duplicate,
+    "rename": Workspace._rename,
+    "delete": Workspace._delete,
+    "users": Workspace._users,
+}
+"""What a page may ask of the folder → who answers."""
+
+
+def converted_file(name: str, data: bytes) -> dict[str, Any]:
+    """Return what was dropped as a text of the language or a table, as `fuzzyarm convert` does.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, by anybody.
+    data : bytes
+        Its content.
+
+    Returns
+    -------
+    dict
+        ``name`` and ``text`` to be written, and ``findings`` in words.
+
+    Raises
+    ------
+    FuzzyarmError
+        If it is not converted, with every reason.
+    """
+    suffix = Path(re.split(r"[/\\]", name)[-1]).suffix.lower()
+    if suffix == ".py":
+        raise OutsideError(
+            "a script is not run from a page",
+            hint="fuzzyarm convert SCRIPT.py -o FOLDER runs it, and the page shows what it makes",
+        )
+    if suffix not in IMPORTS:
+        raise OutsideError(f"'{printable(suffix)}' is not converted", hint=", ".join(IMPORTS))
+    if len(data) > LARGEST_IMPORT:
+        raise OutsideError(
+            f"the file has {len(data):,} bytes; at most {LARGEST_IMPORT:,} are taken here",
+            hint="fuzzyarm convert has no such limit",
+        )
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as folder:
+        path = Path(folder) / clean_name(name, suffix)
+        path.write_bytes(data)
+        if suffix in SUFFIXES:
+            return {"name": path.name, "text": read_text(path), "findings": []}
+        if suffix in TABLES:
+            text = table_as(read_table(path), ".lut")
+            return {"name": clean_name(name, ".lut"), "text": text, "findings": []}
+        return {"name": clean_name(name, ".frb"), **_converted(path)}
+
+
+def _converted(path: Path) -> dict[str, Any]:
+    """Return a rule base of another program as a text of the language, and what was found."""
+    imported = read_foreign(path)
+    exported = None
+    if imported.rulebase is not None:
+        exported = converted(imported.rulebase, str(path), ".frb")
+    found = findings_of(imported, exported, str(path))
+    if exported is None or exported.text is None:
+        raise OutsideError("; ".join(finding_words(each) for each in found if each.is_error))
+    return {"text": exported.text, "findings": [finding_words(each) for each in found]}
+
+
+def _beginning(path: Path) -> str:
+    """Return as much of a file as says what it is."""
+    with path.open("rb") as file:
+        return file.read(20_000).decode("utf-8", "replace")

@@ -1,0 +1,262 @@
+"""Tables as a page shows them: a page of cells, and how far a table is from its rules."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping, Sequence
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fuzzyarm.designer.exports import ExportRefusedError, making_of, model_of
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.language import write
+from fuzzyarm.lsp.session import Session
+from fuzzyarm.lsp.tables import TableText
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof.arithmetic import Stop
+from fuzzyarm.proof.bounds import UnprovableError
+from fuzzyarm.proof.compiled import compiled
+from fuzzyarm.proof.tables import cell_errors, table_proof
+from fuzzyarm.show.compiled import fidelity_line, report_lines
+from fuzzyarm.table import Fidelity, LookupTable, measure_fidelity
+from fuzzyarm.table.compiler import evaluate
+
+if TYPE_CHECKING:
+    from fuzzyarm.designer.jobs import Job
+
+__all__ = ["cell_place", "table_error", "table_page"]
+
+MOST_SHOWN = 120
+"""Levels of an axis that are drawn; of more every second, third … one."""
+
+ACROSS = 121
+"""Points of an error map along each input."""
+
+MOST_CELLS = 1_600
+"""Cells whose errors are proved one by one."""
+
+AT_ONCE = 24
+"""Cells that are told together."""
+
+PROOF_SECONDS = 60.0
+
+
+def table_page(session: Session, page: Sequence[int]) -> dict[str, Any] | None:
+    """Return one page of a table as plain data; None where the text is not a sound table.
+
+    Parameters
+    ----------
+    session : Session
+        A text.
+    page : sequence of int
+        A level of each axis but the last two.
+    """
+    reading = session.reading
+    table = reading.parsed.table if isinstance(reading, TableText) else None
+    if table is None:
+        return None
+    shape = table.shape
+    numbers = [min(max(0, int(k)), size - 1) for k, size in zip(page, shape[:-2], strict=False)]
+    numbers += [0] * (len(shape[:-2]) - len(numbers))
+    start = 0
+    for k, size in zip(numbers, shape[:-2], strict=True):
+        start = start * size + k
+    rows, columns = (shape[-2] if len(shape) > 1 else 1), shape[-1]
+    shown = [_thinned(rows), _thinned(columns)]
+    first = start * rows * columns
+    return {
+        "output": table.output,
+        "description": table.description,
+        "mode": table.default_mode,
+        "low": min(table.values),
+        "high": max(table.values),
+        "cells": len(table.values),
+        "axes": [_axis(axis) for axis in table.axes],
+        "page": numbers,
+        "rows": shown[0],
+        "columns": shown[1],
+        "values": [[table.values[first + i * columns + j] for j in shown[1]] for i in shown[0]],
+        "says": [list(pair) for pair in table.provenance],
+        "source": dict(table.provenance).get("source", ""),
+    }
+
+
+def _thinned(count: int) -> list[int]:
+    step = math.ceil(count / MOST_SHOWN)
+    return [*range(0, count, step)]
+
+
+def _axis(axis: Any) -> dict[str, Any]:
+    return {
+        "name": axis.name,
+        "description": axis.description,
+        "levels": list(axis.levels),
+        "bins": None if axis.bins is None else list(axis.bins),
+    }
+
+
+def cell_place(session: Session, cell: Sequence[int]) -> Any:
+    """Return where the number of a cell stands in the text; None where it is not known."""
+    reading = session.reading
+    if not isinstance(reading, TableText) or reading.parsed.table is None:
+        return None
+    shape = reading.parsed.table.shape
+    if len(cell) != len(shape) or any(not 0 <= k < n for k, n in zip(cell, shape, strict=True)):
+        return None
+    return reading.cell_span([int(k) for k in cell])
+
+
+# --- A table against its rules ---
+
+
+def table_error(session: Session, asked: dict[str, Any], job: Job) -> None:
+    """Tell how far a table is from direct inference: a map, the worst point, proofs.
+
+    Of a rule base the table is compiled as the page asks; a table is compared with the file
+    of the folder that it was compiled from.
+    """
+    model = model_of(session)
+    options = asked.get("options") or {}
+    if isinstance(model, LookupTable):
+        rulebase, words = _source_of(model, job)
+        table, mode = model, str(options.get("mode") or model.default_mode)
+        lines: list[str] = [words] if words else []
+    elif isinstance(model, RuleBase):
+        rulebase, how = model, making_of(session, options)
+        report = compiled(rulebase, how.output, how, job.progress)
+        table, mode, lines = report.table, how.mode or report.table.default_mode, []
+    else:
+        raise ExportRefusedError("a controller has no table of its own: open its rule base")
+    job.tell({"map": error_map(table, rulebase, mode, asked.get("axes") or {})})
+    if isinstance(model, LookupTable):
+        job.progress("measuring the difference")
+        found = _fidelities(table, rulebase, mode)
+        lines += [fidelity_line(each) for each in found]
+    else:
+        found = report.fidelities
+        lines += report_lines(report, "table")
+    chosen = next((each for each in found if each.mode == mode), found[0])
+    job.tell({"lines": lines, "worst": _worst(chosen, table, rulebase)})
+    _prove_cells(table, rulebase, mode, job)
+
+
+def _source_of(table: LookupTable, job: Job) -> tuple[RuleBase, str]:
+    """Return the rule base that a table was compiled from, and whether it has changed since."""
+    says = dict(table.provenance)
+    name = says.get("source", "")
+    if not name:
+        raise ExportRefusedError("the table does not say which file it was compiled from")
+    try:
+        model = model_of(job.folder.session(name))
+    except FuzzyarmError as error:
+        raise ExportRefusedError(f"{name}, which it was compiled from: {error}") from None
+    if not isinstance(model, RuleBase):
+        raise ExportRefusedError(f"{name} is not a rule base")
+    missing = set(table.names) - {each.name for each in model.inputs}
+    if missing or table.output not in {each.name for each in model.outputs}:
+        raise ExportRefusedError(f"{name} has other inputs or another output by now")
+    same = says.get("sha256") == hashlib.sha256(write(model).encode()).hexdigest()
+    return model, "" if same else f"{name} has been changed since the table was compiled"
+
+
+def _fidelities(table: LookupTable, rulebase: RuleBase, mode: str) -> tuple[Fidelity, ...]:
+    """Measure and prove a table in the way that it is looked up, and linearly."""
+    from dataclasses import replace
+
+    proof = table_proof(rulebase, table.output)
+    found = measure_fidelity(table, rulebase, (mode, "linear"))
+    return tuple(replace(each, proved=proof(table, each.mode)) for each in found)
+
+
+def _worst(fidelity: Fidelity, table: LookupTable, rulebase: RuleBase) -> dict[str, Any]:
+    at = dict(fidelity.at)
+    points = [np.array([at[name]]) for name in table.names]
+    return {
+        "at": at,
+        "table": float(table.lookup(*at.values(), mode=fidelity.mode)),
+        "direct": float(evaluate(rulebase, table.output, table.names, points)[0]),
+        "difference": fidelity.worst,
+        "proved": fidelity.proved,
+        "mode": fidelity.mode,
+    }
+
+
+def error_map(
+    table: LookupTable, rulebase: RuleBase, mode: str, axes: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return table − rules over two inputs, the others held.
+
+    Parameters
+    ----------
+    table : LookupTable
+        A table of the rule base.
+    rulebase : RuleBase
+        The truth.
+    mode : str
+        How the table is looked up.
+    axes : mapping
+        ``x`` and ``y``, names of inputs across and up (the first two by default), and ``at``,
+        values of the others (the middle by default).
+    """
+    names = list(table.names)
+    x = str(axes.get("x") or names[-1])
+    y = str(axes.get("y") or (names[-2] if len(names) > 1 else x))
+    if x not in names or y not in names or (x == y and len(names) > 1):
+        x, y = names[-1], names[-2] if len(names) > 1 else names[-1]
+    at = axes.get("at") or {}
+    held = {each.name: _held(each, at.get(each.name)) for each in table.axes}
+    xs, ys = (np.linspace(*_ends(table.axis(name)), ACROSS) for name in (x, y))
+    mesh = {**{name: np.array(value) for name, value in held.items()}, x: xs[None, :]}
+    if x != y:
+        mesh[y] = ys[:, None]
+    points = [mesh[name] for name in names]
+    truth = evaluate(rulebase, table.output, names, points)
+    difference = np.broadcast_to(table.lookup(*points, mode=mode) - truth, truth.shape)
+    return {
+        "x": x,
+        "y": y if x != y else "",
+        "names": names,
+        "held": {name: value for name, value in held.items() if name not in (x, y)},
+        "xs": xs.tolist(),
+        "ys": ys.tolist() if x != y else [0.0],
+        "z": np.atleast_2d(difference).ravel().tolist(),
+        "mode": mode,
+        "output": table.output,
+        "levels": {name: list(table.axis(name).levels) for name in (x, y)},
+        "shape": list(table.shape),
+    }
+
+
+def _ends(axis: Any) -> tuple[float, float]:
+    low = axis.low if math.isfinite(axis.low) else axis.levels[0]
+    high = axis.high if math.isfinite(axis.high) else axis.levels[-1]
+    return low, high
+
+
+def _held(axis: Any, wanted: Any) -> float:
+    low, high = _ends(axis)
+    return min(max(float(wanted), low), high) if wanted is not None else 0.5 * (low + high)
+
+
+def _prove_cells(table: LookupTable, rulebase: RuleBase, mode: str, job: Job) -> None:
+    """Tell what the error of each cell nowhere exceeds, where that can be proved."""
+    if len(table.axes) > 2:
+        job.tell({"unproved": "cells of more than two inputs are not proved one by one"})
+        return
+    cells = math.prod(size - 1 for size in table.shape)
+    if cells > MOST_CELLS:
+        job.tell({"unproved": f"{cells:,} cells are too many to be proved one by one"})
+        return
+    job.progress("proving the error of each cell")
+    try:
+        errors = cell_errors(table, rulebase, mode, Stop(PROOF_SECONDS))
+        done = 0
+        while batch := [*islice(errors, AT_ONCE)]:
+            done += len(batch)
+            told = [[*cell, max(bounds.high, -bounds.low)] for cell, bounds in batch]
+            job.tell({"cells": told, "done": done, "of": cells})
+    except UnprovableError as error:
+        job.tell({"unproved": str(error)})

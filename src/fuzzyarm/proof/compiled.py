@@ -1,0 +1,191 @@
+"""Tables with a proved error, and the source text and programs that look them up or infer.
+
+What ``fuzzyarm compile`` makes, and the designer's exports: the same bytes from the same text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.proof.tables import table_proof
+from fuzzyarm.table.compiler import Levels, choose_output
+from fuzzyarm.table.fidelity import CompileReport, compile_with_report
+
+if TYPE_CHECKING:
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.export import Exported, ExportedController
+    from fuzzyarm.table import LookupTable
+
+__all__ = ["Making", "compiled", "program_of", "source_of"]
+
+Tell = Callable[[str], None]
+"""Called with a word on what is going on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Making:
+    """How a table, source text or a program is made; what is None is left to the file.
+
+    Attributes
+    ----------
+    source : str
+        The file that it is made of, for the heads.
+    output : str or None
+        Which output, where there are several.
+    levels : int, sequence of float, mapping of str to either, or None
+        Of the inputs of tables.
+    tolerance : float or None
+        Instead of levels: what the smallest even grid has to meet.
+    rounding : float or None
+        Of the values of tables; 0 for none.
+    mode : str or None
+        How tables are looked up.
+    date : str or None
+        Goes into the provenance of tables.
+    direct : bool
+        Infer the rules, without a table; of a controller that is the default.
+    table : bool
+        Of a controller: look tables up.
+    q : int or None
+        15 or 7: tables in whole numbers.
+    precision : str or None
+        ``mixed``, ``float32`` or ``float64``; without meaning in whole numbers.
+    name : str or None
+        Begins every identifier.
+    fmi : int
+        Version of FMI.
+    """
+
+    source: str = ""
+    output: str | None = None
+    levels: Levels | Mapping[str, Levels] | None = None
+    tolerance: float | None = None
+    rounding: float | None = None
+    mode: str | None = None
+    date: str | None = None
+    direct: bool = False
+    table: bool = False
+    q: int | None = None
+    precision: str | None = None
+    name: str | None = None
+    fmi: int = 2
+
+
+def compiled(
+    rulebase: RuleBase, output: str | None, how: Making, progress: Tell | None = None
+) -> CompileReport:
+    """Return the table of an output, and its error: proved, or at points where that takes long.
+
+    Raises
+    ------
+    FuzzyarmError
+        As :func:`fuzzyarm.table.compile_with_report`.
+    """
+    return compile_with_report(
+        rulebase,
+        output,
+        levels=how.levels,
+        rounding=how.rounding,
+        mode=how.mode,
+        tolerance=how.tolerance,
+        source=how.source or None,
+        date=how.date,
+        progress=progress,
+        proof=table_proof(rulebase, choose_output(rulebase, output).name),
+    )
+
+
+def source_of(
+    model: RuleBase | LookupTable, path: str | Path, how: Making, progress: Tell | None = None
+) -> tuple[Exported, tuple[CompileReport, ...]]:
+    """Return a rule base or a table as source text, not yet written, and its tables.
+
+    Parameters
+    ----------
+    model : RuleBase or LookupTable
+        Of a rule base every output is compiled, or inferred where that is asked for.
+    path : str or Path
+        Its suffix is the language: ``.h``, ``.c`` or ``.st``.
+    how : Making
+        The wishes.
+    progress : callable, optional
+        Called with a word on what is going on.
+
+    Raises
+    ------
+    FuzzyarmError
+        If something cannot be exported so.
+    """
+    from fuzzyarm.export import export_files, routines_of
+
+    reports: tuple[CompileReport, ...] = ()
+    chosen: RuleBase | list[LookupTable]
+    if not isinstance(model, RuleBase):
+        chosen = [model]
+    elif how.direct:
+        chosen = model
+    else:
+        names = (how.output,) if how.output else tuple(each.name for each in model.outputs)
+        reports = tuple(compiled(model, name, how, progress) for name in names or (None,))
+        chosen = [report.table for report in reports]
+    # Few PLCs have a double; a C compiler always has.
+    default = "float32" if Path(path).suffix.lower() == ".st" else "mixed"
+    proved = {
+        report.table.output: fidelity.proved
+        for report in reports
+        for fidelity in report.fidelities
+        if fidelity.mode == (how.mode or report.table.default_mode)
+    }
+    routines = routines_of(
+        chosen,
+        output=how.output if how.direct else None,
+        mode=how.mode,
+        q=how.q,
+        precision=how.precision or default,
+        source=how.source or None,
+        proved=proved,
+    )
+    return export_files(routines, path, how.name), reports
+
+
+def program_of(
+    controller: ControllerText, path: str | Path, how: Making, progress: Tell | None = None
+) -> tuple[ExportedController, tuple[CompileReport, ...]]:
+    """Return a controller as a program, not yet written, and the tables that it looks up.
+
+    Parameters
+    ----------
+    controller : ControllerText
+        The controller with the files that it uses.
+    path : str or Path
+        Its suffix is the language: ``.h``, ``.c``, ``.st`` or ``.fmu``.
+    how, progress
+        As for :func:`source_of`.
+
+    Raises
+    ------
+    FuzzyarmError
+        If something cannot be exported so, or no C compiler is there for an FMU.
+    """
+    from fuzzyarm.export import ControllerProgram, export_controller, with_tables
+
+    suffix = Path(path).suffix.lower()
+    default = {".st": "float32", ".fmu": "float64"}.get(suffix, "mixed")
+    reports: list[CompileReport] = []
+
+    def compile_output(rulebase: RuleBase, output: str) -> LookupTable:
+        report = compiled(rulebase, output, how, progress)
+        reports.append(report)
+        table = report.table
+        return table if how.mode is None else replace(table, mode=how.mode)
+
+    if how.table:
+        controller = with_tables(controller, compile_output)
+    program = ControllerProgram(controller, how.precision or default, how.q)
+    if progress is not None:
+        progress("exporting")
+    return export_controller(program, path, how.name, fmi=how.fmi), tuple(reports)

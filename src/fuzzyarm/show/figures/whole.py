@@ -1,0 +1,69 @@
+"""One figure of a file, whatever is in it: what ``fuzzyarm plot`` draws."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from fuzzyarm.model.rulebase import RuleBase
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fuzzyarm.proof import Verdict
+    from fuzzyarm.table import LookupTable
+
+__all__ = ["model_figure"]
+
+
+def model_figure(
+    model: RuleBase | LookupTable,
+    what: str = "all",
+    output: str | None = None,
+    at: Mapping[str, float] | None = None,
+) -> Figure:
+    """Return the figure of a rule base or a table.
+
+    Parameters
+    ----------
+    model : RuleBase or LookupTable
+        A table gives its cells.
+    what : str
+        Of a rule base: ``terms``, ``surface``, or ``all`` of both. Points at which its ``prove``
+        lines fail are marked.
+    output : str, optional
+        The surface of this output only.
+    at : mapping of str to float, optional
+        Inputs that are held fixed or marked.
+
+    Raises
+    ------
+    TableError
+        If there is no such output.
+    """
+    from fuzzyarm.show.figures import (
+        memberships_figure,
+        rulebase_figure,
+        surface_figure,
+        table_figure,
+    )
+
+    if not isinstance(model, RuleBase):
+        return table_figure(model, at=at)
+    if what == "terms":
+        return memberships_figure(model)
+    if output is not None:
+        from fuzzyarm.table.compiler import choose_output
+
+        output = choose_output(model, output).name
+    draw = surface_figure if what == "surface" else rulebase_figure
+    return draw(model, output, at, _refuted(model))
+
+
+def _refuted(rulebase: RuleBase) -> list[Verdict]:
+    """Return the properties of a rule base that fail, as far as a check finds them."""
+    if not rulebase.properties:
+        return []
+    from fuzzyarm.api import judge
+
+    return [each for each in judge(rulebase).verdicts if each.verdict == "refuted"]
