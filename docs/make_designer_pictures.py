@@ -92,9 +92,16 @@ def draw(browser: Any, address: str) -> None:
     page.close()
 
     page = open_page(browser, address, "thermostat", "dark")
-    page.locator(".surface select").last.select_option("contour")
+    page.locator(".surface .bar label", has_text="view").locator("select").select_option("contour")
     page.wait_for_timeout(400)
     page.screenshot(path=HERE / "designer_dark.png")
+    page.close()
+
+    page = open_page(browser, address, "tipper2")
+    page.locator('text[data-variable="food"][data-term="delicious"]').focus()
+    page.locator(".surface .bar select").last.select_option("x")
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_type2.png")
     page.close()
 
     page = open_page(browser, address, "tipper")
@@ -102,13 +109,63 @@ def draw(browser: Any, address: str) -> None:
     page.keyboard.type("rule if service is GOOT then tip is AVERAGE\n")
     page.wait_for_timeout(900)
     page.screenshot(path=HERE / "designer_mistake.png")
+    page.close()
+    draw_learning(browser, address)
+    draw_tuning(browser, address)
+
+
+def open_view(browser: Any, address: str, name: str, view: str, scheme: str = "light") -> Any:
+    """Open a controller, which has no picture of its own, and turn to a view of it."""
+    page = browser.new_page(viewport=SIZE, color_scheme=scheme)
+    page.goto(f"{address}#file={name}.frb")
+    page.get_by_text("no findings").wait_for()
+    page.get_by_role("tab", name=view).click()
+    return page, page.locator(f"#view-{view.lower()}")
+
+
+def draw_learning(browser: Any, address: str) -> None:
+    """Draw a table that has learned four passes, and waits."""
+    page, learn = open_view(browser, address, "servo-soc", "Learn")
+    learn.get_by_text("has a table that learns").wait_for()
+    learn.get_by_label("Reference").fill("position=sine:0.5,1")
+    learn.get_by_label("Passes").fill("4")
+    learn.get_by_label("Speed").select_option("fast")
+    learn.get_by_role("button", name="Start").click()
+    learn.get_by_text("pass 4 of 4, waiting").wait_for()
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_learn.png")
+    page.close()
+
+
+def draw_tuning(browser: Any, address: str) -> None:
+    """Draw a search that is over, with its report."""
+    page, tune = open_view(browser, address, "heater", "Tune", "dark")
+    tune.get_by_text("What may move, as the text says").wait_for()
+    for name, value in {
+        "Reference": "temperature=step:20",
+        "For, s": "3600",
+        "Cost": "rms + overshoot",
+        "Trials": "60",
+        "Unseen": "6",
+    }.items():
+        tune.get_by_label(name, exact=True).fill(value)
+    tune.get_by_role("button", name="Start").click()
+    tune.get_by_text("unseen: costs").wait_for()
+    page.wait_for_timeout(400)
+    page.screenshot(path=HERE / "designer_tune.png")
+    page.close()
 
 
 def main() -> None:
     """Serve copies of shipped files, and look at them."""
     with tempfile.TemporaryDirectory() as folder:
-        for name in ("pd7", "thermostat", "tipper", "servo", "cartpole"):
+        for name in (
+            "pd7", "thermostat", "tipper", "tipper2", "servo", "cartpole", "heater", "roompi"
+        ):  # fmt: skip
             shutil.copy(ROOT / "rulebases" / f"{name}.frb", folder)
+        lesson = (ROOT / "docs" / "tutorial" / "6-a-table-that-learns.md").read_text("utf-8")
+        text = lesson.split("```frb\n# servo-soc.frb\n")[1].split("```")[0]
+        (Path(folder) / "servo-soc.frb").write_text(text, "utf-8")
         words = [sys.executable, "-m", "fuzzyarm", "designer", folder, "--no-browser"]
         state = {**os.environ, "XDG_STATE_HOME": folder}
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, env=state) as server:

@@ -76,7 +76,7 @@ def test_a_table_grows_and_is_saved(served, view):  # noqa: F811
     page, learn = view("servo-soc.frb", SOC, "Learn")
     learn.get_by_label("Reference").fill(SINE)
     learn.get_by_role("button", name="One pass").click()
-    learn.get_by_text("pass 1 of 1, waiting; RMS error 0.9002°").wait_for()
+    learn.get_by_text("pass 1 of 6, waiting; RMS error 0.9002°").wait_for()
     label = learn.get_by_role("img", name="Table of shaft").get_attribute("aria-label")
     assert "of 169 cells visited" in label
     learn.get_by_role("img", name="Table of shaft").focus()

@@ -113,7 +113,9 @@ def until(condition, what=""):
 
 
 def drag(page, selector, dx):
-    box = page.locator(selector).bounding_box()
+    boxes = []
+    until(lambda: boxes.append(page.locator(selector).bounding_box()) or boxes[-1], selector)
+    box = boxes[-1]  # what is drawn anew meanwhile has none
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
     page.mouse.down()
@@ -172,6 +174,7 @@ def test_while_a_corner_is_held_the_surface_is_that_of_the_new_term(served, wind
     page = window(put(served, "held.frb")[1])
     for variable, term in (("e", "PS"), ("u", "PS")):
         selector = f'circle[data-variable="{variable}"][data-term="{term}"]'
+        page.locator(selector).first.hover(force=True)
         box = page.locator(selector).first.bounding_box()
         page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
         page.mouse.down()
@@ -185,6 +188,180 @@ def test_while_a_corner_is_held_the_surface_is_that_of_the_new_term(served, wind
         )
         settled = [value_at(page, *point) for point in ((0.9, 0.4), (2.5, -1.0))]
         assert held == pytest.approx(settled, abs=1e-12)
+
+
+CURVED = """\
+rulebase curved
+input x 0 .. 10
+output y 0 .. 1
+term x low:  gaussian 2 1
+term x high: bell 8 1 2
+term y no:  singleton 0
+term y yes: singleton 1
+rule if x is low then y is no
+rule if x is high then y is yes
+"""
+
+
+def test_widths_have_handles_and_numbers(served, window):
+    page = window(put(served, "curved.frb", CURVED)[1])
+    page.locator('text[data-term="low"]').focus()
+    page.locator('path.width[aria-label="x low: deviation"]').focus()
+    page.keyboard.press("Control+ArrowRight")
+    until(lambda: "gaussian 2 2\n" in text_of(page), "the deviation")
+    page.locator('text[data-term="high"]').focus()
+    field = page.locator('.details input[aria-label="x high, slope"]')
+    field.fill("3")
+    field.press("Enter")
+    until(lambda: "bell 8 1 3\n" in text_of(page), "the slope")
+    drag(page, 'path.width[aria-label="x high: width"]', -12)
+    until(lambda: "bell 8 1 3\n" not in text_of(page), "the width")
+    assert 0.3 < float(text_of(page).split("bell 8 ")[1].split()[0]) < 1
+
+
+def test_a_lower_function_stays_below_the_upper_one(served, window):
+    page = window(put(served, "below.frb", shipped("tipper2.frb").read_text())[1])
+    page.locator('text[data-variable="food"][data-term="rancid"]').focus()
+    assert page.locator(".footprint").count() == 8
+    right = page.get_by_label("food rancid: lower corner 4")
+    right.focus()
+    for _ in range(3):
+        page.keyboard.press("Control+ArrowRight")
+    until(lambda: "trapezoid -1.8 0 1 3 height 0.9" in text_of(page), "it stops at the upper one")
+    model = fuzzyarm.language.parse(text_of(page)).rulebase
+    until(lambda: page.evaluate("!designer.store.reshaped.size"), "the text is drawn")
+    expected = fuzzyarm.infer(model, service=2, food=2.9)["tip"]
+    assert value_at(page, 2, 2.9) == pytest.approx(expected, abs=1e-12)
+
+
+def test_terms_are_added_renamed_and_removed_and_ranges_set(served, window):
+    page = window(put(served, "whole.frb")[1])
+    before = text_of(page)
+
+    def ask(button, answer):
+        page.locator(".details").get_by_role("button", name=button).click()
+        page.locator("dialog input").fill(answer)
+        page.keyboard.press("Enter")
+
+    page.locator('text[data-variable="ce"][data-term="ZE"]').focus()
+    ask("Add …", "about zero")
+    until(lambda: "term ce 'about zero': triangle " in text_of(page), "the new term")
+    until(lambda: page.locator('text[data-term="about zero"]').count() == 1, "drawn")
+    page.locator('text[data-term="about zero"]').focus()
+    ask("Rename", "near")
+    until(lambda: "term ce near: " in text_of(page), "the new name")
+    until(lambda: page.locator('text[data-term="near"]').count() == 1, "drawn")
+    page.locator('text[data-term="near"]').focus()
+    page.locator(".details").get_by_role("button", name="Remove").click()
+    until(lambda: text_of(page) == before, "removed")
+    page.locator('text[data-variable="u"][data-term="PB"]').focus()
+    ask("Range …", "-6 .. 8")
+    until(lambda: "output u   -6 .. 8  " in text_of(page), "the range")
+
+
+FOUND = """\
+rulebase found
+input a 0 .. 10
+output y 0 .. 10
+terms a, y: triangles LOW HIGH
+rule if a is LOW then y is HIGH
+rule if a is HIGH then y is LOW
+rule if a is HIGH then y is LOW
+"""
+
+
+def choose(page, label, text):
+    page.locator(".surface .bar label", has_text=label).locator("select").select_option(label=text)
+
+
+def test_a_cut_is_moved_by_hand_and_by_keys(served, window):
+    page = window(put(served, "cut.frb")[1])
+    choose(page, "cut", "e")
+    slider = page.locator(".surface .below input")
+    slider.focus()
+    before = page.evaluate("designer.store.point[0]")
+    page.keyboard.press("ArrowRight")
+    until(lambda: page.evaluate("designer.store.point[0]") > before, "the cut has moved")
+    line = page.locator(".surface .line canvas")
+    until(lambda: "u over ce, cut at e" in (line.get_attribute("aria-label") or ""), "a name")
+    line.click(position={"x": 60, "y": 30})
+    assert page.evaluate("designer.store.point[1]") < -4
+    at = page.evaluate("designer.store.point[0]")
+    page.keyboard.press("ArrowLeft")
+    section = page.evaluate("[...designer.store.section(1).z]")
+    model = fuzzyarm.load(shipped("pd7.frb"))
+    assert section[0] == fuzzyarm.infer(model, e=at, ce=-6)["u"]
+    assert len(section) == 121
+
+
+def test_what_the_page_does_not_compute_is_the_server_s(served, window):
+    text = shipped("pd7.frb").read_text().replace("centroid exact", "mean-of-maximum")
+    text = text[: text.index("\nexpect")] + "\n" if "\nexpect" in text else text
+    page = window(put(served, "maxima.frb", text)[1])
+    until(lambda: page.evaluate("!!designer.store.far"), "a surface")
+    canvas = page.locator(".surface .main canvas")
+    until(lambda: "by the server" in canvas.get_attribute("aria-label"), "it is said")
+    model = fuzzyarm.language.parse(text).rulebase
+    page.evaluate("designer.store.setPoint(0, -3.5)")
+    page.evaluate("designer.store.setPoint(1, 2.25)")
+    value = fuzzyarm.infer(model, e=-3.5, ce=2.25)["u"]
+    until(lambda: page.evaluate("designer.store.value()") == value, "the point")
+    corner = fuzzyarm.infer(model, e=6, ce=-6)["u"]
+    assert page.evaluate("designer.store.far.z[60]") == corner
+    until(lambda: page.locator(".rules td.lit").count() == 4, "the cells that fire")
+
+
+def test_the_rules_are_those_that_fire_or_all_in_their_order(served, window):
+    page = window(put(served, "viewer.frb")[1])
+    fired = page.locator(".rules-fired .fired")
+    until(lambda: fired.count() == 4, "those that fire")
+    model = fuzzyarm.load(shipped("pd7.frb"))
+    point = page.evaluate("designer.store.point")
+    trace = fuzzyarm.explain(model, e=point[0], ce=point[1])
+    expected = [f"{each.number}: {each.strength:.3g}" for each in trace.fired]
+    assert sorted(page.locator(".degree").all_inner_texts()) == sorted(expected)
+    page.locator(".inference select").select_option("text")
+    until(lambda: fired.first.inner_text().startswith("1: 0"), "from the first on")
+    assert fired.count() < 30  # those that are seen
+    page.evaluate("document.querySelector('.rules-fired').scrollTop = 1e6")
+    until(lambda: fired.last.inner_text().startswith("49: "), "to the last")
+
+
+def test_both_strengths_and_both_ends_of_an_interval_are_shown(served, window):
+    page = window(put(served, "ends.frb", shipped("tipper2.frb").read_text())[1])
+    page.evaluate("designer.store.setPoint(0, 2)")
+    page.evaluate("designer.store.setPoint(1, 3)")
+    page.get_by_text("tip = 7.43782 (5.42028 … 9.45535)", exact=True).wait_for()
+    model = fuzzyarm.load(shipped("tipper2.frb"))
+    trace = fuzzyarm.explain(model, service=2, food=3)
+    first = trace.fired[0]
+    assert page.locator(".degree").first.inner_text() == (
+        f"{first.number}: {first.lower:.3g} … {first.strength:.3g}"
+    )
+    assert page.locator(".foot .interval").count() == 1
+    assert page.locator(".foot path.cut").count() == 2
+
+
+def test_sentences_are_written_in_the_list_and_findings_stand_there(served, window):
+    page = window(put(served, "found.frb", FOUND)[1])
+    signs = page.locator(".rules li .sign")
+    assert "already stands on line 6" in signs.get_attribute("aria-label")
+    page.get_by_label("remove rule 3", exact=False).click()
+    until(lambda: text_of(page).count("\nrule") == 2, "removed")
+    until(lambda: signs.count() == 0, "no finding is left")
+    page.get_by_label("edit rule 2", exact=False).click()
+    field = page.get_by_label("rule 2", exact=True)
+    field.fill("if a is NONE then y is LOW")
+    field.press("Enter")
+    page.locator('.write[aria-invalid="true"]').wait_for()
+    field.fill("if a is HIGH then y is LOW with 0.25")
+    field.press("Enter")
+    until(lambda: "then y is LOW with 0.25\n" in text_of(page), "changed")
+    new = page.get_by_label("A new rule")
+    new.fill("if a is not LOW then y is HIGH")
+    new.press("Enter")
+    until(lambda: text_of(page).endswith("rule if a is not LOW then y is HIGH\n"), "added")
+    until(lambda: page.locator(".rules li").count() == 3, "listed")
 
 
 def test_mistakes_are_found_and_the_last_sound_picture_stays(served, window):
@@ -271,19 +448,65 @@ def test_a_hostile_file_is_text(served, window, tmp_path):
 AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.min.js"
 
 
+EVERYTHING = """\
+rulebase everything "a grid, sentences, findings, and terms between two functions"
+input a 0 .. 10
+input b 0 .. 10
+output y 0 .. 10
+terms a, b: triangles LOW HIGH
+term y LOW: gaussian 2 2 over gaussian 2 1
+term y HIGH: gaussian 8 2 over gaussian 8 1
+inference y: defuzzifier karnik-mendel(51)
+rules y
+  a \\ b  LOW   HIGH
+  LOW    HIGH  LOW
+rule if a is HIGH and b is LOW then y is LOW
+rule if a is HIGH and b is LOW then y is LOW
+"""
+
+BUSY = """() => {
+  document.querySelector("text[data-variable=y]").focus();
+  const selects = [...document.querySelectorAll(".surface .bar select")].slice(-2);
+  const order = document.querySelector(".inference select");
+  for (const [select, to] of [[selects[0], "contour"], [selects[1], "x"], [order, "text"]]) {
+    select.value = to;
+    select.dispatchEvent(new Event("change"));
+  }
+  document.querySelector(".rules li button.small").click();
+}"""
+
+
 @pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed (make designer)")
-def test_no_serious_fault_of_accessibility(served, browser):
-    for name, scheme in (("pd7", "light"), ("tipper", "dark")):
-        address = put(served, f"axe-{name}.frb", shipped(f"{name}.frb").read_text())[1]
-        context = browser.new_context(bypass_csp=True, color_scheme=scheme)
-        page = context.new_page()
-        page.goto(address)
-        until(lambda page=page: page.evaluate("!!window.designer?.store.scene"), "a picture")
-        page.evaluate(AXE.read_text())
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_serious_fault_of_accessibility_in_any_view(scheme, served, browser):
+    """Every view, by its tab; that of design as it opens, and with everything in use."""
+    address = put(served, "axe.frb", EVERYTHING)[1]
+    context = browser.new_context(bypass_csp=True, color_scheme=scheme)
+    page = context.new_page()
+    page.goto(address)
+    until(lambda: page.evaluate("!!window.designer?.store.scene"), "a picture")
+    page.evaluate(AXE.read_text())
+
+    def look(what):
+        page.wait_for_timeout(150)  # what has been asked for is drawn
         found = page.evaluate("axe.run(document, { resultTypes: ['violations'] })")["violations"]
-        context.close()
-        serious = [each for each in found if each["impact"] in {"serious", "critical"}]
-        assert [(each["id"], each["nodes"][0]["html"]) for each in serious] == []
+        serious = [
+            (each["id"], node["html"][:200])
+            for each in found
+            if each["impact"] in {"serious", "critical"}
+            for node in each["nodes"]
+        ]
+        assert serious == [], what
+
+    look("as it opens")
+    assert page.locator(".rules .sign").count() >= 1
+    page.evaluate(BUSY)
+    look("everything in use")
+    tabs = page.locator("header [role=tab]")
+    for i in range(1, tabs.count()):
+        tabs.nth(i).click()
+        look(tabs.nth(i).inner_text())
+    context.close()
 
 
 def test_a_written_page_needs_nothing(window, tmp_path):

@@ -59,7 +59,10 @@ def test_the_motor_runs_is_pushed_and_tuned_and_stops(server, chromium):
     page = open_run(server, chromium, "servo")
     before = text_of(page)
     assert page.locator(".run-form select").nth(1).input_value() == "motor"
-    assert page.get_by_label("Reference", exact=True).input_value() == "position=step:1"
+    assert (
+        page.locator("#view-run").get_by_label("Reference", exact=True).input_value()
+        == "position=step:1"
+    )
     page.get_by_role("button", name="Start").click()
     until(lambda: clock(page) > 0.6, "it moves")
     until(lambda: abs(final_error(page)) < 1e-3, "it arrives")

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import shutil
 import subprocess
 
@@ -13,10 +14,11 @@ from fuzzyarm.designer.assets import asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_source
+from fuzzyarm.inference import infer
 from fuzzyarm.inference.sets import straight_pieces
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_cell, set_shapes
 from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.model.shapes import polyline
+from fuzzyarm.model.shapes import membership_function, polyline
 from fuzzyarm.shipped_files import shipped
 
 pytest.importorskip("starlette", reason="the extra designer is not installed")
@@ -121,6 +123,47 @@ def test_corners_and_pieces_in_the_page_are_those_of_python(tmp_path):
         assert corners == [number for corner in expected for number in corner], kind
         cut = [tuple(piece[:4]) for piece in straight_pieces(expected, -1.0, 1.0)]
         assert list(zip(*[iter(pieces)] * 4, strict=True)) == cut, kind
+
+
+CURVES = [
+    ("gaussian", (2.0, 0.5)), ("two-sided-gaussian", (1.0, 0.25, 3.0, 0.75)),
+    ("bell", (2.0, 1.0, 3.0)), ("sigmoid", (2.0, -4.0)), ("cosine", (2.0, 1.0)),
+    ("sigmoid-difference", (1.0, 4.0, 3.0, 2.0)), ("sigmoid-product", (1.0, 4.0, 3.0, -2.0)),
+    ("spike", (2.0, 5.0)), ("s", (1.0, 2.0)), ("z", (1.0, 2.0)), ("pi", (0.0, 1.0, 2.0, 4.0)),
+    ("ramp", (1.0, 3.0)), ("concave", (1.0, 3.0)), ("arc", (3.0, 1.0)),
+    ("semi-ellipse", (1.0, 2.0)), ("triangle", (0.0, 1.0, 3.0)),
+]  # fmt: skip
+
+WIDTHS_AND_MIRRORS = """
+import { WIDTHS } from "./store.js";
+import { mirrorOf } from "./terms.js";
+import { readFileSync } from "fs";
+console.log(JSON.stringify(JSON.parse(readFileSync(0)).map(([kind, p]) => [
+  mirrorOf(kind, p, 10),
+  Object.entries(WIDTHS[kind] ?? {}).map(([i, { at, to }]) => [p[i], to(p, at(p)), at(p)]),
+])));
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_widths_lead_to_handles_and_back_and_mirrors_are_mirrors(tmp_path):
+    for name in ("engine.js", "store.js", "terms.js", "draw.js", "strings.js"):
+        (tmp_path / name).write_bytes(asset(name)[0])
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "run.js").write_text(WIDTHS_AND_MIRRORS)
+    done = subprocess.run(
+        ["node", str(tmp_path / "run.js")], input=json.dumps(CURVES), capture_output=True,
+        text=True, check=True, timeout=60,
+    )  # fmt: skip
+    for (kind, numbers), (mirrored, widths) in zip(CURVES, json.loads(done.stdout), strict=True):
+        other = {"s": "z", "z": "s"}.get(kind, kind)
+        one = membership_function(Shape(kind, numbers))
+        image = membership_function(Shape(other, tuple(mirrored)))
+        for x in (-1.0, 0.3, 1.25, 1.8, 2.6, 3.9):
+            assert one(x) == pytest.approx(image(10.0 - x), abs=1e-12), kind
+        for number, back, position in widths:
+            assert back == pytest.approx(number), kind
+            assert -1.0 < position < 5.0
 
 
 # --- the file on disk ---
@@ -285,6 +328,37 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         assert json.loads(socket.receive_text())["is"] == "failed"
 
 
+def test_a_surface_is_computed_beside_and_its_question_is_not_trusted(client, tmp_path):
+    text = PD7.replace("centroid exact", "mean-of-maximum")
+    corner = read(text).model.rules[-1].span
+    text = apply_edits(text, set_cell(read(text), corner.line, corner.column, None))
+    (tmp_path / "inside" / "maxima.frb").write_text(text)
+    asked = {"x": 0, "y": 1, "output": 0, "point": [1.5, -2.0], "across": 3, "fired": True,
+             "ends": [[-6, 6], [-6, 6]]}  # fmt: skip
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "maxima.frb"}))
+
+        def news(**changed):
+            start = {"do": "start", "what": "surface", "id": 7, **asked, **changed}
+            socket.send_text(json.dumps(start))
+            heard = []
+            while not heard or "end" not in heard[-1]:
+                message = json.loads(socket.receive_text())
+                heard += [message] if message["is"] == "job" else []
+            return heard
+
+        model = read(text).model
+        fired, surface, end = news()
+        assert len(fired["strengths"]) == len(model.rules)
+        assert fired["outputs"] == [infer(model, e=1.5, ce=-2.0)["u"]]
+        assert end["end"] == "done"
+        assert surface["z"][0] == infer(model, e=-6, ce=-6)["u"]
+        assert surface["z"][8] is None  # no rule fires there
+        for wrong in ({"x": 9}, {"point": [1]}, {"point": None}, {"ends": [[0, 0], [1, 0]]},
+                      {"across": "x"}, {"output": 4}, {"ends": [[0, "inf"], [0, 1]]}):  # fmt: skip
+            assert news(**wrong)[-1]["end"] == "failed", wrong
+
+
 # --- pages without a server ---
 
 
@@ -302,3 +376,10 @@ def test_the_modules_of_a_page_are_one_script():
                 if line.startswith(("function ", "const ", "class ", "let "))]  # fmt: skip
     assert len(declared) == len(set(declared))
     assert MODULES[-1] == "exported"
+
+
+def test_every_word_of_the_page_has_a_name_of_its_own():
+    words = asset("strings.js")[0].decode()
+    names = re.findall(r"^  (\w+):", words, re.MULTILINE)
+    assert len(names) > 100
+    assert sorted(names) == sorted(set(names))

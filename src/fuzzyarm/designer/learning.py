@@ -91,7 +91,8 @@ class Training:
         The text that is open.
     asked : dict
         ``controller`` (a shipped one; empty for the text), ``plant``, ``trajectory``, ``payload``,
-        ``reference``, ``seconds``, ``passes``, ``rate``, ``start``, ``speed``.
+        ``reference``, ``seconds``, ``passes``, ``step`` (to wait behind the first), ``rate``,
+        ``start``, ``speed``.
     job : Job
         Who is told, and says what is to be done.
     """
@@ -104,7 +105,7 @@ class Training:
         self.limit = self.passes
         self.name, self.trainee = self._trainee(session)
         self.motion, self.along = self._motion()
-        self.mode = "run"
+        self.mode = "step" if asked.get("step") else "run"
         self.hold = SPEEDS[str(asked.get("speed") or "watch")]
         self.errors: list[list[float]] = []
         self.told_errors = 0
@@ -224,6 +225,11 @@ class Training:
         if "save" in word:
             self._save(str(word["save"]), replace=bool(word.get("replace")))
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether it neither waits nor has been stopped."""
+        return self.mode in ("run", "step")
+
     # --- What is told ---
 
     def _tell_begin(self) -> None:
@@ -248,12 +254,12 @@ class Training:
 
     def _show(self, snapshot: Snapshot) -> None:
         """Tell the state; of a fast training only of whole passes."""
-        if self.hold == 0.0 and self.mode == "run" and not snapshot.complete:
+        if self.hold == 0.0 and self.goes_on and not snapshot.complete:
             return
         begin = time.monotonic()
         self.job.tell(self._news(snapshot))
         rest = max(self.hold, 0.02) - (time.monotonic() - begin)
-        if self.mode == "run" and rest > 0.0:
+        if self.goes_on and rest > 0.0:
             time.sleep(rest)
 
     def _news(self, snapshot: Snapshot) -> dict[str, Any]:
@@ -263,7 +269,7 @@ class Training:
         pages = snapshot.learned.pages()
         fresh, self.told_errors = self.errors[self.told_errors :], len(self.errors)
         return {
-            "mode": self.mode,
+            "mode": "run" if self.goes_on else self.mode,
             "pass": snapshot.passage,
             "limit": self.limit,
             "time": snapshot.time,

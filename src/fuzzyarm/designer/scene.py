@@ -8,17 +8,30 @@ from typing import Any
 
 from fuzzyarm.export.javascript import Functions, numbers_of
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.inference.firing_intervals import UPPER, doubled, is_value
 from fuzzyarm.inference.layout import NotCoveredError, norm_number
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.trace import sentence
 from fuzzyarm.language.queries import Reading
-from fuzzyarm.language.rules import GridNode
+from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.lsp.session import UTF16, to_position
-from fuzzyarm.model.rulebase import Input, Output, Rule, RuleBase, Term, propositions
+from fuzzyarm.model.rulebase import (
+    KARNIK_MENDEL,
+    Input,
+    Output,
+    Rule,
+    RuleBase,
+    Shape,
+    Term,
+    propositions,
+)
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.text.diagnostic import Span
 
 __all__ = ["Positions", "held_numbers", "scene_of"]
+
+LowerNames = dict[tuple[str, str], str]
+"""For a variable and a term: what its lower end is called."""
 
 WIDTHS = frozenset({
     "deviation", "left-deviation", "right-deviation", "width", "slope", "slope1", "slope2",
@@ -62,6 +75,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
     positions = Positions(reading.raw_lines)
     functions = Functions()
     made = plan(rulebase)
+    lower = doubled(rulebase).lower_names if rulebase.is_type2 else {}
     numbers, reason = None, ""
     try:
         numbers = numbers_of(rulebase, functions)
@@ -70,12 +84,15 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
     return {
         "name": rulebase.name,
         "description": rulebase.description,
-        "inputs": [_variable(each, functions, positions) for each in rulebase.inputs],
+        "inputs": [_variable(each, functions, positions, lower) for each in rulebase.inputs],
         "outputs": [
-            {**_variable(each, functions, positions), **_output(each, made, functions)}
+            {
+                **_variable(each, functions, positions, lower),
+                **_output(each, made, functions, lower),
+            }
             for each in rulebase.outputs
         ],
-        "rules": _rules(rulebase, made, positions),
+        "rules": _rules(rulebase, made, reading, positions),
         "grids": _grids(rulebase, reading, positions),
         "numbers": numbers,
         "functions": functions.described,  # those of the curves to be drawn among them
@@ -85,6 +102,10 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
 
 def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
     """Return the numbers of a rule base while a hand moves the terms of a variable."""
+    found = rulebase.variable(variable)
+    middles = isinstance(found, Output) and found.defuzzifier.method == "nie-tan"
+    if middles and any(term.lower and is_value(term.lower) for term in found.terms):
+        return None  # what stands in the numbers is the middle of two
     try:
         return numbers_of(rulebase, loose=variable)
     except NotCoveredError:
@@ -101,7 +122,7 @@ def _number(value: float) -> float | str:
 
 
 def _variable(
-    variable: Input | Output, functions: Functions, positions: Positions
+    variable: Input | Output, functions: Functions, positions: Positions, lower: LowerNames
 ) -> dict[str, Any]:
     return {
         "name": variable.name,
@@ -109,20 +130,36 @@ def _variable(
         "low": _finite(variable.low),
         "high": _finite(variable.high),
         "outside": variable.outside,
-        "terms": [_term(each, variable, functions, positions) for each in variable.terms],
+        "terms": [
+            _term(each, variable, functions, positions, lower.get((variable.name, each.name), ""))
+            for each in variable.terms
+        ],
     }
 
 
 def _term(
-    term: Term, variable: Input | Output, functions: Functions, positions: Positions
+    term: Term, variable: Input | Output, functions: Functions, positions: Positions, lower: str
 ) -> dict[str, Any]:
-    shape, kind = term.shape, SHAPES[term.shape.kind]
+    """Describe a term; `lower` is what its lower end is called in the numbers, where it has one."""
     found: dict[str, Any] = {
         "name": term.name,
+        "at": positions.of(term.span)[0],
+        **_shape(term.shape, variable, functions),
+        "marks": [term.name, *([lower] if lower and term.lower is None else [])],
+        "lower": None,
+    }
+    if term.lower is not None:
+        found["lower"] = {**_shape(term.lower, variable, functions), "marks": [lower]}
+    return found
+
+
+def _shape(shape: Shape, variable: Input | Output, functions: Functions) -> dict[str, Any]:
+    kind = SHAPES[shape.kind]
+    found: dict[str, Any] = {
         "kind": shape.kind,
         "parameters": list(map(_number, shape.parameters)),
+        "names": list(kind.parameters),
         "height": shape.height,
-        "at": positions.of(term.span)[0],
         "centre": None,
         "curve": None,
         "ordered": kind.ordered,
@@ -144,16 +181,25 @@ def _term(
     return found
 
 
-def _output(output: Output, made: Plan, functions: Functions) -> dict[str, Any]:
+def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames) -> dict[str, Any]:
     found = made.outputs[output.name]
+    upper = {name: term for (of, term), name in lower.items() if of == output.name}
     members = []
-    for member in found.members:
+    for i, member in enumerate(found.members):
         values = member.value is not None or not SHAPES[member.term.shape.kind].fuzzy
         curve = None if values else functions.curve(member.term.shape, member.hedges)
         members.append(
             {
-                "term": member.term.name,
-                "words": " ".join([*(hedge.name for hedge in member.hedges), member.term.name]),
+                "term": upper.get(member.term.name, member.term.name),
+                "isLower": member.term.name in upper,
+                "side": found.sides[i] if found.sides else UPPER,
+                "hedged": bool(member.hedges),
+                "words": " ".join(
+                    [
+                        *(hedge.name for hedge in member.hedges),
+                        upper.get(member.term.name, member.term.name),
+                    ]
+                ),
                 "value": None if member.value is None else _finite(member.value),
                 "curve": curve
                 and {"address": curve.address, "numbers": list(map(_number, curve.numbers))},
@@ -164,12 +210,17 @@ def _output(output: Output, made: Plan, functions: Functions) -> dict[str, Any]:
         "defuzzifier": str(output.defuzzifier),
         "aggregation": norm_number(SNORMS[output.aggregation], "S", functions),
         "discrete": found.discrete,
+        "interval": output.defuzzifier.method in KARNIK_MENDEL,
+        "twoSided": bool(found.sides),
         "noRule": output.no_rule if isinstance(output.no_rule, str) else _finite(output.no_rule),
         "members": members,
+        "asserted": [list(each) for each in found.contributions],
     }
 
 
-def _rules(rulebase: RuleBase, made: Plan, positions: Positions) -> list[dict[str, Any]]:
+def _rules(
+    rulebase: RuleBase, made: Plan, reading: Reading, positions: Positions
+) -> list[dict[str, Any]]:
     if len(made.rules) > MOST_RULES:
         return []
     concluded: dict[int, list[list[int]]] = {}
@@ -177,16 +228,25 @@ def _rules(rulebase: RuleBase, made: Plan, positions: Positions) -> list[dict[st
         for member, index in output.contributions:
             concluded.setdefault(index, []).append([o, member])
     names = [each.name for each in rulebase.inputs]
+    nodes = (statement.node for statement in reading.document.statements)
+    written = {node.span.line: " ".join(node.parts) for node in nodes if isinstance(node, RuleNode)}
     found = []
     for number, rule in enumerate(rulebase.rules):
         found.append(
             {
                 "text": sentence(rule),
+                "written": "" if rule.in_grid else written.get(rule.span.line, ""),
+                "line": rule.span.line,
+                "range": positions.of(rule.span),
                 "weight": rule.weight,
                 "at": positions.of(rule.span)[0],
                 "inGrid": rule.in_grid,
                 "parts": list(_parts(rule, names)),
-                "concludes": concluded.get(number, []),
+                "readings": list(made.readings[number]),
+                "concludes": concluded.get(made.readings[number][0], []),
+                "concludesLower": [
+                    each for index in made.readings[number][1:] for each in concluded.get(index, [])
+                ],
             }
         )
     return found
@@ -217,6 +277,7 @@ def _grids(rulebase: RuleBase, reading: Reading, positions: Positions) -> list[d
             "column": part.column.text,
             "columns": [word.text for word in part.columns],
             "joined": bool(grid.joined),
+            "range": positions.of(part.span),
             "rows": [
                 {
                     "label": row.label.text,

@@ -37,6 +37,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from fuzzyarm.designer.assets import asset, index_page
+from fuzzyarm.designer.computed import surface
 from fuzzyarm.designer.jobs import Job, Work
 from fuzzyarm.designer.learning import learn, learnable
 from fuzzyarm.designer.shared import ConflictError, SharedText
@@ -52,6 +53,7 @@ SUFFIXES = (".frb", ".lut")
 """Files that are opened."""
 
 WORKS: dict[str, Work] = {
+    "surface": surface,
     "learnable": learnable,
     "learn": learn,
     "tunable": tunable,

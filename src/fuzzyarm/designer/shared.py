@@ -24,12 +24,18 @@ from fuzzyarm.language.queries import (
     Edit,
     Reading,
     RenameError,
+    Reshaped,
     ReshapeError,
+    add_term,
     add_tuning,
+    remove_term,
+    rename_term,
     set_cell,
     set_gain,
     set_ranges,
+    set_rule,
     set_shapes,
+    set_variable_range,
 )
 from fuzzyarm.lsp.session import UTF16, Session, to_place
 from fuzzyarm.model.rulebase import Shape
@@ -293,14 +299,35 @@ class SharedText:
         return {"version": self.version, "changes": difference(self.text, text)}
 
     def _shapes(self, asked: dict[str, Any]) -> dict[str, Any]:
-        shapes = []
-        for each in asked["shapes"]:
-            if each["kind"] not in SHAPES:
-                raise KeyError(each["kind"])
-            numbers = tuple(float(number) for number in each["parameters"])
-            shape = Shape(str(each["kind"]), numbers, float(each.get("height", 1.0)))
-            shapes.append((str(each["variable"]), str(each["term"]), shape))
+        shapes = [
+            Reshaped(
+                str(each["variable"]),
+                str(each["term"]),
+                _shape(each),
+                _shape(each["lower"]) if each.get("lower") else None,
+            )
+            for each in asked["shapes"]
+        ]
         return self._edits(set_shapes(self.session.reading, shapes))
+
+    def _term(self, asked: dict[str, Any]) -> dict[str, Any]:
+        """Add a term, remove one, or give it another name."""
+        reading, variable, term = self.session.reading, str(asked["variable"]), str(asked["term"])
+        if "shape" in asked:
+            return self._edits(add_term(reading, variable, term, _shape(asked["shape"])))
+        if "name" in asked:
+            return self._edits(rename_term(reading, variable, term, str(asked["name"])))
+        return self._edits(remove_term(reading, variable, term))
+
+    def _range(self, asked: dict[str, Any]) -> dict[str, Any]:
+        low, high = float(asked["low"]), float(asked["high"])
+        return self._edits(
+            set_variable_range(self.session.reading, str(asked["variable"]), low, high)
+        )
+
+    def _rule(self, asked: dict[str, Any]) -> dict[str, Any]:
+        line = None if asked["line"] is None else int(asked["line"])
+        return self._edits(set_rule(self.session.reading, line, str(asked["sentence"])))
 
     def _cell(self, asked: dict[str, Any]) -> dict[str, Any]:
         line, column = asked["cell"]
@@ -355,11 +382,22 @@ _QUESTIONS = {
     "merge": SharedText._merge,
     "movable": SharedText._movable,
     "shapes": SharedText._shapes,
+    "term": SharedText._term,
+    "range": SharedText._range,
     "cell": SharedText._cell,
     "gain": SharedText._gain,
+    "rule": SharedText._rule,
     "numbers": SharedText._numbers,
 }
 """What a page may ask → who answers."""
+
+
+def _shape(asked: dict[str, Any]) -> Shape:
+    """Return a shape as a page describes it."""
+    if asked["kind"] not in SHAPES:
+        raise KeyError(asked["kind"])
+    numbers = tuple(float(number) for number in asked["parameters"])
+    return Shape(str(asked["kind"]), numbers, float(asked.get("height", 1.0)))
 
 
 def _unix(text: str) -> str:

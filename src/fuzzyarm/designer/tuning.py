@@ -334,7 +334,8 @@ class Teller:
         self.begin = time.monotonic()
         self.last = 0.0
         self.told = {"search": 0, "linear": 0}
-        self.found: dict[str, Found] = {}
+        self.found: dict[str, tuple[Found, float]] = {}
+        """By phase, and when it was heard of."""
         pipe.send({"moving": [
             {"name": each.name, "low": each.low, "high": each.high, "start": each.start,
              "share": float(share)}
@@ -351,19 +352,20 @@ class Teller:
 
     def rest(self) -> None:
         """Say what has not been said."""
-        for phase, found in self.found.items():
+        for phase, (found, when) in self.found.items():
             if self.told[phase] < len(found.trials):
-                self._say(phase, found)
+                self._say(phase, found, when - self.begin)
 
     def _hear(self, phase: str, found: Found) -> None:
-        self.found[phase] = found
-        if time.monotonic() - self.last >= TELL_EVERY:
+        now = time.monotonic()
+        self.found[phase] = found, now
+        if now - self.last >= TELL_EVERY:
+            self.last = now
             self.rest()
         if self.enough.is_set():
             raise KeyboardInterrupt
 
-    def _say(self, phase: str, found: Found) -> None:
-        self.last = time.monotonic()
+    def _say(self, phase: str, found: Found, seconds: float) -> None:
         trials, first = found.trials, self.told[phase]
         self.told[phase] = len(trials)
         news: dict[str, Any] = {
@@ -372,7 +374,7 @@ class Teller:
             "costs": [_finite(trial.score.cost) for trial in trials[first:]],
             "best": _finite(found.best.score.cost),
             "refused": found.refused,
-            "seconds": round(self.last - self.begin, 2),
+            "seconds": round(seconds, 2),
         }
         if phase == "search":
             best = found.best.point

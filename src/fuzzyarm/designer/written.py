@@ -20,6 +20,7 @@ from fuzzyarm.export.javascript import engine_source, script_json
 from fuzzyarm.language import read_text
 from fuzzyarm.language.queries import (
     Reading,
+    Reshaped,
     ReshapeError,
     coloured,
     read,
@@ -146,7 +147,7 @@ def _place(reading: Reading, variable: Input | Output, term: Term) -> dict[str, 
     if not term.shape.parameters:
         return None
     try:
-        (edit,) = set_shapes(reading, [(variable.name, term.name, term.shape)])
+        (edit,) = set_shapes(reading, [Reshaped(variable.name, term.name, term.shape, term.lower)])
     except ReshapeError:
         return None
     # The words in front of the shape are those of an edit that ends with it.

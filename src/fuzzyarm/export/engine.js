@@ -127,6 +127,21 @@ class Engine {
     return Array.from(block.subarray(k[RESULTS], k[RESULTS] + k[OUTPUTS]));
   }
 
+  /** The left and the right end of each output at a point; both the value of one without ends. */
+  ends(values) {
+    const value = this.at(values);
+    const places = this.data.intervals.map((output) =>
+      this.whole[this.whole[OUTPUTS_AT] + output * OUTPUT_HEAD + FLOATS_AT] + OUTPUT_RANGE - 1);
+    const asked = places.map((place) => this.floats[place]);
+    const found = [-1, 1].map((end) => {
+      for (const place of places) this.patch(place, [end]);
+      return this.at(values);
+    });
+    places.forEach((place, i) => this.patch(place, [asked[i]]));
+    return value.map((each, o) =>
+      (this.data.intervals.includes(o) ? [found[0][o], found[1][o]] : [each, each]));
+  }
+
   /** The outputs at many points: a column for each input; a row for each output comes back. */
   many(columns) {
     const points = columns[0].length;
@@ -154,7 +169,7 @@ class Engine {
     const block = this.block(1);
     const k = block.whole;
     k[PROGRAM] = 0;
-    const outputs = this.at(values);
+    const outputs = this.many(values.map((value) => [value])).map(([value]) => value); // row by row: it notes its program
     if (!k[PROGRAM]) return null;
     const f = block.subarray(k[FLOATS], k[ROOM]);
     const room = block.subarray(k[ROOM], k[COLUMNS]);

@@ -25,11 +25,11 @@ from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace,
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
 from fuzzyarm.expression.records import Kind, degree_on_polyline
-from fuzzyarm.inference import integrated, kernel
+from fuzzyarm.inference import integrated, kernel, reduced
 from fuzzyarm.inference.layout import Curve, Layout, NotCoveredError, lay_out
 from fuzzyarm.inference.plan import Plan, plan
 from fuzzyarm.inference.sets import formula_of
-from fuzzyarm.model.rulebase import POSITION, Hedge, RuleBase, Shape
+from fuzzyarm.model.rulebase import KARNIK_MENDEL, POSITION, Hedge, RuleBase, Shape
 from fuzzyarm.model.shapes import polyline
 from fuzzyarm.text.names import printable
 from fuzzyarm.version import __version__
@@ -44,6 +44,13 @@ PROGRAMS: tuple[Callable[..., Any], ...] = (
     kernel.enveloped_centroid,
     integrated.integrated_centroid,
     integrated.integrated_bisector,
+    reduced.karnik_mendel_values,
+    reduced.karnik_mendel_samples,
+    reduced.karnik_mendel_envelope,
+    reduced.karnik_mendel_integral,
+    reduced.nie_tan_samples,
+    reduced.nie_tan_envelope,
+    reduced.nie_tan_integral,
 )
 """What a layout calls by its number."""
 
@@ -144,15 +151,13 @@ def numbers_of(
     dict
         ``whole`` and ``floats`` in base64 (32-bit and 64-bit numbers, little-endian),
         ``programs``, ``rows``, ``samples``, ``rules``, ``weights`` (where those of the first rule
-        stand), ``functions`` and ``marks``.
+        stand), ``intervals`` (outputs whose centroid has two ends), ``functions`` and ``marks``.
 
     Raises
     ------
     NotCoveredError
         If the kernel does not evaluate it.
     """
-    if rulebase.is_type2:
-        raise NotCoveredError("its interval type-2 terms")
     functions = functions or Functions()
     made = plan(rulebase)
     layout = lay_out(made, addresses=functions, loose=loose)
@@ -164,6 +169,11 @@ def numbers_of(
         "samples": layout.samples,
         "rules": len(made.rules),
         "weights": _first_weight(made, layout),
+        "intervals": [
+            o
+            for o, output in enumerate(rulebase.outputs)
+            if output.defuzzifier.method in KARNIK_MENDEL and made.outputs[output.name].members
+        ],
         "functions": functions.described,
         "marks": [mark._asdict() for mark in layout.marks],
     }

@@ -42,8 +42,16 @@ class NotTranslatedError(NotImplementedError):
 
 OWN = {
     integrated.move_bits: """\
+const ONE_FLOAT = new Float64Array(1);
+const ITS_WORDS = new Uint32Array(ONE_FLOAT.buffer); // the lower half first
+
 function move_bits(row, index, steps) {
-  new BigInt64Array(row.buffer, row.byteOffset + 8 * index, 1)[0] += BigInt(steps);
+  ONE_FLOAT[0] = row[index];
+  const lower = ITS_WORDS[0] + steps;
+  ITS_WORDS[0] = lower;
+  if (lower < 0) ITS_WORDS[1] -= 1;
+  else if (lower > 0xffffffff) ITS_WORDS[1] += 1;
+  row[index] = ONE_FLOAT[0];
 }
 """,
 }
@@ -135,10 +143,12 @@ class _Function:
         targets = [self.target(target) for target in each.targets]
         return [f"{' = '.join(targets)} = {self.value(each.value)};"]
 
-    def annotated(self, each: ast.AnnAssign) -> list[str]:
-        if each.value is None:
-            raise NotTranslatedError(each)
+    def typed(self, each: ast.AnnAssign) -> list[str]:
+        assert each.value is not None
         return [f"{self.target(each.target)} = {self.value(each.value)};"]
+
+    def left(self, _each: ast.Break) -> list[str]:
+        return ["break;"]
 
     def changed(self, each: ast.AugAssign) -> list[str]:
         return [f"{self.target(each.target)} {_BINARY[type(each.op)]}= {self.value(each.value)};"]
@@ -172,8 +182,9 @@ class _Function:
         ast.Expr: plain,
         ast.Return: returned,
         ast.Assign: assigned,
-        ast.AnnAssign: annotated,
+        ast.AnnAssign: typed,
         ast.AugAssign: changed,
+        ast.Break: left,
         ast.If: chosen,
         ast.While: repeated,
         ast.For: looped,
@@ -263,17 +274,23 @@ class _Function:
             if ast.unparse(each.func.value) != "block":
                 raise NotTranslatedError(each)
             return "block.whole"
+        if ast.unparse(each.func) == "float":
+            return self.number(each.args[0])
         arguments = ", ".join(self.value(part) for part in each.args)
         if isinstance(each.func, ast.Name):
             if each.func.id == "len":
                 return f"{arguments}.length"
-            if each.func.id == "float":
-                return arguments
             known = each.func.id in _CALLS or is_kernel(self.names.get(each.func.id))
             if not known:
                 raise NotTranslatedError(each)
             return f"{_CALLS.get(each.func.id, each.func.id)}({arguments})"
         return f"{self.value(each.func)}({arguments})"
+
+    def number(self, each: ast.expr) -> str:
+        """Return the float that an expression is made into; a text is a name of one."""
+        if isinstance(each, ast.Constant) and isinstance(each.value, str):
+            return javascript_number(float(each.value))
+        return self.value(each)
 
     _VALUES: ClassVar[dict[type, Callable[..., str]]] = {
         ast.Constant: constant,

@@ -859,6 +859,7 @@ class _OutputWriter:
             for side, member in enumerate(pair):
                 self.consequents[member] = len(self.base.whole)
                 self.base.whole += [number, side, lower, upper]
+                self._mark("value", member, upper if side == firing_intervals.UPPER else lower, 1)
         self.samples = reduced.PAIR_ROWS * len(self.plan.pairs) // 2 + 1
         return len(self.plan.pairs)
 
@@ -933,7 +934,8 @@ class _OutputWriter:
 
 
 def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], None]:
-    if plan.output.defuzzifier.method in TYPE_2 and plan.members and plan.closed is None:
+    has_form = plan.closed is not None and not loose
+    if plan.output.defuzzifier.method in TYPE_2 and plan.members and not has_form:
         return _type_reduction(plan)
     if plan.discrete:
         return at.weighted

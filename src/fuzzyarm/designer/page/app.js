@@ -1,9 +1,11 @@
 // The page of the server: one socket, one file at a time.
 
+import { ask } from "./dialogs.js";
 import { clean, el } from "./draw.js";
 import { DESIGN, frame } from "./frame.js";
 import { LEARN } from "./learn.js";
 import { RUN } from "./run.js";
+import { askServer } from "./remote.js";
 import { Store } from "./store.js";
 import { textPane } from "./text.js";
 import { TUNE } from "./tune.js";
@@ -27,6 +29,7 @@ let dirty = false;
 let lost = false;
 let turning = false; // to another file of this page
 let asked = 0;
+let latest = null; // findings, which come in front of the picture of the same text
 const answers = new Map();
 const jobs = new Map(); // what hears of long work, by its number
 
@@ -75,6 +78,8 @@ function mark(changed) {
 const text = textPane(link, start.nonce);
 const hand = {
   edit: (shapes) => text.edit("shapes", { shapes }),
+  change: (what, details) => text.edit(what, details), // an edit that the server makes
+  askFor: ask,
   numbers: (variable) => text.numbers(variable),
   ask: (question) => link.ask(question),
   start: (what, asked_for, hear) => link.start(what, asked_for, hear),
@@ -82,8 +87,8 @@ const hand = {
   setGain: (name, values) => text.edit("gain", { name, values }),
   text: () => text.state().text,
   goTo: (at) => text.goTo(at),
-  change: (what, details) => text.edit(what, details), // an edit that the server makes
 };
+askServer(store, hand.start);
 const banner = el("div", { class: "banner", role: "alert", hidden: true });
 const chooser = start.files.length > 1 ? files : el("strong", { textContent: file });
 frame(store, hand, text.section, [chooser, save, status, el("span", { class: "space" })], VIEWS);
@@ -145,10 +150,12 @@ const TAKEN = {
   updates: (message) => text.receive(message),
   findings(message) {
     text.show(message);
+    latest = message;
     store.emit("text"); // what was asked of an older text may be asked again
   },
   scene(message) {
     if (message.version !== text.version()) return;
+    store.findings = latest?.version === message.version ? latest.findings : [];
     if (message.scene) store.show(message.scene);
     else store.mistaken(message.why);
     store.judge(message.why !== "mistakes");

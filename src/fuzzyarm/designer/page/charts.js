@@ -1,6 +1,6 @@
 // Lines over a count, drawn on a canvas: the error of each pass, the cost of each trial.
 
-import { el, context, colourOf, shortNumber, ticks, eachFrame } from "./draw.js";
+import { clean, el, context, colourOf, shortNumber, ticks, eachFrame } from "./draw.js";
 
 const ROOM = { left: 52, right: 12, top: 10, bottom: 34 };
 const DASHES = [[], [6, 4], [2, 3], [8, 3, 2, 3]];
@@ -141,7 +141,7 @@ export function drawChart({ g, width, height }, series, { across, up, logarithmi
       g.stroke();
       g.setLineDash([]);
       g.fillStyle = paint.ink;
-      g.fillText(each.name, plot.x1 - 32, y);
+      g.fillText(clean(each.name), plot.x1 - 32, y);
     });
   }
 }

@@ -1,6 +1,6 @@
 // Learn: an SOC table that grows cell by cell while passes run, its visits, the error of each pass.
 
-import { el, pane, heat, shortNumber, SHADES } from "./draw.js";
+import { clean, el, pane, heat, shortNumber, SHADES } from "./draw.js";
 import { drawChart, field, inks, number, refill, stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
 import { S } from "./strings.js";
@@ -71,14 +71,14 @@ function learnPanes(store, hand) {
     if (store.view !== LEARN.name || !stale) return;
     stale = false;
     hand.start("learnable", {}, (message) => {
-      if (message.end === "failed") said.textContent = message.message;
+      if (message.end === "failed") said.textContent = clean(message.message);
       if (message.end) return;
       facts = message;
       refill(controller, facts.texts.map((each) => [each.name, each.name || S.thisText]));
       refill(trajectory, facts.trajectories.map((each) => [each, each]));
       refill(start, [["", S.asTheText], ...facts.tables.map((each) => [each, each])]);
       choosePlants();
-      if (!job) said.textContent = facts.own ? S.learnsItself : S.learnsNot;
+      if (!job) said.textContent = clean(facts.own ? S.learnsItself : S.learnsNot);
     });
   }
 
@@ -89,15 +89,15 @@ function learnPanes(store, hand) {
   function pressed() {
     if (mode() === "run") job.say({ go: "pause" });
     else if (mode() === "pause") job.say({ go: "run" });
-    else train(Number(passes.value));
+    else train(false);
   }
 
   function stepped() {
     if (mode() === "pause") job.say({ go: "step" });
-    else if (mode() === "none" || mode() === "stop") train(1);
+    else train(true);
   }
 
-  function train(count) {
+  function train(oneByOne) {
     job?.stop();
     begin = news = cell = null;
     errors = [];
@@ -105,7 +105,7 @@ function learnPanes(store, hand) {
     const mine = job = hand.start("learn", {
       controller: controller.value, plant: plant.value, trajectory: trajectory.value,
       payload: payload.checked, reference: reference.value.trim(), seconds: seconds.value,
-      start: start.value, passes: count, rate: rate.value, speed: speed.value,
+      start: start.value, passes: passes.value, step: oneByOne, rate: rate.value, speed: speed.value,
     }, (message) => {
       if (job === mine) hear(message); // an older one may still speak
     });
@@ -115,15 +115,15 @@ function learnPanes(store, hand) {
   function hear(message) {
     if (message.end) {
       job = null;
-      if (message.end === "failed") said.textContent = message.message;
+      if (message.end === "failed") said.textContent = clean(message.message);
     } else if (message.begin) {
       begin = message.begin;
       axis = 0;
       refill(which, begin.axes.map((each, i) => [String(i), each]));
       whichLabel.hidden = begin.axes.length < 2;
       which.value = "0";
-    } else if (message.saved) said.textContent = S.tableSaved(message.saved);
-    else if (message.unsaved) said.textContent = message.unsaved;
+    } else if (message.saved) said.textContent = clean(S.tableSaved(message.saved));
+    else if (message.unsaved) said.textContent = clean(message.unsaved);
     else if (message.exists) replace(message.exists);
     else if (message.mode) take(message);
     show();
@@ -140,12 +140,12 @@ function learnPanes(store, hand) {
     news = message;
     errors.push(...message.errors);
     // A line for each pass is enough to listen to; pictures change oftener.
-    if (message.complete || turned) said.textContent = S.learning(message, begin);
+    if (message.complete || turned) said.textContent = clean(S.learning(message, begin));
   }
 
   function show() {
     const now = mode();
-    go.textContent = now === "run" ? S.pause : now === "pause" ? S.goOn : S.start;
+    go.textContent = clean(now === "run" ? S.pause : now === "pause" ? S.goOn : S.start);
     stop.disabled = now !== "run" && now !== "pause";
     step.disabled = now === "run";
     save.disabled = !job || !news || now === "run";
@@ -188,11 +188,11 @@ function learnPanes(store, hand) {
 
   function describe() {
     const table = news?.tables[axis];
-    moment.textContent = news ? S.moment(news) : "";
+    moment.textContent = clean(news ? S.moment(news) : "");
     const label = table ? S.tableLabel(begin.axes[axis], table, shape()[0] * shape()[1]) : S.noTraining;
-    values.canvas.setAttribute("aria-label", label);
-    visits.canvas.setAttribute("aria-label", table ? S.visitsLabel(begin.axes[axis], Math.max(...table.visits)) : S.noTraining);
-    curve.canvas.setAttribute("aria-label", S.errorsLabel(errors, begin, news));
+    values.canvas.setAttribute("aria-label", clean(label));
+    visits.canvas.setAttribute("aria-label", clean(table ? S.visitsLabel(begin.axes[axis], Math.max(...table.visits)) : S.noTraining));
+    curve.canvas.setAttribute("aria-label", clean(S.errorsLabel(errors, begin, news)));
     readOut();
   }
 
@@ -205,7 +205,7 @@ function learnPanes(store, hand) {
     const at = cell[0] * shape()[1] + cell[1];
     const down = begin.down ? `${begin.down.name} = ${shortNumber(begin.down.levels[cell[0]])}, ` : "";
     const place = `${down}${begin.across.name} = ${shortNumber(begin.across.levels[cell[1]])}`;
-    readout.textContent = S.cell(place, shortNumber(table.values[at]), table.visits[at]);
+    readout.textContent = clean(S.cell(place, shortNumber(table.values[at]), table.visits[at]));
     values.redraw();
     visits.redraw();
   }
@@ -300,7 +300,7 @@ function learnPanes(store, hand) {
       g.translate(9, (height - ROOM.bottom) / 2);
       g.rotate(-Math.PI / 2);
       g.textAlign = "center";
-      g.fillText(begin.down.name, 0, 0);
+      g.fillText(clean(begin.down.name), 0, 0);
       g.restore();
     }
     g.textAlign = "center";
@@ -309,7 +309,7 @@ function learnPanes(store, hand) {
     begin.across.levels.forEach((level, j) => {
       if (j % skip === 0) g.fillText(shortNumber(level, 3), x0 + (j + 0.5) * w, height - ROOM.bottom + 4);
     });
-    g.fillText(begin.across.name, (x0 + width) / 2, height - 14);
+    g.fillText(clean(begin.across.name), (x0 + width) / 2, height - 14);
   }
 
   function hatch(g, box, colours) {
@@ -332,7 +332,7 @@ function learnPanes(store, hand) {
   }
 
   function paintValue(value, _visits, _most, never, colours) {
-    const words = [shortNumber(value, 2), shortNumber(value, 1)];
+    const words = [shortNumber(value, 2), shortNumber(value, 1), value.toFixed(1)];
     if (never) return [null, colours.soft, value === 0 ? [] : words];
     const span = begin.high - begin.low;
     const [fill, ink] = heat(span > 0 ? (value - begin.low) / span : 0.5);
@@ -343,7 +343,7 @@ function learnPanes(store, hand) {
     if (never) return [null, "", []];
     const share = Math.log10(1 + count) / Math.log10(1 + most);
     const [r, g, b] = SHADES[Math.round(255 * share)];
-    return [`rgb(${r} ${g} ${b})`, share > 0.6 ? "#000" : "#fff", [String(count)]];
+    return [`rgb(${r} ${g} ${b})`, share > 0.6 ? "#000" : "#fff", [String(count), `${(count / 1000).toFixed(count < 10000 ? 1 : 0)}k`]];
   }
 
   store.on("view", ask);

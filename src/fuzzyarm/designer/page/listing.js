@@ -8,13 +8,14 @@ function written(x) {
   return String(x);
 }
 
-/** The words of a shape as the language writes them. */
-function shapeText({ kind, parameters, height }) {
+/** The words of a shape as the language writes them, over those of its lower function. */
+function shapeText({ kind, parameters, height, lower }) {
   const numbers = parameters.map(written);
   const body = kind === "points"
     ? numbers.flatMap((x, i) => (i % 2 ? [] : [`(${x}, ${numbers[i + 1]})`])).join(" ")
     : numbers.join(" ");
-  return `${kind} ${body}${height === 1 ? "" : ` height ${written(height)}`}`;
+  const below = lower ? ` over ${shapeText(lower)}` : "";
+  return `${kind} ${body}${height === 1 ? "" : ` height ${written(height)}`}${below}`;
 }
 
 /** The pane of a text; `reshape` puts the shapes of terms into it. */

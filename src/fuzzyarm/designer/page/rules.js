@@ -1,4 +1,5 @@
-// Rules: grids coloured by what they conclude, cells that fire lit; sentences as a list.
+// Rules: grids coloured by what they conclude, cells that fire lit; sentences as a list; findings
+// of the check where they are.
 
 import { el, pane, heat, shortNumber, eachFrame } from "./draw.js";
 import { rangeOf } from "./store.js";
@@ -7,14 +8,19 @@ import { S } from "./strings.js";
 const MOST_CELLS = 700; // of choices; beyond, cells are plain text
 const MOST_SENTENCES = 400;
 
-/** The pane; `setCell` writes a term into a cell, `goTo` shows a position of the text. */
-export function rulesPane(store, { setCell, goTo }) {
+/**
+ * The pane; `setCell` writes a term into a cell, `goTo` shows a position of the text, and `change`
+ * writes sentences. A page without a server has none of them.
+ */
+export function rulesPane(store, { setCell, goTo, change }) {
   const { section, body } = pane("rules", S.rules);
   let lit = []; // for each rule its element
   let shown = []; // and the strength that it shows
 
   function build() {
     const { grids, rules, outputs } = store.scene;
+    const writing = document.activeElement?.closest?.(".rules .write");
+    const draft = writing?.dataset.line === "new" ? writing.value : null;
     lit = [];
     shown = [];
     body.replaceChildren();
@@ -23,17 +29,97 @@ export function rulesPane(store, { setCell, goTo }) {
     const sentences = rules.map((rule, number) => [rule, number]).filter(([rule]) => !rule.inGrid);
     if (sentences.length) {
       const list = el("ol");
-      for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) {
-        const words = el("button", { textContent: rule.text, onclick: () => goTo?.(rule.at) });
-        const item = el("li", { value: number + 1 }, goTo ? words : rule.text);
-        lit[number] = item;
-        list.append(item);
-      }
+      for (const [rule, number] of sentences.slice(0, MOST_SENTENCES)) list.append(item(rule, number));
       body.append(list);
     }
     if (!rules.length) body.append(el("p", { class: "note", textContent: S.tooManyRules }));
+    if (change) {
+      const line = writer(null, draft ?? "", S.newRule);
+      body.append(line);
+      if (draft !== null) line.querySelector("input").focus();
+    }
     light();
   }
+
+  // --- findings ---
+
+  const before = ([l, u], [m, v]) => l < m || (l === m && u < v);
+
+  /** Findings that lie within a stretch of the text, or cover it in its own line. */
+  function findingsOf([start, end]) {
+    return store.findings.filter(({ range: [from, to] }) =>
+      from[0] === start[0] && !before(to, start) && (from[0] !== end[0] || before(from, end)));
+  }
+
+  const words = (finding) => `${S.severity[finding.severity] ?? finding.severity}: ${finding.message}`;
+
+  /** Mark an element with its findings, for the eye, the pointer and the screen reader. */
+  function mark(element, named, found) {
+    if (!found.length) return;
+    const said = found.map(words).join("; ");
+    element.classList.add("found", found[0].severity);
+    named.title = said;
+    named.setAttribute("aria-label", `${named.getAttribute("aria-label") ?? named.textContent}. ${said}`);
+  }
+
+  /** A sign with the findings as its name. */
+  const sign = (found) => el("span", {
+    class: `sign ${found[0].severity}`, role: "img", textContent: "▲",
+    title: found.map(words).join("\n"), "aria-label": found.map(words).join("; "),
+  });
+
+  // --- sentences ---
+
+  function item(rule, number) {
+    const said = goTo ? el("button", { class: "said", textContent: rule.text, onclick: () => goTo(rule.at) }) : rule.text;
+    const li = el("li", { value: number + 1 }, said);
+    const found = findingsOf(rule.range);
+    if (found.length) {
+      li.classList.add("found", found[0].severity);
+      li.append(sign(found));
+    }
+    if (change && rule.written) {
+      const edit = () => {
+        const line = writer(rule.line, rule.written, `${S.rule} ${number + 1}`, build);
+        li.replaceChildren(line);
+        line.querySelector("input").focus();
+      };
+      li.append(
+        el("button", { class: "small", textContent: S.change, "aria-label": `${S.change} ${S.rule} ${number + 1}`, onclick: edit }),
+        el("button", {
+          class: "small", textContent: "×", title: S.remove, "aria-label": `${S.remove} ${S.rule} ${number + 1}`,
+          onclick: () => change("rule", { line: rule.line, sentence: "" }),
+        }),
+      );
+    }
+    lit[number] = li;
+    return li;
+  }
+
+  /** A line to write a rule in; one that is changed may be left with Escape. */
+  function writer(line, text, label, leave) {
+    const field = el("input", {
+      type: "text", class: "write", value: text, "aria-label": label, placeholder: S.ifThen,
+      "data-line": line ?? "new", spellcheck: false,
+    });
+    const send = async (event) => {
+      event.preventDefault();
+      if (!field.value.trim()) return;
+      const sentence = field.value;
+      if (await change("rule", { line, sentence })) {
+        if (line === null) field.value = "";
+        leave?.();
+      } else field.setAttribute("aria-invalid", "true");
+    };
+    field.addEventListener("input", () => field.removeAttribute("aria-invalid"));
+    field.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") leave?.();
+    });
+    return el("form", { class: "sentence", onsubmit: send }, field,
+      el("button", { class: "small", type: "submit", textContent: line === null ? S.add : S.ok }));
+  }
+
+  // --- grids ---
 
   function table(grid, outputs, editable) {
     const output = outputs.find((each) => each.name === grid.output);
@@ -41,7 +127,10 @@ export function rulesPane(store, { setCell, goTo }) {
     const corner = grid.row ? `${grid.row} \\ ${grid.column}` : grid.column;
     const head = el("tr", {}, el("th", { scope: "col", textContent: corner }));
     for (const name of grid.columns) head.append(el("th", { scope: "col", textContent: name, title: name }));
-    const made = el("table", {}, el("caption", { textContent: `${grid.output}${when}` }), el("thead", {}, head));
+    const caption = el("caption", { textContent: `${grid.output}${when}` });
+    const found = findingsOf(grid.range);
+    if (found.length) caption.append(" ", sign(found));
+    const made = el("table", {}, caption, el("thead", {}, head));
     const rows = el("tbody");
     for (const row of grid.rows) {
       const line = el("tr", {}, el("th", { scope: "row", textContent: row.label, title: row.label }));
@@ -51,6 +140,7 @@ export function rulesPane(store, { setCell, goTo }) {
         const content = change ? picker(cell, output, label, grid.joined) : plain(cell);
         paint(content, cell.term, output);
         const td = el("td", {}, content);
+        mark(td, content, findingsOf(cell.range));
         if (cell.rule !== null) lit[cell.rule] = td;
         line.append(td);
       });
@@ -100,13 +190,16 @@ export function rulesPane(store, { setCell, goTo }) {
       if (shown[number] === strength) return;
       shown[number] = strength;
       element.classList.toggle("lit", strength > 0);
-      element.title = strength > 0 ? `${S.strength} ${shortNumber(strength, 3)}` : "";
+      const lower = found?.lower[number] ?? strength;
+      const range = lower === strength ? shortNumber(strength, 3) : S.between(shortNumber(lower, 3), shortNumber(strength, 3));
+      element.title = strength > 0 ? `${S.strength} ${range}` : "";
     });
   }
 
   const relight = eachFrame(light);
   store.on("scene", build);
   store.on("point", relight);
+  store.on("told", relight);
   store.on("reshaped", relight);
   return section;
 }

@@ -13,16 +13,49 @@ const CORNERS = {
   singleton: (p) => [p[0], 0, p[0], 1, p[0], 0],
 };
 
-/** Corners of a term with some parameters; null where it is not straight. */
-export function cornersOf(term, parameters) {
-  const points = term.kind === "points" ? parameters : CORNERS[term.kind]?.(parameters);
+/** Corners of a shape with some parameters; null where it is not straight. */
+export function cornersOf(shape, parameters, height = shape.height) {
+  const points = shape.kind === "points" ? parameters : CORNERS[shape.kind]?.(parameters);
   if (!points) return null;
   const found = [];
   for (let i = 0; i < points.length; i += 2) {
-    if (Number.isFinite(points[i])) found.push(points[i], points[i + 1] * term.height);
+    if (Number.isFinite(points[i])) found.push(points[i], points[i + 1] * height);
   }
-  return found.length ? found : [0, term.height]; // without any it is 1 everywhere
+  return found.length ? found : [0, height]; // without any it is 1 everywhere
 }
+
+const LEVEL = Math.log(9); // of a sigmoid, from one half to 0.9
+
+/** Where the handle of a number stands that is no position, and the number from where it is put. */
+const beside = (centre, width, way = 1, share = 1) => ({
+  at: (p) => p[centre] + way * share * p[width],
+  to: (p, x) => Math.abs(x - p[centre]) / share,
+});
+const slope = (inflection, own) => ({
+  at: (p) => p[inflection] + LEVEL / p[own],
+  to: (p, x) => LEVEL / (x - p[inflection]),
+});
+export const WIDTHS = {
+  gaussian: { 1: beside(0, 1) }, // where it is exp(-1/2)
+  "two-sided-gaussian": { 1: beside(0, 1, -1), 3: beside(2, 3) },
+  bell: {
+    1: beside(0, 1), // where it is one half; its slope where it is 0.9
+    2: {
+      at: (p) => p[0] + p[1] * (1 / 9) ** (0.5 / p[2]),
+      to: (p, x) => Math.min(50, Math.max(0.1, (-0.5 * LEVEL) / Math.log(Math.min(0.999, Math.abs(x - p[0]) / p[1])))),
+    },
+  },
+  sigmoid: { 1: slope(0, 1) },
+  "sigmoid-difference": { 1: slope(0, 1), 3: slope(2, 3) },
+  "sigmoid-product": { 1: slope(0, 1), 3: slope(2, 3) },
+  cosine: { 1: beside(0, 1, 1, 0.5) }, // where it is 0
+  spike: { 1: beside(0, 1, 1, 0.1) }, // where it is exp(-1)
+};
+
+/** The shapes of a term: the upper one, and of interval type 2 the lower one below it. */
+export const sidesOf = (term) => (term.lower ? [term, term.lower] : [term]);
+
+export const shapeKey = (variable, shape) => `${variable.name}\n${shape.name}\n${shape.side ?? 0}`;
 
 /** Straight pieces x, y, x, y within a range, as inference has them. */
 export function piecesOf(corners, low, high) {
@@ -47,6 +80,9 @@ export function rangeOf(variable) {
   return [low, high];
 }
 
+const evenly = ([low, high], points) =>
+  Float64Array.from({ length: points }, (_, k) => low + ((high - low) * k) / (points - 1));
+
 export class Store {
   constructor() {
     this.listeners = {};
@@ -59,6 +95,9 @@ export class Store {
     this.axes = { x: 0, y: 1, output: 0 };
     this.stale = false; // whether the text has mistakes now, or nothing to be drawn
     this.sound = false; // whether the text has no mistakes
+    this.findings = []; // of the text that is drawn
+    this.far = null; // the surface as the server computed it
+    this.told = null; // what the server said of the point, where the page does not compute it
     this.view = ""; // which one is shown
   }
 
@@ -76,8 +115,11 @@ export class Store {
       === JSON.stringify(scene.inputs.map((v) => [v.name, v.low, v.high]));
     for (const variable of [...scene.inputs, ...scene.outputs]) {
       for (const term of variable.terms) {
-        term.parameters = term.parameters.map(Number); // "Infinity" is not a number of JSON
-        if (term.curve) term.curve.numbers = term.curve.numbers.map(Number);
+        for (const shape of sidesOf(term)) {
+          shape.parameters = shape.parameters.map(Number); // "Infinity" is not a number of JSON
+          if (shape.curve) shape.curve.numbers = shape.curve.numbers.map(Number);
+        }
+        if (term.lower) Object.assign(term.lower, { name: term.name, side: 1 });
       }
     }
     for (const output of scene.outputs) {
@@ -87,7 +129,7 @@ export class Store {
     this.engine = scene.numbers ? new Engine(scene.numbers) : null;
     const none = { whole: "", floats: "", functions: scene.functions };
     this.curves = this.engine ?? new Engine(none); // sets are drawn in any case
-    this.held = null;
+    this.held = this.far = this.told = this.cost = null;
     // What a hand still holds is newer than this text.
     if (!this.busy) this.reshaped.clear();
     this.stale = false;
@@ -117,6 +159,12 @@ export class Store {
     this.emit("judged");
   }
 
+  /** The value of the output shown at the point; NaN where there is none, or it is not known. */
+  value() {
+    const outputs = this.running ? this.running.at(this.point) : this.told?.outputs;
+    return outputs?.[this.axes.output] ?? NaN;
+  }
+
   /** The engine whose numbers are those of the picture. */
   get running() {
     return this.held?.engine ?? this.engine;
@@ -135,36 +183,41 @@ export class Store {
 
   // --- terms ---
 
-  parameters(variable, term) {
-    return this.reshaped.get(`${variable.name}\n${term.name}`) ?? term.parameters;
+  /** Parameters and height of a shape as they are drawn: what a hand holds, or the text's. */
+  now(variable, shape) {
+    return this.reshaped.get(shapeKey(variable, shape)) ?? shape;
   }
 
-  /** Degrees of a term at some positions. */
-  degrees(variable, term, x) {
-    const numbers = this.numbersOf(term, this.parameters(variable, term));
-    return this.curves.degrees(term.curve.address, Float64Array.from(numbers), x);
+  /** Degrees of a shape at some positions, as it is drawn, or with other numbers. */
+  degrees(variable, shape, x, now = this.now(variable, shape)) {
+    const numbers = Float64Array.from(this.numbersOf(shape, now));
+    const found = this.curves.degrees(shape.curve.address, numbers, x);
+    const factor = shape.height === 1 && shape.kind !== "points" ? now.height : 1;
+    if (factor !== 1) for (let i = 0; i < found.length; i++) found[i] *= factor;
+    return found;
   }
 
-  /** What the row function of a term takes. */
-  numbersOf(term, parameters) {
-    if (parameters === term.parameters) return term.curve.numbers;
-    if (term.kind === "points") return cornersOf(term, parameters);
-    return term.height === 1 ? parameters : [...parameters, term.height];
+  /** What the row function of a shape takes: its height only where the text has one. */
+  numbersOf(shape, now) {
+    if (now === shape) return shape.curve.numbers;
+    if (shape.kind === "points") return cornersOf(shape, now.parameters, now.height);
+    return shape.height === 1 ? now.parameters : [...now.parameters, now.height];
   }
 
   /** Have the numbers of a variable's terms changed in place from now on. */
   hold(variable, numbers) {
     this.held = numbers ? { variable: variable.name, engine: new Engine(numbers) } : null;
-    for (const term of variable.terms) {
-      const now = this.parameters(variable, term);
-      if (now !== term.parameters) this.patch(variable, term, now);
+    for (const shape of variable.terms.flatMap(sidesOf)) {
+      const now = this.now(variable, shape);
+      if (now !== shape && this.held) this.patch(variable, shape, now);
     }
     this.emit("reshaped");
   }
 
-  reshape(variable, term, parameters) {
-    this.reshaped.set(`${variable.name}\n${term.name}`, parameters);
-    if (this.held?.variable === variable.name) this.patch(variable, term, parameters);
+  reshape(variable, shape, parameters, height = this.now(variable, shape).height) {
+    const now = { parameters, height };
+    this.reshaped.set(shapeKey(variable, shape), now);
+    if (this.held?.variable === variable.name) this.patch(variable, shape, now);
     this.emit("reshaped");
   }
 
@@ -175,18 +228,20 @@ export class Store {
     this.emit("reshaped");
   }
 
-  patch(variable, term, parameters) {
+  patch(variable, shape, now) {
     const engine = this.held.engine;
     for (const mark of engine.data.marks) {
-      if (mark.term !== term.name) continue;
-      if (mark.sort === "curve") engine.patch(mark.floats, this.numbersOf(term, parameters));
-      else if (mark.sort === "value") engine.patch(mark.floats, [parameters[0]]);
+      if (!shape.marks.includes(mark.term)) continue;
+      if (mark.sort === "curve") {
+        const numbers = this.numbersOf(shape, now);
+        if (numbers.length === mark.room) engine.patch(mark.floats, numbers);
+      } else if (mark.sort === "value") engine.patch(mark.floats, [now.parameters[0]]);
       else if (mark.sort === "samples") {
         const output = this.scene.outputs.findIndex((each) => each.name === variable.name);
-        const x = engine.positions(output);
-        engine.patch(mark.floats, this.degrees(variable, term, x));
+        engine.patch(mark.floats, this.degrees(variable, shape, engine.positions(output), now));
       } else {
-        const pieces = piecesOf(cornersOf(term, parameters), ...rangeOf(variable));
+        const corners = cornersOf(shape, now.parameters, now.height);
+        const pieces = piecesOf(corners, ...rangeOf(variable));
         engine.patch(mark.floats, pieces.slice(0, 4 * mark.room));
         engine.patchWhole(mark.row, Math.min(mark.room, pieces.length / 4));
       }
@@ -195,36 +250,103 @@ export class Store {
 
   // --- values ---
 
-  /** The output shown over the two inputs of the axes, row by row; NaN where there is no value. */
-  surface(points = ACROSS) {
+  /** Which surface is shown: what else it depends on than the point within it. */
+  surfaceKey() {
+    const { x, y, output } = this.axes;
+    return JSON.stringify([x, y, output, this.point.filter((_, i) => i !== x && i !== y)]);
+  }
+
+  /** How many points along an axis are computed within a tenth of a second. */
+  across() {
+    const few = this.scene.functions.some((each) => /^integrated_|_integral$/.test(each.program ?? "")) ? 15 : ACROSS;
+    const known = this.cost ? Math.floor(Math.sqrt(100 / this.cost)) : few;
+    return Math.min(ACROSS, Math.max(9, known));
+  }
+
+  /**
+   * The output shown over the two inputs of the axes, row by row; NaN where there is no value. It
+   * is the server's (`far`) where the page does not compute it, or not as finely; null before.
+   */
+  surface(points = this.across()) {
+    const isFar = this.far?.key === this.surfaceKey() && !this.reshaped.size;
+    const isCoarse = points < ACROSS;
+    if (isCoarse !== this.coarse) {
+      this.coarse = isCoarse;
+      this.emit("coarse");
+    }
+    if (isFar && (this.coarse || !this.running)) return this.far;
+    if (!this.running) return null;
     const { x, y, output } = this.axes;
     const flat = x === y; // one input
     const rows = flat ? 1 : points;
     const columns = this.scene.inputs.map((_, i) => new Float64Array(points * rows).fill(this.point[i]));
-    const [xs, ys] = [x, y].map((i) => {
-      const [low, high] = rangeOf(this.scene.inputs[i]);
-      return Float64Array.from({ length: points }, (_, k) => low + ((high - low) * k) / (points - 1));
-    });
+    const [xs, ys] = [x, y].map((i) => evenly(rangeOf(this.scene.inputs[i]), points));
     for (let j = 0; j < rows; j++) {
       for (let i = 0; i < points; i++) {
         columns[x][j * points + i] = xs[i];
         if (!flat) columns[y][j * points + i] = ys[j];
       }
     }
-    return { xs, ys, z: this.running.many(columns)[output], rows };
+    const start = performance.now();
+    const z = this.running.many(columns)[output];
+    const cost = (performance.now() - start) / (points * rows);
+    this.cost = Math.min(cost, this.cost ?? cost);
+    return { xs, ys, z, rows };
   }
 
-  /** Strengths, heights of the sets of each output, and values at the point; null in no program. */
-  fired() {
-    const found = this.running?.fired(this.point);
+  /** The output shown along one input through the point; of the server's surface by its lines. */
+  section(input, points = 2 * ACROSS - 1) {
+    const xs = evenly(rangeOf(this.scene.inputs[input]), points);
+    if (this.running) {
+      const few = this.coarse ? ACROSS : points;
+      const at = few === points ? xs : evenly([xs[0], xs[points - 1]], few);
+      const columns = this.scene.inputs.map((_, i) => (i === input ? at : new Float64Array(few).fill(this.point[i])));
+      return { xs: at, z: this.running.many(columns)[this.axes.output] };
+    }
+    const found = this.surface();
     if (!found) return null;
-    const heights = this.scene.outputs.map((each) => new Float64Array(each.members.length));
-    this.scene.rules.forEach((rule, number) => {
-      for (const [o, member] of rule.concludes) {
-        const fold = this.scene.outputs[o].aggregation;
-        heights[o][member] = this.engine.joined(fold, heights[o][member], found.strengths[number]);
+    const { x, y } = this.axes;
+    if (x === y) return { xs: found.xs, z: found.z };
+    const other = input === x ? y : x;
+    const lines = other === x ? found.xs : found.ys;
+    const n = lines.length;
+    const share = ((this.point[other] - lines[0]) / (lines[n - 1] - lines[0])) * (n - 1);
+    const low = Math.min(n - 2, Math.max(0, Math.floor(share)));
+    const value = (i, k) => (other === x ? found.z[i * n + k] : found.z[k * n + i]);
+    const z = Float64Array.from({ length: n }, (_, i) => value(i, low) + (share - low) * (value(i, low + 1) - value(i, low)));
+    return { xs: input === x ? found.xs : found.ys, z };
+  }
+
+  /**
+   * What fires at the point: the strength of each rule (`strengths`) and of its lower reading
+   * (`lower`), heights of the sets of each output, outputs and the ends of each; null where it is
+   * not known. What the page does not compute is what the server said of this point.
+   */
+  fired() {
+    const { scene } = this;
+    let found;
+    if (this.running) {
+      const read = this.running.fired(this.point);
+      if (!read) return null;
+      const of = (rule, side) => read.strengths[rule.readings[Math.min(side, rule.readings.length - 1)]];
+      found = {
+        outputs: read.outputs,
+        ends: scene.outputs.some((each) => each.interval) ? this.running.ends(this.point) : null,
+        strengths: scene.rules.map((rule) => of(rule, 0)),
+        lower: scene.rules.map((rule) => of(rule, 1)),
+        all: read.strengths,
+      };
+    } else {
+      if (!this.told) return null;
+      found = { ...this.told, ends: null, lower: this.told.strengths, all: this.told.strengths };
+    }
+    found.heights = scene.outputs.map((output) => {
+      const heights = new Float64Array(output.members.length);
+      for (const [member, reading] of output.asserted) {
+        heights[member] = this.curves.joined(output.aggregation, heights[member], found.all[reading]);
       }
+      return heights;
     });
-    return { ...found, heights };
+    return found;
   }
 }

@@ -31,17 +31,29 @@ function fillTriangle(pixels, width, height, x0, y0, x1, y1, x2, y2, colour) {
   }
 }
 
-export function surfacePane(store) {
+export function surfacePane(store, { start }) {
   const { section, bar, body } = pane("surface", S.surface);
   const canvas = el("canvas", { tabIndex: 0, role: "img" });
+  const main = el("div", { class: "main" }, canvas);
+  const line = el("canvas", { tabIndex: 0, role: "img" });
+  const cutSlider = el("input", { type: "range", step: "any", oninput: () => store.setPoint(cutInput(), Number(cutSlider.value)) });
+  const cutLabel = el("label", { class: "small" }, el("span"), cutSlider);
+  const below = el("div", { class: "below", hidden: true }, cutLabel, el("div", { class: "line" }, line));
+  const others = el("div", { class: "others" });
   const turned = { azimuth: -0.65, elevation: 0.55 };
   let flat = false;
+  let cut = ""; // "x" or "y": the axis that the cut is at a value of
   let image = null; // what the solid is filled into
   let layer = null;
+  let scale = null; // of the colours, made once
   let size = { width: 0, height: 0 };
-  body.append(canvas);
+  let lineSize = { width: 0, height: 0 };
+  let handle = null; // of the cut in the solid: where it is, and the ends of its way
+  let sliders = [];
+  body.append(main, below, others);
 
   function build() {
+    const focused = [...bar.querySelectorAll("select")].indexOf(document.activeElement);
     while (bar.childNodes.length > 1) bar.lastChild.remove();
     bar.append(el("span", { class: "space" }));
     const { inputs, outputs } = store.scene;
@@ -58,11 +70,40 @@ export function surfacePane(store) {
     }
     if (inputs.length > 1) {
       const views = [["solid", S.solid], ["contour", S.contour]];
+      const cuts = [["", S.noCut], ["x", inputs[store.axes.x].name], ["y", inputs[store.axes.y].name]];
       bar.append(choice(S.view, views, flat ? "contour" : "solid", (view) => {
         flat = view === "contour";
         redraw();
+      }), choice(S.cut, cuts, cut, (axis) => {
+        cut = axis;
+        prepare();
       }));
+    } else cut = "";
+    bar.querySelectorAll("select")[focused]?.focus();
+    prepare();
+  }
+
+  const cutInput = () => store.axes[cut];
+  const otherInput = () => store.axes[cut === "x" ? "y" : "x"];
+
+  /** Set up the line below for the cut, and the sliders beside for the inputs that are no axes. */
+  function prepare() {
+    const { inputs } = store.scene;
+    below.hidden = !cut;
+    if (cut) {
+      const [low, high] = rangeOf(inputs[cutInput()]);
+      Object.assign(cutSlider, { min: low, max: high, step: (high - low) / 400 });
     }
+    sliders = inputs.map((variable, i) => [variable, i]).filter(([, i]) => i !== store.axes.x && i !== store.axes.y)
+      .map(([variable, i]) => {
+        const [low, high] = rangeOf(variable);
+        const range = el("input", {
+          type: "range", min: low, max: high, step: (high - low) / 400, oninput: () => store.setPoint(i, Number(range.value)),
+        });
+        const said = el("output", {});
+        return { i, range, said, label: el("label", { class: "small" }, el("span", { textContent: variable.name }), range, said) };
+      });
+    others.replaceChildren(...sliders.map(({ label }) => label));
     redraw();
   }
 
@@ -79,20 +120,37 @@ export function surfacePane(store) {
     if (!scene || !size.width) return;
     const [x, y] = [scene.inputs[axes.x], scene.inputs[axes.y]];
     const output = scene.outputs[axes.output];
-    canvas.setAttribute("aria-label", S.surfaceLabel(output.name, x.name, x === y ? "" : y.name));
+    for (const { i, range, said } of sliders) {
+      range.value = store.point[i];
+      said.textContent = shortNumber(store.point[i]);
+    }
     const { g, width, height } = context(canvas, size.width, size.height);
-    if (!store.running) {
+    handle = null;
+    const found = store.surface();
+    const label = S.surfaceLabel(output.name, x.name, x === y ? "" : y.name);
+    const source = found?.isFar ? S.byServer : found && store.coarse ? S.coarse : "";
+    canvas.setAttribute("aria-label", `${label} ${source}`.trim());
+    if (!found) {
       g.fillStyle = colourOf("--soft");
       g.font = "13px system-ui, sans-serif";
-      wrapped(g, clean(S.notHere(scene.reason)), 12, 24, width - 24);
+      const said = store.refused || (start ? S.asking(scene.reason) : S.notHere(scene.reason));
+      wrapped(g, clean(said), 12, 24, width - 24);
       return;
     }
-    const found = store.surface();
     const [low, high] = limits(found.z, output);
     const picture = { g, width, height, found, low, high, x, y, output };
+    if (cut) picture.section = store.section(otherInput());
     if (x === y) drawLine(picture);
     else if (flat) drawContour(picture);
     else drawSolid(picture);
+    if (x !== y) drawScale(picture);
+    if (source) {
+      g.fillStyle = colourOf("--soft");
+      g.font = "11px system-ui, sans-serif";
+      g.textAlign = "left";
+      g.fillText(source, 8, height - 6);
+    }
+    if (cut) drawSection(picture);
   }
 
   function limits(z, output) {
@@ -105,6 +163,28 @@ export function surfacePane(store) {
       }
     }
     return low < high ? [low, high] : [low - 1, low + 1];
+  }
+
+  function scaleImage() {
+    const colours = new ImageData(1, 256);
+    SHADES.forEach((shade, i) => colours.data.set([...shade, 255], 4 * (255 - i)));
+    const made = new OffscreenCanvas(1, 256);
+    made.getContext("2d").putImageData(colours, 0, 0);
+    return made;
+  }
+
+  /** What the colours stand for. */
+  function drawScale({ g, width, height, low, high }) {
+    const [right, top, tall, wide] = [width - 10, 26, Math.min(150, height - 70), 9];
+    if (tall < 40) return;
+    scale ??= scaleImage();
+    g.drawImage(scale, right - wide, top, wide, tall);
+    g.fillStyle = colourOf("--soft");
+    g.font = "11px system-ui, sans-serif";
+    g.textAlign = "right";
+    for (const tick of ticks(low, high, tall / 34)) {
+      g.fillText(shortNumber(tick), right - wide - 4, top + (tall - 1) * (1 - (tick - low) / (high - low)) + 4);
+    }
   }
 
   // --- the solid ---
@@ -160,12 +240,53 @@ export function surfacePane(store) {
     }
     layer.getContext("2d").putImageData(image, 0, 0);
     g.drawImage(layer, 0, 0, width, height);
-    const value = store.running.at(store.point)[store.axes.output];
+    const value = store.value();
+    if (cut) drawPlane(g, project, low, high);
     if (Number.isFinite(value)) {
       const [u, v] = [x, y].map((each, k) => place(each, store.point[k ? store.axes.y : store.axes.x]));
       dot(g, ...project(u - 0.5, v - 0.5, (value - low) / (high - low) - 0.5));
     }
   }
+
+  /** The plane of the cut, where it meets the surface, and the handle that moves it. */
+  function drawPlane(g, project, low, high) {
+    const [one, other] = [cutInput(), otherInput()].map((i) => store.scene.inputs[i]);
+    const at = place(one, store.point[cutInput()]) - 0.5;
+    const corner = (along, w) => (cut === "x" ? project(at, along, w) : project(along, at, w));
+    g.fillStyle = g.strokeStyle = colourOf("--lit");
+    g.globalAlpha = 0.12;
+    g.beginPath();
+    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].forEach(([along, w], i) =>
+      (i ? g.lineTo(...corner(along, w)) : g.moveTo(...corner(along, w))));
+    g.closePath();
+    g.fill();
+    g.globalAlpha = 1;
+    g.lineWidth = 1;
+    g.stroke();
+    const section = store.section(otherInput());
+    g.lineWidth = 2;
+    g.beginPath();
+    let down = false;
+    section?.z.forEach((value, i) => {
+      const spot = corner(place(other, section.xs[i]) - 0.5, (value - low) / (high - low) - 0.5);
+      if (Number.isFinite(value)) (down ? g.lineTo(...spot) : g.moveTo(...spot));
+      down = Number.isFinite(value);
+    });
+    g.stroke();
+    const way = (share) => (cut === "x" ? project(share, front("y"), -0.5) : project(front("x"), share, -0.5));
+    handle = { at: way(at), from: way(-0.5), to: way(0.5) };
+    g.fillStyle = colourOf("--pane");
+    g.beginPath();
+    g.arc(...handle.at, 6, 0, 2 * Math.PI);
+    g.fill();
+    g.stroke();
+  }
+
+  /** The side of the base, -0.5 or 0.5, that is nearer to the eye. */
+  const front = (axis) => {
+    const depth = axis === "x" ? Math.sin(turned.azimuth) : Math.cos(turned.azimuth);
+    return depth > 0 ? -0.5 : 0.5;
+  };
 
   const order = (count, forward) => Array.from({ length: count }, (_, i) => (forward ? count - 1 - i : i));
   const place = (variable, value) => {
@@ -213,7 +334,9 @@ export function surfacePane(store) {
 
   // --- the contour ---
 
-  const box = (width, height) => ({ left: 44, top: 10, wide: width - 56, tall: height - 48 });
+  const box = (width, height) => ({
+    left: 44, top: 10, wide: width - (store.axes.x === store.axes.y ? 56 : 104), tall: height - 48,
+  });
 
   function drawContour({ g, width, height, found, low, high, x, y }) {
     const n = found.xs.length;
@@ -234,12 +357,24 @@ export function surfacePane(store) {
     g.drawImage(small, 0.5, 0.5, n - 1, n - 1, left, top, wide, tall);
     g.strokeStyle = "rgb(255 255 255 / 0.75)";
     g.lineWidth = 1;
+    const spotOf = (i, j) => [left + (wide * i) / (n - 1), top + tall - (tall * j) / (n - 1)];
+    const labels = [];
     g.beginPath();
-    for (let level = 1; level < LEVELS; level++) {
-      lines(g, found.z, n, low + ((high - low) * level) / LEVELS, (i, j) =>
-        [left + (wide * i) / (n - 1), top + tall - (tall * j) / (n - 1)]);
+    for (const level of ticks(low, high, LEVELS)) {
+      if (level <= low || level >= high) continue;
+      const spots = lines(g, found.z, n, level, spotOf);
+      labelled(labels, spots, level, { left, top, wide, tall });
     }
     g.stroke();
+    g.font = "10.5px system-ui, sans-serif";
+    g.textAlign = "center";
+    for (const { spot, level } of labels) {
+      g.lineWidth = 3;
+      g.strokeStyle = "rgb(0 0 0 / 0.7)";
+      g.strokeText(shortNumber(level), spot[0], spot[1] + 4);
+      g.fillStyle = "#ffffff";
+      g.fillText(shortNumber(level), spot[0], spot[1] + 4);
+    }
     axes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
     const [u, v] = [place(x, store.point[store.axes.x]), place(y, store.point[store.axes.y])];
     g.strokeStyle = "rgb(255 255 255 / 0.6)";
@@ -247,11 +382,31 @@ export function surfacePane(store) {
     g.strokeRect(left, top + tall * (1 - v), wide, 0);
     g.strokeRect(left + wide * u, top, 0, tall);
     g.setLineDash([]);
+    if (cut) {
+      g.strokeStyle = colourOf("--lit");
+      g.lineWidth = 2;
+      if (cut === "x") g.strokeRect(left + wide * u, top, 0, tall);
+      else g.strokeRect(left, top + tall * (1 - v), wide, 0);
+    }
     dot(g, left + wide * u, top + tall * (1 - v));
   }
 
-  /** Where a level crosses the sides of each cell, joined two by two. */
+  /** Choose places for the number of a level: away from the edges and from other numbers. */
+  function labelled(labels, spots, level, { left, top, wide, tall }) {
+    let count = 0;
+    for (let i = 0; i < spots.length && count < 2; i++) {
+      const spot = spots[Math.floor(((i * 0.618034) % 1) * spots.length)]; // spread over the line
+      const [x, y] = spot;
+      const isInside = x > left + 16 && x < left + wide - 16 && y > top + 10 && y < top + tall - 10;
+      if (!isInside || labels.some(({ spot: [u, v] }) => Math.hypot(u - x, v - y) < 42)) continue;
+      labels.push({ spot, level });
+      count++;
+    }
+  }
+
+  /** Where a level crosses the sides of each cell, joined two by two; a spot of each. */
   function lines(g, z, n, level, at) {
+    const spots = [];
     for (let j = 0; j + 1 < n; j++) {
       for (let i = 0; i + 1 < n; i++) {
         const k = j * n + i;
@@ -264,9 +419,11 @@ export function surfacePane(store) {
         for (let m = 0; m + 1 < found.length; m += 2) {
           g.moveTo(...found[m]);
           g.lineTo(...found[m + 1]);
+          spots.push(found[m]);
         }
       }
     }
+    return spots;
   }
 
   function axes(g, { left, top, wide, tall }, across, up, name, other) {
@@ -292,27 +449,44 @@ export function surfacePane(store) {
     g.restore();
   }
 
-  // --- one input ---
+  // --- a line: over one input, or the section of the cut ---
 
   function drawLine({ g, width, height, found, low, high, x, output }) {
-    const { left, top, wide, tall } = box(width, height);
-    axes(g, { left, top, wide, tall }, rangeOf(x), [low, high], x.name, output.name);
+    const where = box(width, height);
+    axes(g, where, rangeOf(x), [low, high], x.name, output.name);
+    curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: store.point[store.axes.x] });
+  }
+
+  function drawSection({ section: found, low, high, output }) {
+    const { g, width, height } = context(line, lineSize.width, lineSize.height);
+    const [at, other] = [cutInput(), otherInput()].map((i) => store.scene.inputs[i]);
+    cutSlider.value = store.point[cutInput()];
+    const said = S.cutAt(at.name, shortNumber(store.point[cutInput()]));
+    cutLabel.firstChild.textContent = clean(said);
+    line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said));
+    if (!found || !lineSize.width) return;
+    const where = { left: 44, top: 6, wide: width - 56, tall: height - 40 };
+    axes(g, where, rangeOf(other), [low, high], other.name, output.name);
+    curve(g, where, { ...found, low, high, variable: other, at: store.point[otherInput()] });
+  }
+
+  function curve(g, { left, top, wide, tall }, { xs, z, low, high, variable, at }) {
     g.strokeStyle = colourOf("--accent");
     g.lineWidth = 2;
     g.beginPath();
     let down = false;
-    found.z.forEach((value, i) => {
-      const at = [left + (wide * i) / (found.xs.length - 1), top + tall * (1 - (value - low) / (high - low))];
+    z.forEach((value, i) => {
+      const spot = [left + wide * place(variable, xs[i]), top + tall * (1 - (value - low) / (high - low))];
       if (Number.isFinite(value)) {
-        if (down) g.lineTo(...at);
-        else g.moveTo(...at);
+        if (down) g.lineTo(...spot);
+        else g.moveTo(...spot);
       }
       down = Number.isFinite(value);
     });
     g.stroke();
-    const value = store.running.at(store.point)[store.axes.output];
+    const value = store.value();
     if (Number.isFinite(value)) {
-      dot(g, left + wide * place(x, store.point[0]), top + tall * (1 - (value - low) / (high - low)));
+      dot(g, left + wide * place(variable, at), top + tall * (1 - (value - low) / (high - low)));
     }
   }
 
@@ -341,30 +515,59 @@ export function surfacePane(store) {
   }
 
   const isPlane = () => flat || store.axes.x === store.axes.y;
+  let held = false; // whether the hand is on the cut
   canvas.addEventListener("pointerdown", (event) => {
     if (!store.scene) return;
     canvas.setPointerCapture(event.pointerId);
+    held = Boolean(handle) && Math.hypot(event.offsetX - handle.at[0], event.offsetY - handle.at[1]) < 12;
     if (isPlane()) aim(event);
   });
   canvas.addEventListener("pointermove", (event) => {
     if (!store.scene || !event.buttons) return;
-    if (isPlane()) {
-      aim(event);
-      return;
-    }
-    turn(0.01 * event.movementX, 0.01 * event.movementY);
+    if (isPlane()) aim(event);
+    else if (held && handle) slide(event);
+    else turn(0.01 * event.movementX, 0.01 * event.movementY);
   });
   canvas.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (!step || !store.scene) return;
     event.preventDefault();
-    if (!isPlane()) {
-      turn(0.1 * step[0], 0.1 * step[1]);
-      return;
-    }
-    const input = step[0] ? store.axes.x : store.axes.y;
+    if (isPlane()) nudge(step[0] ? store.axes.x : store.axes.y, step[0] + step[1]);
+    else turn(0.1 * step[0], 0.1 * step[1]);
+  });
+
+  function nudge(input, steps) {
     const [low, high] = rangeOf(store.scene.inputs[input]);
-    store.setPoint(input, store.point[input] + (step[0] + step[1]) * 0.01 * (high - low));
+    store.setPoint(input, store.point[input] + steps * 0.01 * (high - low));
+  }
+
+  /** Move the cut to where the pointer is along the edge that its handle runs on. */
+  function slide(event) {
+    const { from, to } = handle;
+    const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
+    const share = ((event.offsetX - from[0]) * dx + (event.offsetY - from[1]) * dy) / (dx * dx + dy * dy);
+    const [low, high] = rangeOf(store.scene.inputs[cutInput()]);
+    store.setPoint(cutInput(), low + share * (high - low));
+  }
+
+  function aimLine(event) {
+    const share = (event.offsetX - 44) / (line.clientWidth - 56);
+    const [low, high] = rangeOf(store.scene.inputs[otherInput()]);
+    store.setPoint(otherInput(), low + share * (high - low));
+  }
+
+  line.addEventListener("pointerdown", (event) => {
+    line.setPointerCapture(event.pointerId);
+    aimLine(event);
+  });
+  line.addEventListener("pointermove", (event) => {
+    if (event.buttons) aimLine(event);
+  });
+  line.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    nudge(otherInput(), step);
   });
 
   function turn(azimuth, elevation) {
@@ -375,10 +578,14 @@ export function surfacePane(store) {
 
   const redraw = eachFrame(draw);
   store.on("scene", build);
-  for (const name of ["reshaped", "point", "axes", "theme"]) store.on(name, redraw);
-  new ResizeObserver(() => {
-    size = { width: body.clientWidth, height: body.clientHeight };
+  store.on("axes", build);
+  for (const name of ["reshaped", "point", "theme", "told"]) store.on(name, redraw);
+  const watch = new ResizeObserver(() => {
+    size = { width: main.clientWidth, height: main.clientHeight };
+    lineSize = { width: line.parentElement.clientWidth, height: line.parentElement.clientHeight };
     redraw();
-  }).observe(body);
+  });
+  watch.observe(main);
+  watch.observe(line.parentElement);
   return section;
 }

@@ -1,33 +1,55 @@
-// Terms: the membership functions of every variable, with corners that a hand can move.
+// Terms: the membership functions of every variable, with handles that a hand can move.
 
 import { el, svg, pane, hue, shortNumber, ticks, eachFrame } from "./draw.js";
-import { rangeOf, cornersOf } from "./store.js";
+import { rangeOf, cornersOf, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
 
 const HEIGHT = 98;
 const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 30, 17];
 const SMOOTH = 161;
+const LEAST_HEIGHT = 0.05;
+const DIAMOND = 5.5;
 
-/** Parameters of a term after one of them (null: all positions) has moved to or by a number. */
-export function moved(term, parameters, index, to, by) {
+/** Parameters of a shape after one of them (null: all positions) has moved to or by a number. */
+export function moved(shape, parameters, index, to, by) {
   const next = [...parameters];
   if (index === null) {
-    for (const i of term.handles) next[i] = parameters[i] + by;
+    for (const i of shape.handles) next[i] = parameters[i] + by;
     return next;
   }
-  const place = term.handles.indexOf(index);
-  if (term.ordered || term.kind === "points") {
-    const before = parameters[term.handles[place - 1]] ?? -Infinity;
-    const behind = parameters[term.handles[place + 1]] ?? Infinity;
+  const place = shape.handles.indexOf(index);
+  if (shape.ordered || shape.kind === "points") {
+    const before = parameters[shape.handles[place - 1]] ?? -Infinity;
+    const behind = parameters[shape.handles[place + 1]] ?? Infinity;
     to = Math.min(behind, Math.max(before, to));
   }
   next[index] = to;
   return next;
 }
 
-/** The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable. */
-export function termsPane(store, { edit, numbers }) {
-  const { section, bar, body } = pane("terms", S.terms);
+const SYMMETRIC = new Set(["triangle", "trapezoid", "rectangle", "pi", "semi-ellipse", "s", "z", "singleton"]);
+const TURNED = { s: "z", z: "s" };
+
+/** The parameters of the mirror image about half of `sum`; null where there is none. */
+export function mirrorOf(kind, p, sum) {
+  const flip = (x) => Number((sum - x).toPrecision(12));
+  if (SYMMETRIC.has(kind)) return [...p].reverse().map(flip);
+  if (kind === "two-sided-gaussian") return [flip(p[2]), p[3], flip(p[0]), p[1]];
+  if (kind === "sigmoid") return [flip(p[0]), -p[1]];
+  if (kind.startsWith("sigmoid-")) return [flip(p[2]), -p[3], flip(p[0]), -p[1]];
+  if (["ramp", "concave", "arc"].includes(kind)) return p.map(flip);
+  return WIDTHS[kind] ? [flip(p[0]), ...p.slice(1)] : null;
+}
+
+/**
+ * The pane; `edit` takes the shapes when a hand lets go, `numbers` brings those of a variable.
+ * Where the text can be edited, `change` adds, removes and renames terms, and `askFor` asks.
+ */
+export function termsPane(store, { edit, numbers, change, askFor }) {
+  const { section, bar, body: all } = pane("terms", S.terms);
+  const body = el("div", { class: "plots" });
+  const details = el("div", { class: "details", hidden: true });
+  all.append(body, details);
   const option = (text, title, checked) => {
     const box = el("input", { type: "checkbox", checked });
     bar.append(el("label", { class: "small", title }, box, text));
@@ -38,7 +60,8 @@ export function termsPane(store, { edit, numbers }) {
   const mirror = option(S.mirror, S.mirrorHint, false);
   const snap = option(S.snap, S.snapHint, true);
   const plots = new Map();
-  let chosen = ""; // "variable term" whose corners are shown
+  let chosen = ""; // "variable term" whose handles are shown
+  let fields = null; // the numbers of the chosen term
   let drag = null;
   let moving = ""; // the variable that a hand is on
   let waiting = 0;
@@ -46,22 +69,30 @@ export function termsPane(store, { edit, numbers }) {
   let partly = "";
 
   const each = () => [...store.scene.inputs, ...store.scene.outputs];
+  const termKey = (variable, term) => `${variable.name}\n${term.name}`;
+
+  function found() {
+    for (const variable of each()) {
+      for (const term of variable.terms) if (termKey(variable, term) === chosen) return { variable, term };
+    }
+    return null;
+  }
 
   function build() {
     const names = each().map((variable) => variable.name);
     // A plot that a hand is on stays where it is.
     if (JSON.stringify(names) === JSON.stringify([...plots.keys()])) {
       if (store.busy) grip(each().find((variable) => variable.name === moving));
-      draw();
-      return;
+    } else {
+      body.replaceChildren();
+      plots.clear();
+      for (const variable of each()) {
+        const plot = svg("svg", { height: HEIGHT, role: "group", "aria-label": variable.name });
+        plots.set(variable.name, plot);
+        body.append(plot);
+      }
     }
-    body.replaceChildren();
-    plots.clear();
-    for (const variable of each()) {
-      const plot = svg("svg", { height: HEIGHT, role: "group", "aria-label": variable.name });
-      plots.set(variable.name, plot);
-      body.append(plot);
-    }
+    describe();
     draw();
   }
 
@@ -71,8 +102,11 @@ export function termsPane(store, { edit, numbers }) {
     const x = (value) => LEFT + ((value - low) / (high - low)) * (width - LEFT - RIGHT);
     const back = (pixel) => low + ((pixel - LEFT) / (width - LEFT - RIGHT)) * (high - low);
     const y = (degree) => HEIGHT - BOTTOM - degree * (HEIGHT - TOP - BOTTOM);
-    return { width, low, high, x, y, back };
+    const degree = (pixel) => (HEIGHT - BOTTOM - pixel) / (HEIGHT - TOP - BOTTOM);
+    return { width, low, high, x, y, back, degree };
   }
+
+  // --- pictures ---
 
   function draw() {
     if (!store.scene) return;
@@ -86,6 +120,7 @@ export function termsPane(store, { edit, numbers }) {
       const same = [...body.querySelectorAll("[data-handle]")].find((e) => e.dataset.handle === focused);
       same?.focus({ preventScroll: true });
     }
+    fill();
   }
 
   function drawOne(variable, v) {
@@ -106,115 +141,246 @@ export function termsPane(store, { edit, numbers }) {
     const handles = [];
     variable.terms.forEach((term, t) => {
       if (!term.curve) return;
-      const key = `${variable.name}\n${term.name}`;
-      const held = store.parameters(variable, term);
-      const path = curve(variable, term, held, at);
-      parts.push(svg("path", { d: path, style: `stroke: ${hue(t)}`, class: key === chosen ? "chosen" : "" }));
-      handles.push(...handlesOf(variable, term, t, held, at, key === chosen));
+      const isChosen = termKey(variable, term) === chosen;
+      const own = isChosen ? "chosen" : "";
+      const style = `stroke: ${hue(t)}`;
+      const lines = sidesOf(term).map((shape) => curve(variable, shape, at));
+      if (lines.length > 1) {
+        const d = `${path(lines[0], at)}${path([...lines[1]].reverse(), at).replace("M", "L")}Z`;
+        parts.push(svg("path", { d, class: "footprint", style: `fill: ${hue(t)}` }));
+      }
+      lines.forEach((points, side) => {
+        parts.push(svg("path", { d: path(points, at), style, class: side ? `${own} lower` : own }));
+      });
+      handles.push(...handlesOf(variable, term, t, at, isChosen));
     });
     plot.setAttribute("width", at.width);
     plot.replaceChildren(...parts, ...handles);
   }
 
-  function curve(variable, term, held, at) {
-    const corners = term.straight ? cornersOf(term, held) : null;
-    let points;
-    if (corners) {
-      const last = corners.length - 2;
-      points = [[Math.min(at.low, corners[0]), corners[1]]];
-      for (let i = 0; i <= last; i += 2) points.push([corners[i], corners[i + 1]]);
-      points.push([Math.max(at.high, corners[last]), corners[last + 1]]);
-    } else {
+  function curve(variable, shape, at) {
+    const now = store.now(variable, shape);
+    const corners = shape.straight ? cornersOf(shape, now.parameters, now.height) : null;
+    if (!corners) {
       const xs = Float64Array.from({ length: SMOOTH }, (_, i) => at.low + ((at.high - at.low) * i) / (SMOOTH - 1));
-      const ys = store.degrees(variable, term, xs);
-      points = Array.from(xs, (x, i) => [x, ys[i]]);
+      const ys = store.degrees(variable, shape, xs, now);
+      return Array.from(xs, (x, i) => [x, ys[i]]);
     }
-    return points.map(([x, y], i) => `${i ? "L" : "M"}${at.x(x).toFixed(1)} ${at.y(y).toFixed(1)}`).join("");
+    const last = corners.length - 2;
+    const points = [[Math.min(at.low, corners[0]), corners[1]]];
+    for (let i = 0; i <= last; i += 2) points.push([corners[i], corners[i + 1]]);
+    points.push([Math.max(at.high, corners[last]), corners[last + 1]]);
+    return points;
   }
 
-  function handlesOf(variable, term, t, held, at, isChosen) {
-    const found = [];
-    const positions = term.handles.map((i) => held[i]);
-    const top = peak(term, held) ?? term.centre;
+  const path = (points, at) =>
+    points.map(([x, y], i) => `${i ? "L" : "M"}${at.x(x).toFixed(1)} ${at.y(y).toFixed(1)}`).join("");
+
+  function handlesOf(variable, term, t, at, isChosen) {
+    const made = [];
+    const top = peak(term, store.now(variable, term).parameters) ?? term.centre;
     if (top !== null) {
       const x = at.x(Math.min(at.high, Math.max(at.low, top)));
       const half = 3.6 * term.name.length; // about half of its width: it stays inside
       const anchor = x < half ? "start" : x > at.width - half ? "end" : "middle";
-      found.push(svg("text", {
+      made.push(svg("text", {
         x: anchor === "start" ? 3 : anchor === "end" ? at.width - 3 : x, y: TOP - 6,
         "text-anchor": anchor, class: "term", style: `fill: ${hue(t)}`,
-        ...target(variable, term, null, S.wholeTerm(variable.name, term.name), top, at),
+        ...target(variable, term, term, null, S.wholeTerm(variable.name, term.name), top, at),
       }, term.name));
     }
-    term.handles.forEach((index, place) => {
-      const isPeak = positions[place] === top;
-      if (!isChosen && !isPeak) return;
-      const value = held[index];
-      if (value < at.low || value > at.high) return;
-      const y = heightAt(variable, term, held, index, value);
-      found.push(svg("circle", {
-        cx: at.x(value), cy: at.y(y), r: isChosen ? 5.5 : 4, style: `stroke: ${hue(t)}`,
-        ...target(variable, term, index, S.corner(variable.name, term.name, place + 1), value, at),
-      }));
-    });
-    if (isChosen && positions.length) {
-      const said = positions.map((x) => shortNumber(x, 6)).join("  ");
-      found.push(svg("text", { class: "numbers", x: at.width / 2, y: 12, "text-anchor": "middle" }, said));
+    for (const shape of sidesOf(term)) {
+      const now = store.now(variable, shape);
+      const style = `stroke: ${hue(t)}`;
+      shape.handles.forEach((index, place) => {
+        const value = now.parameters[index];
+        if (!isChosen && (shape.side || value !== top)) return;
+        if (value < at.low || value > at.high) return;
+        const label = (shape.side ? S.lowerCorner : S.corner)(variable.name, term.name, place + 1);
+        const own = target(variable, term, shape, index, label, value, at);
+        const [cx, cy] = [at.x(value), at.y(heightAt(variable, shape, now, index, value))];
+        made.push(svg("circle", { cx, cy, r: isChosen && !shape.side ? 5.5 : 4, style, ...own }));
+      });
+      if (!isChosen) continue;
+      for (const [index, width] of Object.entries(WIDTHS[shape.kind] ?? {})) {
+        const value = width.at(now.parameters);
+        if (!(value >= at.low && value <= at.high)) continue;
+        const said = S.width(variable.name, term.name, shape.names[index], Boolean(shape.side));
+        const own = target(variable, term, shape, Number(index), said, value, at, now.parameters[index]);
+        const [x, y] = [at.x(value), at.y(store.degrees(variable, shape, Float64Array.of(value), now)[0])];
+        const d = `M${x - DIAMOND} ${y}L${x} ${y - DIAMOND}L${x + DIAMOND} ${y}L${x} ${y + DIAMOND}Z`;
+        made.push(svg("path", { d, class: "width", style, ...own }));
+      }
     }
-    return found;
+    return made;
   }
 
-  function target(variable, term, index, label, value, at) {
+  function target(variable, term, shape, index, label, value, at, said = value) {
     return {
       tabindex: 0, role: "slider", "aria-label": label, "aria-valuenow": Math.min(at.high, Math.max(at.low, value)),
-      "aria-valuemin": at.low, "aria-valuemax": at.high, "aria-valuetext": shortNumber(value, 6),
-      "data-handle": `${variable.name}\n${term.name}\n${index}`,
+      "aria-valuemin": at.low, "aria-valuemax": at.high, "aria-valuetext": shortNumber(said, 6),
+      "data-handle": `${shapeKey(variable, shape)}\n${index}`, "data-side": shape.side ?? 0,
       "data-variable": variable.name, "data-term": term.name, "data-index": index ?? "whole",
-      onpointerdown: (event) => take(event, variable, term, index),
-      onkeydown: (event) => step(event, variable, term, index),
+      onpointerdown: (event) => take(event, variable, term, shape, index),
+      onkeydown: (event) => step(event, variable, term, shape, index),
       onfocus: () => choose(variable, term),
     };
   }
 
   function choose(variable, term) {
-    const key = `${variable.name}\n${term.name}`;
+    const key = termKey(variable, term);
     if (key !== chosen) {
       chosen = key;
+      describe();
       redraw();
     }
   }
 
-  const peak = (term, held) => {
-    if (term.kind === "triangle") return held[1];
-    if (term.kind === "trapezoid") return 0.5 * (held[1] + held[2]);
-    return term.handles.length === 1 ? held[term.handles[0]] : null;
+  const peak = (shape, parameters) => {
+    if (shape.kind === "triangle") return parameters[1];
+    if (shape.kind === "trapezoid") return 0.5 * (parameters[1] + parameters[2]);
+    return shape.handles.length === 1 ? parameters[shape.handles[0]] : null;
   };
 
-  function heightAt(variable, term, held, index, value) {
-    if (term.kind === "points") return held[index + 1] * term.height;
-    if (term.kind === "triangle") return index === 1 ? term.height : 0;
-    if (term.kind === "trapezoid") return index % 3 ? term.height : 0;
-    return store.degrees(variable, term, Float64Array.of(value))[0];
+  function heightAt(variable, shape, now, index, value) {
+    if (shape.kind === "points") return now.parameters[index + 1] * now.height;
+    if (shape.kind === "triangle") return index === 1 ? now.height : 0;
+    if (shape.kind === "trapezoid") return index % 3 ? now.height : 0;
+    return store.degrees(variable, shape, Float64Array.of(value), now)[0];
+  }
+
+  // --- numbers beside, and what is done with whole terms ---
+
+  /** Build the line below the plots for the term that is chosen. */
+  function describe() {
+    const one = found();
+    details.hidden = !one;
+    fields = [];
+    if (!one) {
+      details.replaceChildren();
+      return;
+    }
+    const { variable, term } = one;
+    const parts = [el("strong", { textContent: `${variable.name} ${term.name}` })];
+    for (const shape of sidesOf(term)) {
+      parts.push(el("span", { textContent: shape.side ? `${S.over} ${shape.kind}` : shape.kind }));
+      if (term.kind !== "formula" && term.kind !== "linear") parts.push(...fieldsOf(variable, term, shape));
+    }
+    if (change) {
+      const button = (text, act) => el("button", { textContent: text, onclick: act });
+      parts.push(
+        el("span", { class: "space" }),
+        button(S.addTerm, () => add(variable)), button(S.rename, () => rename(variable, term)),
+        button(S.remove, () => change("term", { variable: variable.name, term: term.name })),
+        button(S.range, () => stretch(variable)),
+      );
+    }
+    details.replaceChildren(...parts);
+  }
+
+  function fieldsOf(variable, term, shape) {
+    const side = shape.side ? `${S.over} ` : "";
+    const count = shape.kind === "points" ? shape.parameters.length : shape.names.length;
+    const name = (i) => shape.names[i] ?? `${i % 2 ? "y" : "x"}${Math.floor(i / 2) + 1}`;
+    const made = Array.from({ length: count + 1 }, (_, i) => {
+      const label = i < count ? name(i) : S.height;
+      const field = el("input", {
+        type: "text", inputMode: "decimal", title: label, readOnly: !edit,
+        "aria-label": `${variable.name} ${term.name}, ${side}${label}`,
+        onchange: () => put(variable, term, shape, i < count ? i : null, field),
+      });
+      fields.push({ field, variable, shape, index: i < count ? i : null });
+      return field;
+    });
+    return made;
+  }
+
+  /** Show the numbers of the chosen term as they are now. */
+  function fill() {
+    for (const { field, variable, shape, index } of fields ?? []) {
+      const now = store.now(variable, shape);
+      const value = index === null ? now.height : now.parameters[index];
+      const said = Number.isFinite(value) ? shortNumber(value, 8) : value > 0 ? "inf" : "-inf";
+      if (document.activeElement !== field && field.value !== said) field.value = said;
+    }
+  }
+
+  function put(variable, term, shape, index, field) {
+    const text = field.value.trim().replace(/^([+-]?)inf$/, "$1Infinity");
+    const value = text === "" ? NaN : Number(text);
+    if (Number.isNaN(value) || (index === null && !(value > 0 && value <= 1))) {
+      field.setAttribute("aria-invalid", "true");
+      return;
+    }
+    field.removeAttribute("aria-invalid");
+    begin(variable);
+    const now = store.now(variable, shape);
+    const parameters = index === null ? now.parameters : now.parameters.with(index, value);
+    store.reshape(variable, shape, parameters, index === null ? value : now.height);
+    drag = null;
+    finish(variable.name);
+  }
+
+  async function add(variable) {
+    const name = await askFor(S.nameOfTerm(variable.name), "", S.addTerm);
+    if (!name) return;
+    const [low, high] = rangeOf(variable);
+    const input = store.scene.inputs.indexOf(variable);
+    const middle = rounded(input < 0 ? 0.5 * (low + high) : store.point[input], variable);
+    const half = rounded((high - low) / (variable.terms.length + 1), variable);
+    const discrete = variable.terms.length && variable.terms.every((term) => term.kind === "singleton");
+    const shape = discrete ? { kind: "singleton", parameters: [middle] }
+      : { kind: "triangle", parameters: [middle - half, middle, middle + half] };
+    shape.parameters = shape.parameters.map((x) => Number(x.toPrecision(12)));
+    if (await change("term", { variable: variable.name, term: name, shape })) {
+      chosen = `${variable.name}\n${name}`;
+    }
+  }
+
+  async function rename(variable, term) {
+    const name = await askFor(`${S.renameTo} ${term.name}`, term.name, S.rename);
+    if (!name || name === term.name) return;
+    const taken = await change("term", { variable: variable.name, term: term.name, name });
+    if (taken) chosen = `${variable.name}\n${name}`;
+  }
+
+  async function stretch(variable) {
+    const said = (x) => (x === null ? "inf" : shortNumber(x, 12));
+    const low = variable.low === null ? "-inf" : said(variable.low);
+    const text = await askFor(S.rangeOf(variable.name), `${low} .. ${said(variable.high)}`, S.range);
+    const ends = text?.split("..").map((each) => Number(each.trim().replace("inf", "Infinity")));
+    if (ends?.length === 2) change("range", { variable: variable.name, low: ends[0], high: ends[1] });
   }
 
   // --- moving ---
 
-  function take(event, variable, term, index) {
+  /** Remember every shape of a variable as it is, to move from there. */
+  function begin(variable) {
+    drag = { variable, from: new Map() };
+    for (const shape of variable.terms.flatMap(sidesOf)) drag.from.set(shape, store.now(variable, shape));
+  }
+
+  function take(event, variable, term, shape, index) {
     if (!edit) return;
     event.preventDefault();
     event.currentTarget.focus({ preventScroll: true });
     const at = scale(variable);
     const plot = plots.get(variable.name);
-    const pixel = (each) => at.back(each.clientX - plot.getBoundingClientRect().left);
-    drag = { variable, start: pixel(event), from: new Map() };
-    for (const other of variable.terms) drag.from.set(other.name, store.parameters(variable, other));
+    const place = (each) => {
+      const box = plot.getBoundingClientRect();
+      return { x: at.back(each.clientX - box.left), degree: at.degree(each.clientY - box.top) };
+    };
+    begin(variable);
+    const start = place(event);
+    const old = drag.from.get(shape);
+    const where = index === null ? 0 : handleAt(shape, old.parameters, index);
     // The plot keeps the pointer: handles are drawn anew while they move.
     plot.setPointerCapture(event.pointerId);
     grip(variable);
     plot.onpointermove = (each) => {
-      const by = pixel(each) - drag.start;
-      const old = drag.from.get(term.name);
-      shift(variable, term, index, index === null ? by : old[index] + by, each);
+      const here = place(each);
+      const rise = isRaised(shape, index) ? here.degree - start.degree : 0;
+      shift(variable, term, shape, index, where + here.x - start.x, rise, each);
     };
     plot.onpointerup = plot.onpointercancel = () => {
       plot.onpointermove = plot.onpointerup = plot.onpointercancel = null;
@@ -223,26 +389,39 @@ export function termsPane(store, { edit, numbers }) {
     };
   }
 
+  const handleAt = (shape, parameters, index) => (shape.handles.includes(index)
+    ? parameters[index] : WIDTHS[shape.kind][index].at(parameters));
+
+  /** Whether a handle moves up and down as well: corners of points, and tops of lower functions. */
+  function isRaised(shape, index) {
+    if (index === null || !shape.handles.includes(index)) return false;
+    if (shape.kind === "points") return true;
+    const tops = { triangle: [1], trapezoid: [1, 2], pi: [1, 2], rectangle: [0, 1] }[shape.kind];
+    return Boolean(shape.side) && (tops ? tops.includes(index) : shape.handles.length === 1);
+  }
+
   /** Ask for the numbers of a variable that can be changed in place. */
   function grip(variable) {
     store.busy = true;
     moving = variable.name;
     if (store.held?.variable === variable.name) return;
-    numbers(variable.name).then((found) => {
-      if (found) store.hold(variable, found);
+    numbers(variable.name).then((brought) => {
+      if (brought) store.hold(variable, brought);
     });
   }
 
-  function step(event, variable, term, index) {
+  function step(event, variable, term, shape, index) {
     const sign = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
     if (!sign || !edit) return;
     event.preventDefault();
     grip(variable);
-    const by = sign * unit(variable) * (event.ctrlKey ? 10 : 1);
-    drag = { variable, from: new Map() };
-    for (const other of variable.terms) drag.from.set(other.name, store.parameters(variable, other));
-    const old = drag.from.get(term.name);
-    shift(variable, term, index, index === null ? by : old[index] + by, event);
+    begin(variable);
+    const steps = sign * (event.ctrlKey ? 10 : 1);
+    const rises = isRaised(shape, index) && /Up|Down/.test(event.key);
+    const old = drag.from.get(shape).parameters;
+    const where = index === null ? 0 : handleAt(shape, old, index);
+    const by = rises ? 0 : steps * unit(variable);
+    shift(variable, term, shape, index, where + by, rises ? 0.05 * steps : 0, event);
     drag = null;
     clearTimeout(waiting);
     waiting = setTimeout(() => finish(variable.name), 350);
@@ -260,56 +439,132 @@ export function termsPane(store, { edit, numbers }) {
     return Number((Math.round(value / step) * step).toPrecision(12));
   }
 
-  /** Move a corner to, or a whole term by, a number; neighbours and the mirror image as asked. */
-  function shift(variable, term, index, value, event) {
-    const old = drag.from.get(term.name);
-    const next = index === null
-      ? moved(term, old, null, 0, rounded(value, variable))
-      : moved(term, old, index, rounded(value, variable));
-    const changed = new Map([[term, next]]);
-    if (partition.checked || event.altKey) neighbours(variable, term, old, next, changed);
+  /** Move a handle to, or a whole term by, a number; neighbours and the mirror image as asked. */
+  function shift(variable, term, shape, index, value, rise, event) {
+    const changed = new Map();
+    if (index === null) {
+      const by = rounded(value, variable);
+      for (const side of sidesOf(term)) {
+        const old = drag.from.get(side);
+        changed.set(side, { ...plain(old), parameters: moved(side, old.parameters, null, 0, by) });
+      }
+    } else changed.set(shape, one(variable, shape, index, value, rise));
+    if (partition.checked || event.altKey) {
+      for (const [side, next] of [...changed]) neighbours(variable, side, next.parameters, changed);
+    }
     if (mirror.checked || event.shiftKey) mirrored(variable, changed);
-    for (const [each, parameters] of changed) store.reshape(variable, each, parameters);
+    for (const each of variable.terms) keepBelow(variable, each, changed);
+    for (const [each, next] of changed) store.reshape(variable, each, next.parameters, next.height);
   }
 
-  function neighbours(variable, term, old, next, changed) {
-    for (const other of variable.terms) {
-      if (other === term || other.kind === "points") continue;
-      const from = drag.from.get(other.name);
-      const to = from.map((x, i) => {
-        const shared = other.handles.includes(i) ? term.handles.findIndex((k) => old[k] === x) : -1;
-        return shared < 0 ? x : next[term.handles[shared]];
+  const plain = ({ parameters, height }) => ({ parameters, height });
+
+  /** Parameters and height of a shape after one of its handles has moved. */
+  function one(variable, shape, index, value, rise) {
+    const old = drag.from.get(shape);
+    const tidy = (x, step) => (snap.checked ? Number((Math.round(x / step) * step).toPrecision(12)) : Number(x.toPrecision(6)));
+    if (!shape.handles.includes(index)) {
+      const width = WIDTHS[shape.kind][index].to(old.parameters, rounded(value, variable));
+      const sound = Number.isFinite(width) && Math.abs(width) > 1e-9;
+      const said = Number(width.toPrecision(snap.checked ? 3 : 6));
+      return { ...plain(old), parameters: sound ? old.parameters.with(index, said) : old.parameters };
+    }
+    const parameters = moved(shape, old.parameters, index, rounded(value, variable));
+    if (!rise) return { parameters, height: old.height };
+    if (shape.kind === "points") {
+      const y = tidy(old.parameters[index + 1] + rise / old.height, 0.05);
+      parameters[index + 1] = Math.min(1, Math.max(0, y));
+      return { parameters, height: old.height };
+    }
+    const height = Math.min(1, Math.max(LEAST_HEIGHT, tidy(old.height + rise, 0.05)));
+    return { parameters, height };
+  }
+
+  function neighbours(variable, shape, next, changed) {
+    const old = drag.from.get(shape).parameters;
+    for (const other of variable.terms.flatMap(sidesOf)) {
+      if (changed.has(other) || (other.side ?? 0) !== (shape.side ?? 0) || other.kind === "points") continue;
+      const from = drag.from.get(other);
+      const to = from.parameters.map((x, i) => {
+        const shared = other.handles.includes(i) ? shape.handles.findIndex((k) => old[k] === x) : -1;
+        return shared < 0 ? x : next[shape.handles[shared]];
       });
       const sorted = other.handles.every((i, k) => !k || to[other.handles[k - 1]] <= to[i]);
-      if (sorted && to.some((x, i) => x !== from[i])) changed.set(other, to);
+      if (sorted && to.some((x, i) => x !== from.parameters[i])) changed.set(other, { ...plain(from), parameters: to });
     }
   }
 
   function mirrored(variable, changed) {
     const [low, high] = rangeOf(variable);
-    for (const [term, parameters] of [...changed]) {
-      const other = variable.terms[variable.terms.length - 1 - variable.terms.indexOf(term)];
-      const fits = other !== term && other.kind === term.kind && term.kind !== "points";
-      if (!fits || other.handles.length !== other.parameters.length) continue;
-      changed.set(other, [...parameters].reverse().map((x) => Number((low + high - x).toPrecision(12))));
+    for (const [shape, next] of [...changed]) {
+      const place = variable.terms.findIndex((term) => sidesOf(term).includes(shape));
+      const term = variable.terms[variable.terms.length - 1 - place];
+      const other = sidesOf(term)[shape.side ?? 0];
+      if (!other || other === shape || other.kind !== (TURNED[shape.kind] ?? shape.kind)) continue;
+      const parameters = mirrorOf(shape.kind, next.parameters, low + high);
+      if (parameters) changed.set(other, { parameters, height: next.height });
     }
+  }
+
+  /** Stop where the lower function of a term would rise above the upper one. */
+  function keepBelow(variable, term, changed) {
+    if (!term.lower || !term.curve) return;
+    const sides = sidesOf(term);
+    if (!sides.some((side) => changed.has(side))) return;
+    const from = sides.map((side) => drag.from.get(side));
+    const to = sides.map((side, i) => changed.get(side) ?? from[i]);
+    if (isBelow(variable, sides, to)) return;
+    const between = (share) => from.map((start, i) => ({
+      parameters: start.parameters.map((x, k) => (Number.isFinite(x) ? x + share * (to[i].parameters[k] - x) : x)),
+      height: start.height + share * (to[i].height - start.height),
+    }));
+    let [reach, beyond] = [0, 1];
+    for (let i = 0; i < 12; i++) {
+      const middle = 0.5 * (reach + beyond);
+      if (isBelow(variable, sides, between(middle))) reach = middle;
+      else beyond = middle;
+    }
+    const kept = between(reach);
+    const short = kept.map(({ parameters, height }) => ({
+      parameters: parameters.map((x) => Number(x.toPrecision(4))), height: Number(height.toPrecision(3)),
+    }));
+    const best = isBelow(variable, sides, short) ? short : kept;
+    sides.forEach((side, i) => {
+      if (changed.has(side)) changed.set(side, best[i]);
+    });
+  }
+
+  function isBelow(variable, [upper, lower], [high, low]) {
+    const [start, end] = rangeOf(variable);
+    const corners = [cornersOf(upper, high.parameters), cornersOf(lower, low.parameters)];
+    const bends = corners.flatMap((found) => (found ?? []).filter((_, i) => i % 2 === 0));
+    const even = Array.from({ length: SMOOTH }, (_, i) => start + ((end - start) * i) / (SMOOTH - 1));
+    const xs = Float64Array.from([...even, ...bends.filter((x) => x >= start && x <= end)]);
+    const above = store.degrees(variable, upper, xs, high);
+    return store.degrees(variable, lower, xs, low).every((y, i) => y <= above[i] + 1e-12);
   }
 
   function finish(name) {
     const variable = each().find((other) => other.name === name);
     store.busy = false;
-    const shapes = variable.terms.flatMap((term) => {
-      const now = store.parameters(variable, term);
-      const same = now.every((x, i) => x === term.parameters[i]);
-      return same ? [] : [{
-        variable: variable.name, term: term.name, kind: term.kind, parameters: now, height: term.height,
-      }];
-    });
+    const isSame = (shape) => {
+      const now = store.now(variable, shape);
+      return now.height === shape.height && now.parameters.every((x, i) => x === shape.parameters[i]);
+    };
+    const said = (shape) => {
+      const { parameters, height } = store.now(variable, shape);
+      return { kind: shape.kind, parameters: parameters.map(finite), height };
+    };
+    const shapes = variable.terms.flatMap((term) => (sidesOf(term).every(isSame) ? [] : [{
+      variable: variable.name, term: term.name, ...said(term), lower: term.lower ? said(term.lower) : null,
+    }]));
     if (!shapes.length) return;
     Promise.resolve(edit(shapes)).then((taken) => {
       if (taken === false) store.forget();
     });
   }
+
+  const finite = (x) => (Number.isFinite(x) ? x : x > 0 ? "inf" : "-inf"); // JSON has no infinite ones
 
   const redraw = eachFrame(draw);
   store.on("scene", build);

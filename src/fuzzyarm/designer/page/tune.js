@@ -1,6 +1,6 @@
 // Tune: the search of `fuzzyarm tune` on the text that is open, its cost as it falls, what came of it.
 
-import { el, pane, shortNumber } from "./draw.js";
+import { clean, el, pane, shortNumber } from "./draw.js";
 import { drawChart, field, number, refill, stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
 import { S } from "./strings.js";
@@ -41,7 +41,7 @@ function tunePanes(store, hand) {
   const lines = el("textarea", { rows: 2, cols: 34, spellcheck: false, placeholder: S.linesExample });
   const inLoop = [
     field(S.plant, plant), field(S.reference, reference, S.referenceHint), field(S.seconds, seconds),
-    field(S.scenarios, scenarios, S.scenariosHint), field(S.over, over),
+    field(S.scenarios, scenarios, S.scenariosHint), field(S.overScenarios, over),
     el("label", { class: "check", title: S.linearHint }, linear, S.linear),
   ];
   const onSamples = [field(S.samples, data)];
@@ -71,7 +71,7 @@ function tunePanes(store, hand) {
     hand.start("tunable", {}, (message) => {
       if (message.end === "failed") {
         facts = null;
-        says.textContent = message.message;
+        says.textContent = clean(message.message);
         insert.hidden = true;
         start.disabled = true;
       }
@@ -82,7 +82,7 @@ function tunePanes(store, hand) {
       refill(data, facts.samples.map((each) => [each, each]));
       refill(method, facts.methods.map((each) => [each, each]));
       if (first) cost.placeholder = facts.defaults.cost;
-      says.textContent = S.whatMoves(facts);
+      says.textContent = clean(S.whatMoves(facts));
       insert.hidden = facts.says || facts.parameters.length === 0;
       start.disabled = running || (facts.loop ? !facts.plants.length : !facts.samples.length);
       fit();
@@ -123,17 +123,17 @@ function tunePanes(store, hand) {
     if (message.end) {
       job = null;
       running = false;
-      if (message.end === "failed") said.textContent = message.message;
+      if (message.end === "failed") said.textContent = clean(message.message);
       ask();
     } else if (message.moving) moving = message.moving;
     else if (message.phase) take(message);
     else if (message.report) {
       report = message.report;
       running = false;
-      said.textContent = report.interrupted ? S.stopped(report) : S.tuned(report);
+      said.textContent = clean(report.interrupted ? S.stopped(report) : S.tuned(report));
       ask();
     } else if (message.exists) replace(message.exists);
-    else if (message.untaken) said.textContent = message.untaken;
+    else if (message.untaken) said.textContent = clean(message.untaken);
     else if (message.taken) edit(message.taken);
     show();
   }
@@ -148,7 +148,7 @@ function tunePanes(store, hand) {
     // The line is read out: every five seconds is enough.
     if (!ending && (turned || performance.now() - told > 5000)) {
       told = performance.now();
-      said.textContent = S.searching(phase, costs[phase].length, message.best, Number(evals.value));
+      said.textContent = clean(S.searching(phase, costs[phase].length, message.best, Number(evals.value)));
     }
   }
 
@@ -158,7 +158,7 @@ function tunePanes(store, hand) {
 
   async function edit({ old, new: changed, written }) {
     const done = await hand.change("merge", { old, new: changed });
-    said.textContent = done ? S.taken(written) : S.notTaken;
+    said.textContent = clean(done ? S.taken(written) : S.notTaken);
     show();
   }
 
@@ -166,8 +166,8 @@ function tunePanes(store, hand) {
     start.disabled = running || !facts || (facts.loop ? !facts.plants.length : !facts.samples.length);
     stop.disabled = !running || ending;
     for (const input of fields.querySelectorAll("input, select, textarea")) input.disabled = running;
-    counted.textContent = state ? S.searchState(costs.search.length, state.best, state.seconds) : "";
-    curve.canvas.setAttribute("aria-label", S.costLabel(costs.search.length, state?.best ?? null));
+    counted.textContent = clean(state ? S.searchState(costs.search.length, state.best, state.seconds) : "");
+    curve.canvas.setAttribute("aria-label", clean(S.costLabel(costs.search.length, state?.best ?? null)));
     curve.redraw();
     drawNumbers();
     drawReport();
@@ -217,8 +217,8 @@ function tunePanes(store, hand) {
       now.style.left = `${100 * (state?.shares?.[i] ?? each.share)}%`;
       now.hidden = !running || phase !== "search";
       const shown = shortNumber(state?.values?.[i] ?? each.start);
-      value.textContent = shown;
-      track.setAttribute("aria-label", S.numberLabel(each.name, shown, [each.low, each.high, each.start].map((v) => shortNumber(v))));
+      value.textContent = clean(shown);
+      track.setAttribute("aria-label", clean(S.numberLabel(each.name, shown, [each.low, each.high, each.start].map((v) => shortNumber(v)))));
       track.classList.toggle("bound", Math.min(at, 1 - at) < 1e-3);
     });
   }

@@ -25,12 +25,18 @@ from fuzzyarm.language.queries.references import (
     rename,
 )
 from fuzzyarm.language.queries.reshape import (
+    Reshaped,
     ReshapeError,
+    add_term,
     add_tuning,
+    remove_term,
+    rename_term,
     set_cell,
     set_gain,
     set_ranges,
+    set_rule,
     set_shapes,
+    set_variable_range,
 )
 from fuzzyarm.lazy import lazily
 
@@ -48,7 +54,9 @@ __all__ = [
     "Reading",
     "RenameError",
     "ReshapeError",
+    "Reshaped",
     "Symbol",
+    "add_term",
     "add_tuning",
     "apply_edits",
     "coloured",
@@ -60,11 +68,15 @@ __all__ = [
     "plain",
     "read",
     "references",
+    "remove_term",
     "rename",
+    "rename_term",
     "set_cell",
     "set_gain",
     "set_ranges",
+    "set_rule",
     "set_shapes",
+    "set_variable_range",
     "symbols",
 ]
 

@@ -1,16 +1,24 @@
-"""What a hand changes in a picture, as edits of the text: numbers, cells, what may be tuned."""
+"""What a hand changes in a picture, as edits of the text: terms, cells, rules, what is tuned."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.controllers import ControllerHeading, GainNode
-from fuzzyarm.language.phrases import ShapeNode
-from fuzzyarm.language.queries.fixes import Edit
-from fuzzyarm.language.queries.reading import Reading
-from fuzzyarm.language.rules import CellNode, GridNode
-from fuzzyarm.language.statements import EvenTermsNode, Heading, TermNode
+from fuzzyarm.language.phrases import Kind, ShapeNode
+from fuzzyarm.language.queries.fixes import Edit, apply_edits
+from fuzzyarm.language.queries.reading import Reading, read
+from fuzzyarm.language.queries.references import rename
+from fuzzyarm.language.rules import CellNode, GridNode, RuleNode
+from fuzzyarm.language.statements import (
+    EvenTermsNode,
+    Heading,
+    StatementNode,
+    TermNode,
+    VariableNode,
+)
 from fuzzyarm.language.tokens import Figure, Word, name_text
 from fuzzyarm.language.tune import TuneItem, TuneNode
 from fuzzyarm.language.writer import tuning_node
@@ -22,7 +30,19 @@ class ReshapeError(FuzzyarmError, ValueError):
     """A change that has no single place in the text."""
 
 
-def set_shapes(reading: Reading, shapes: Sequence[tuple[str, str, Shape]]) -> list[Edit]:
+# --- Terms ---
+
+
+class Reshaped(NamedTuple):
+    """A term with its new shape; of interval type 2 the upper one and the lower one."""
+
+    variable: str
+    term: str
+    shape: Shape
+    lower: Shape | None = None
+
+
+def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Shape]]) -> list[Edit]:
     """Return the edits that give terms other shapes; comments stay.
 
     A term that is declared by itself gets other numbers in its line. One of an evenly spaced
@@ -32,8 +52,8 @@ def set_shapes(reading: Reading, shapes: Sequence[tuple[str, str, Shape]]) -> li
     ----------
     reading : Reading
         The text.
-    shapes : sequence of (str, str, Shape)
-        Variable, term and its shape, of numbers only.
+    shapes : sequence of Reshaped
+        Variable, term and its shape, of numbers only; of an interval type-2 term both shapes.
 
     Raises
     ------
@@ -42,26 +62,45 @@ def set_shapes(reading: Reading, shapes: Sequence[tuple[str, str, Shape]]) -> li
     """
     edits: list[Edit] = []
     behind: dict[int, list[str]] = {}
-    for variable, term, shape in shapes:
-        height = None if shape.height == 1.0 else Figure(shape.height)
-        node = ShapeNode(Word(shape.kind), tuple(map(Figure, shape.parameters)), height=height)
+    for each in shapes:
+        variable, term, shape, lower = Reshaped(*each)
         own = _own_line(reading, variable, term)
         if own is not None:
-            edits.append(Edit(own, str(node)))
+            edits.append(Edit(own, _shape_text(shape, lower)))
             continue
         line = _line_behind_family(reading, variable, term)
-        words = f"term {name_text(variable)} {name_text(term)}: {node}"
-        behind.setdefault(line, []).append(words)
-    for line, added in behind.items():
-        end = len(reading.raw_line(line)) + 1
-        edits.append(Edit(Span(line, end, line, end), "".join(f"\n{words}" for words in added)))
+        behind.setdefault(line, []).append(_term_text(variable, term, shape, lower))
+    edits += [_behind(reading, line, added) for line, added in behind.items()]
     return edits
 
 
+def _shape_text(shape: Shape, lower: Shape | None) -> str:
+    return str(_node(shape)._replace(lower=None if lower is None else _node(lower)))
+
+
+def _node(shape: Shape) -> ShapeNode:
+    height = None if shape.height == 1.0 else Figure(shape.height)
+    return ShapeNode(Word(shape.kind), tuple(map(Figure, shape.parameters)), height=height)
+
+
+def _term_text(variable: str, term: str, shape: Shape, lower: Shape | None) -> str:
+    return f"term {name_text(variable)} {name_text(term)}: {_shape_text(shape, lower)}"
+
+
+def _behind(reading: Reading, line: int, added: Sequence[str]) -> Edit:
+    """Return the edit that puts lines behind another one."""
+    end = len(reading.raw_line(line)) + 1
+    return Edit(Span(line, end, line, end), "".join(f"\n{words}" for words in added))
+
+
 def _terms(reading: Reading, variable: str) -> Iterator[TermNode]:
-    for statement in reading.document.statements:
-        if isinstance(statement.node, TermNode) and statement.node.variable.text == variable:
-            yield statement.node
+    for node in _nodes(reading):
+        if isinstance(node, TermNode) and node.variable.text == variable:
+            yield node
+
+
+def _nodes(reading: Reading) -> Iterator[StatementNode]:
+    return (statement.node for statement in reading.document.statements)
 
 
 def _own_line(reading: Reading, variable: str, term: str) -> Span | None:
@@ -72,20 +111,215 @@ def _own_line(reading: Reading, variable: str, term: str) -> Span | None:
     return None
 
 
-def _line_behind_family(reading: Reading, variable: str, term: str) -> int:
-    """Return the line behind which a term of a family is overridden: others may be already."""
-    last = {node.span.line: end for node, _, end in reading.extents}
-    for statement in reading.document.statements:
-        node = statement.node
+def _family_of(reading: Reading, variable: str, term: str) -> EvenTermsNode | None:
+    for node in _nodes(reading):
         if not isinstance(node, EvenTermsNode) or term not in {word.text for word in node.names}:
             continue
         if variable in {word.text for word in node.variables}:
-            lines = {each.span.line for each in _terms(reading, variable)}
-            line = last[node.span.line]
-            while line + 1 in lines:
-                line = last[line + 1]
-            return line
+            return node
+    return None
+
+
+def _line_behind_family(reading: Reading, variable: str, term: str) -> int:
+    """Return the line behind which a term of a family is overridden: others may be already."""
+    node = _family_of(reading, variable, term)
+    if node is None:
+        raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
+    last = _last_lines(reading)
+    lines = {each.span.line for each in _terms(reading, variable)}
+    line = last[node.span.line]
+    while line + 1 in lines:
+        line = last[line + 1]
+    return line
+
+
+def _last_lines(reading: Reading) -> dict[int, int]:
+    """Return the last line of every statement by its first one."""
+    return {start: end for _, start, end in reading.extents}
+
+
+def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[Edit]:
+    """Return the edit that declares another term: a line behind the terms of its variable.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    variable, term : str
+        The variable, and the name of its new term.
+    shape : Shape
+        Of numbers only.
+
+    Raises
+    ------
+    ReshapeError
+        If there is no such variable, or it has a term of that name.
+    """
+    declared = _declaration(reading, variable)
+    if not term.strip():
+        raise ReshapeError("a term needs a name")
+    lines = [declared.span.line]
+    for node in _nodes(reading):
+        if isinstance(node, TermNode) and node.variable.text == variable:
+            names = [node.name.text]
+        elif isinstance(node, EvenTermsNode) and variable in {w.text for w in node.variables}:
+            names = [word.text for word in node.names]
+        else:
+            continue
+        lines.append(node.span.line)
+        if term in names:
+            raise ReshapeError(f"'{variable}' has a term '{term}' already, on line {lines[-1]}")
+    line = _last_lines(reading)[max(lines)]
+    return [_behind(reading, line, [_term_text(variable, term, shape, None)])]
+
+
+def _declaration(reading: Reading, variable: str) -> VariableNode:
+    for node in _nodes(reading):
+        if isinstance(node, VariableNode) and node.name.text == variable:
+            return node
+    raise ReshapeError(f"the text declares no variable '{variable}'")
+
+
+def remove_term(reading: Reading, variable: str, term: str) -> list[Edit]:
+    """Return the edits that remove a term, and the rules that name it.
+
+    Sentences that name it go, rows and columns of grids that it heads, and cells that conclude
+    it become dots. The others of an evenly spaced family stay where they are: each gets a line
+    of its own.
+
+    Raises
+    ------
+    ReshapeError
+        If the text declares no such term, or names it elsewhere: in an expectation, the
+        condition of a grid, or a cell of several outputs.
+    """
+    edits: list[Edit] = []
+    family = _family_of(reading, variable, term)
+    own = [node for node in _terms(reading, variable) if node.name.text == term]
+    if family is None and not own:
+        raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
+    if family is not None:
+        edits += _without_family(reading, family, variable, term)
+    gone = {node.span.line for node in own}
+    edits += [_without_lines(reading, line, _last_lines(reading)[line]) for line in sorted(gone)]
+    for node in _nodes(reading):
+        if isinstance(node, RuleNode) and _names(node, variable, term):
+            gone.add(node.span.line)
+            edits.append(_without_statement(reading, node))
+        elif isinstance(node, GridNode):
+            edits += _without_parts(reading, node, variable, term)
+        elif not isinstance(node, TermNode | EvenTermsNode) and _names(node, variable, term):
+            raise ReshapeError(
+                f"'{variable} is {term}' stands on line {node.span.line}: change that first"
+            )
+    return edits
+
+
+def _names(node: StatementNode, variable: str, term: str) -> bool:
+    return any(
+        each.kind is Kind.TERM and each.name == term and variable in each.owners
+        for each in node.mentions()
+    )
+
+
+def _without_lines(reading: Reading, first: int, last: int) -> Edit:
+    if last < len(reading.raw_lines):
+        return Edit(Span(first, 1, last + 1, 1), "")
+    before = max(1, first - 1)  # the end of the text: the line break in front goes
+    start = len(reading.raw_line(before)) + 1 if first > 1 else 1
+    return Edit(Span(before, start, last, len(reading.raw_line(last)) + 1), "")
+
+
+def _without_statement(reading: Reading, node: StatementNode) -> Edit:
+    return _without_lines(reading, node.span.line, _last_lines(reading)[node.span.line])
+
+
+def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: str) -> list[Edit]:
+    """Take a variable out of a family; the other terms get lines of their own."""
+    own = {each.name.text for each in _terms(reading, variable)}
+    lines = [
+        _term_text(
+            variable, word.text, reading.model.variable(variable).term(word.text).shape, None
+        )
+        for word in node.names
+        if word.text != term and word.text not in own
+    ]
+    others = tuple(word for word in node.variables if word.text != variable)
+    if others:
+        rest = Edit(node.span, str(node._replace(variables=others)))
+        return [rest, _behind(reading, _last_lines(reading)[node.span.line], lines)]
+    return [Edit(node.span, "\n".join(lines))] if lines else [_without_statement(reading, node)]
+
+
+def _without_parts(reading: Reading, node: GridNode, variable: str, term: str) -> list[Edit]:
+    """Take a term out of a grid: what it heads goes, and what concludes it becomes a dot."""
+    if node.condition is not None and any(
+        each.kind is Kind.TERM and each.name == term and variable in each.owners
+        for each in node.condition.mentions()
+    ):
+        raise ReshapeError(f"a grid holds when '{variable} is {term}', on line {node.span.line}")
+    heads = [i for i, word in enumerate(node.columns) if word.text == term]
+    columns = heads if node.column.text == variable else []
+    if columns and len(node.columns) == 1:
+        return [_without_statement(reading, node)]
+    edits = [_without_word(reading, node.columns[i].span) for i in columns]
+    for row in node.rows:
+        if node.row is not None and node.row.text == variable and row.label.text == term:
+            if len(node.rows) == 1:
+                return [_without_statement(reading, node)]
+            edits.append(_without_lines(reading, row.label.span.line, row.label.span.line))
+            continue
+        for i, cell in enumerate(row.cells):
+            concluded = node.output.text == variable and cell.term and cell.term.text == term
+            if i in columns and not node.joined:
+                edits.append(_without_word(reading, cell.span))
+            elif (i in columns or concluded) and node.joined:
+                raise ReshapeError(f"a cell of several outputs, on line {cell.span.line}, names it")
+            elif concluded:
+                edits.append(_aligned(reading.raw_line(cell.span.line), cell.span, "."))
+    return edits
+
+
+def _without_word(reading: Reading, span: Span) -> Edit:
+    """Remove a word of a grid with the blanks in front of it."""
+    text = reading.raw_line(span.line)[: span.column - 1]
+    start = len(text.rstrip(" ")) + 1
+    return Edit(Span(span.line, start, span.line, span.end_column), "")
+
+
+def rename_term(reading: Reading, variable: str, term: str, name: str) -> list[Edit]:
+    """Return the edits that give a term another name wherever it is named; see :func:`rename`.
+
+    Raises
+    ------
+    ReshapeError
+        If the text declares no such term.
+    RenameError
+        If the name cannot be given.
+    """
+    for each in reading.occurrences:
+        if each.kind is Kind.TERM and each.name == term and variable in each.owners:
+            return rename(reading, each.span.line, each.span.column, name)
     raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
+
+
+def set_variable_range(reading: Reading, variable: str, low: float, high: float) -> list[Edit]:
+    """Return the edit that gives a variable another range; evenly spaced terms follow it.
+
+    Raises
+    ------
+    ReshapeError
+        If there is no such variable, or the ends are the wrong way round.
+    """
+    node = _declaration(reading, variable)
+    if not low < high:
+        raise ReshapeError("the range must go from a lower to a higher number")
+    if node.low is None or node.high is None:
+        raise ReshapeError(f"the range of '{variable}' is not understood")
+    return [Edit(node.low.span.to(node.high.span), f"{Figure(low)} .. {Figure(high)}")]
+
+
+# --- Cells ---
 
 
 def set_cell(reading: Reading, line: int, column: int, term: str | None) -> list[Edit]:
@@ -117,11 +351,11 @@ def set_cell(reading: Reading, line: int, column: int, term: str | None) -> list
 
 
 def _cells(reading: Reading) -> Iterator[tuple[GridNode, CellNode]]:
-    for statement in reading.document.statements:
-        if isinstance(statement.node, GridNode):
-            for part in statement.node.parts:
+    for node in _nodes(reading):
+        if isinstance(node, GridNode):
+            for part in node.parts:
                 for row in part.rows:
-                    yield from ((statement.node, cell) for cell in row.cells)
+                    yield from ((node, cell) for cell in row.cells)
 
 
 def _aligned(text: str, span: Span, new: str) -> Edit:
@@ -135,6 +369,62 @@ def _aligned(text: str, span: Span, new: str) -> Edit:
     if longer > 0:
         end += min(longer, blanks - 1)
     return Edit(Span(span.line, span.column, span.line, end), new + " " * max(0, -longer))
+
+
+# --- Rules that are sentences ---
+
+
+def set_rule(reading: Reading, line: int | None, sentence: str) -> list[Edit]:
+    """Return the edits that write a rule: another sentence, a new one, or none.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    line : int or None
+        Where the rule begins that is changed, from 1; None for a new one, which is put behind
+        the last rule.
+    sentence : str
+        ``if … then …``, maybe ``with`` a weight; empty to remove the rule.
+
+    Raises
+    ------
+    ReshapeError
+        If no sentence begins there, or the new one is not understood; it says why.
+    """
+    words = " ".join(sentence.split()).removeprefix("rule ")
+    if line is None:
+        if not words:
+            raise ReshapeError("a rule reads: if … then …")
+        behind = _last_rule(reading)
+        edits = [_behind(reading, behind, [f"rule {words}"])]
+        return _understood(reading, edits, behind + 1)
+    for node in _nodes(reading):
+        if isinstance(node, RuleNode) and node.span.line == line:
+            if not words:
+                return [_without_statement(reading, node)]
+            return _understood(reading, [Edit(node.span, f"rule {words}")], line)
+    raise ReshapeError(f"no rule begins on line {line}")
+
+
+def _last_rule(reading: Reading) -> int:
+    """Return the line behind which a rule is added: that of the last rule, or of the text."""
+    found = [end for node, _, end in reading.extents if isinstance(node, RuleNode | GridNode)]
+    if found:
+        return found[-1]
+    return max((end for _, _, end in reading.extents), default=1)
+
+
+def _understood(reading: Reading, edits: list[Edit], line: int) -> list[Edit]:
+    """Return the edits where the line that they write has no mistake."""
+    parsed = read(apply_edits(reading.text, edits), reading.path).parsed
+    for each in parsed.diagnostics:
+        if each.is_error and each.span.line == line:
+            raise ReshapeError(each.message)
+    return edits
+
+
+# --- What may be tuned ---
 
 
 def add_tuning(reading: Reading, tuning: Tuning) -> list[Edit]:

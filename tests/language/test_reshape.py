@@ -1,0 +1,112 @@
+"""Edits of the text by hand: terms added, removed and renamed, ranges, rules."""
+
+import pytest
+
+from fuzzyarm.language.queries import (
+    Reshaped,
+    ReshapeError,
+    add_term,
+    apply_edits,
+    read,
+    remove_term,
+    rename_term,
+    set_rule,
+    set_shapes,
+    set_variable_range,
+)
+from fuzzyarm.model.rulebase import Shape
+from fuzzyarm.shipped_files import shipped
+
+PD7 = shipped("pd7.frb").read_text()
+TIPPER2 = shipped("tipper2.frb").read_text()
+
+
+def edited(text, question, *details):
+    """Return a text after an edit, which leaves no mistake in it."""
+    after = apply_edits(text, question(read(text), *details))
+    assert [str(each) for each in read(after).parsed.diagnostics if each.is_error] == []
+    return after
+
+
+@pytest.mark.parametrize("name", ["pd7", "tipper", "tipper2", "thermostat", "fan"])
+def test_any_term_is_removed_with_what_names_it_and_the_others_stay(name):
+    text = shipped(f"{name}.frb").read_text()
+    model, tried = read(text).model, 0
+    for variable in (*model.inputs, *model.outputs):
+        for term in variable.terms:
+            try:
+                edits = remove_term(read(text), variable.name, term.name)
+            except ReshapeError:  # an expectation names it
+                continue
+            tried += 1
+            after = read(apply_edits(text, edits))
+            assert not [each for each in after.parsed.diagnostics if each.is_error], term.name
+            kept = {each.name: each.shape for each in variable.terms if each is not term}
+            left = after.model.variable(variable.name).terms
+            assert {each.name: each.shape for each in left} == kept
+    assert tried > 3
+
+
+def test_a_family_of_several_variables_keeps_its_comment_and_the_rest():
+    after = edited(PD7, remove_term, "u", "NM")
+    assert "terms e, ce: triangles NB NM NS ZE PS PM PB  # evenly spaced" in after
+    assert "  NM      NB  .   .   .   NS  ZE  PS\n" in after
+    assert edited(PD7, remove_term, "ce", "PB").count("\n  e \\ ce  NB  NM  NS  ZE  PS  PM\n") == 1
+
+
+def test_a_term_is_added_behind_those_of_its_variable():
+    shape = Shape("bell", (0.0, 1.0, 2.0), 0.5)
+    after = edited(PD7, add_term, "ce", "about zero", shape)
+    assert read(after).model.variable("ce").terms[-1].shape == shape
+    assert after.replace("term ce 'about zero': bell 0 1 2 height 0.5\n", "") == PD7
+    for variable, term in (("ce", "NB"), ("none", "A"), ("ce", " ")):
+        with pytest.raises(ReshapeError):
+            add_term(read(PD7), variable, term, shape)
+
+
+def test_both_functions_of_an_interval_are_written():
+    lower = Shape("triangle", (2.0, 5.0, 8.0), 0.75)
+    new = Reshaped("tip", "cheap", Shape("triangle", (0.0, 5.0, 9.0)), lower)
+    after = edited(TIPPER2, set_shapes, [new])
+    assert " triangle 0 5 9 over triangle 2 5 8 height 0.75\n" in after
+    assert read(after).model.variable("tip").term("cheap").lower == lower
+
+
+def test_a_name_changes_wherever_it_stands():
+    after = edited(TIPPER2, rename_term, "food", "rancid", "off")
+    assert "food is rancid" not in after
+    assert after.count("food is off") == TIPPER2.count("food is rancid")
+    with pytest.raises(ReshapeError):
+        rename_term(read(TIPPER2), "food", "none", "off")
+
+
+def test_a_range_is_written_and_must_rise():
+    assert "output u   -3 .. 3.5  " in edited(PD7, set_variable_range, "u", -3.0, 3.5)
+    for low, high in ((1.0, 1.0), (2.0, 1.0), (float("nan"), 1.0)):
+        with pytest.raises(ReshapeError):
+            set_variable_range(read(PD7), "u", low, high)
+
+
+def test_sentences_are_written_changed_and_removed():
+    new = "if service is poor then tip is cheap with 0.5"
+    after = edited(TIPPER2, set_rule, None, f"rule  {new}")
+    rules = read(TIPPER2).model.rules
+    line = rules[-1].span.line + 1
+    assert after.splitlines()[line - 1] == f"rule {new}"
+    assert edited(after, set_rule, line, "") == TIPPER2
+    changed = edited(TIPPER2, set_rule, rules[1].span.line, "if food is rancid then tip is cheap")
+    assert len(read(changed).model.rules) == len(rules)
+    for at, words, said in (
+        (None, "if food is none then tip is cheap", "none"),
+        (None, "", "if … then"), (1, new, "no rule begins"), (None, "if food", "is"),
+        (None, "if food is rancid then tip is cheap with 1\nrule x", "end of the line"),
+    ):  # fmt: skip
+        with pytest.raises(ReshapeError, match=said):
+            set_rule(read(TIPPER2), at, words)
+
+
+def test_the_last_line_goes_with_the_break_in_front_of_it():
+    text = TIPPER2[: TIPPER2.index("\n\n# The middle")]
+    last = read(text).model.rules[-1].span.line
+    assert last == len(text.splitlines())
+    assert edited(text, set_rule, last, "") == "\n".join(text.splitlines()[:-1])
