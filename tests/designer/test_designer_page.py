@@ -225,14 +225,17 @@ def test_widths_have_handles_and_numbers(served, window):
 def test_a_lower_function_stays_below_the_upper_one(served, window):
     page = window(put(served, "below.frb", shipped("tipper2.frb").read_text())[1])
     page.locator('text[data-variable="food"][data-term="rancid"]').focus()
-    assert page.locator(".footprint").count() == 8
+    until(lambda: page.locator(".footprint").count() == 8, "footprints")
     right = page.get_by_label("food rancid: lower corner 4")
     right.focus()
     for _ in range(3):
         page.keyboard.press("Control+ArrowRight")
     until(lambda: "trapezoid -1.8 0 1 3 height 0.9" in text_of(page), "it stops at the upper one")
     model = fuzzyarm.language.parse(text_of(page)).rulebase
-    until(lambda: page.evaluate("!designer.store.reshaped.size"), "the text is drawn")
+    until(
+        lambda: page.evaluate("!designer.store.reshaped.size && !designer.store.held"),
+        "the text is drawn",
+    )
     expected = fuzzyarm.infer(model, service=2, food=2.9)["tip"]
     assert value_at(page, 2, 2.9) == pytest.approx(expected, abs=1e-12)
 
@@ -322,7 +325,8 @@ def test_the_rules_are_those_that_fire_or_all_in_their_order(served, window):
     point = page.evaluate("designer.store.point")
     trace = fuzzyarm.explain(model, e=point[0], ce=point[1])
     expected = [f"{each.number}: {each.strength:.3g}" for each in trace.fired]
-    assert sorted(page.locator(".degree").all_inner_texts()) == sorted(expected)
+    said = page.locator(".degree")
+    until(lambda: sorted(said.all_inner_texts()) == sorted(expected), "their strengths")
     page.locator(".inference select").select_option("text")
     until(lambda: fired.first.inner_text().startswith("1: 0"), "from the first on")
     assert fired.count() < 30  # those that are seen
@@ -338,10 +342,9 @@ def test_both_strengths_and_both_ends_of_an_interval_are_shown(served, window):
     model = fuzzyarm.load(shipped("tipper2.frb"))
     trace = fuzzyarm.explain(model, service=2, food=3)
     first = trace.fired[0]
-    assert page.locator(".degree").first.inner_text() == (
-        f"{first.number}: {first.lower:.3g} … {first.strength:.3g}"
-    )
-    assert page.locator(".foot .interval").count() == 1
+    said = f"{first.number}: {first.lower:.3g} … {first.strength:.3g}"
+    until(lambda: page.locator(".degree").first.inner_text() == said, "both strengths")
+    until(lambda: page.locator(".foot .interval").count() == 1, "the interval")
     assert page.locator(".foot path.cut").count() == 2
 
 

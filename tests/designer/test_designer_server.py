@@ -368,6 +368,14 @@ def test_no_page_is_made_of_what_is_not_a_rule_base():
             page_of(shipped(name))
 
 
+def test_no_word_of_the_page_stands_twice():
+    text = asset("strings.js")[0].decode()
+    names = [line.split(":")[0] for line in text.splitlines() if line.startswith("  ")]
+    names = [name.strip() for name in names if name[2:3].isalpha()]
+    assert len(names) == len(set(names)), sorted(n for n in names if names.count(n) > 1)
+    assert len(names) > 60
+
+
 def test_the_modules_of_a_page_are_one_script():
     script = script_source()
     assert "import " not in script.replace("important", "")

@@ -258,7 +258,9 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextL
             name: (law_address(each.law, arithmetic), each.block(arithmetic))
             for name, each in partners().items()
         }
-        address = inference_address(compiled=arithmetic.compiled)
+        infers = any(isinstance(each, RuleBase) for each in chain(*text.sheets.values()))
+        # Tables alone need no inference, which takes long to compile.
+        address = inference_address(compiled=arithmetic.compiled) if infers else 0
         return write_down(model, text.sheets, laws, site.wiring(model), arithmetic, address)
 
     def pack(_gains: Gains, _arithmetic: Arithmetic) -> list[float]:
@@ -301,9 +303,9 @@ def ask_for_kernels(law: Law, arithmetic: Arithmetic) -> None:
     law_address(law, arithmetic)
     if not isinstance(law, TextLaw):
         return
-    inference_address(compiled=arithmetic.compiled)
     for sheet in chain(*law.text.sheets.values()):
         if isinstance(sheet, RuleBase):
+            inference_address(compiled=arithmetic.compiled)
             with suppress(SourceError):  # said when it is written down
                 rule_block(sheet, compiled=arithmetic.compiled)
     for partner in law.partners().values():

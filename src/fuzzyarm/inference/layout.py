@@ -402,7 +402,7 @@ _programs: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
 """Programs by what they are written from, with how many heights each output has."""
 
 MOST_KNOWN, MOST_KEPT = 16, 50_000
-"""How many are kept, the oldest of which makes room; and the whole numbers of the longest."""
+"""How many are kept before all make room; and the whole numbers of the longest."""
 
 
 class _Writer:
@@ -575,7 +575,7 @@ class _Writer:
             self._write_each_program(writers, strides, count)
             if len(self.whole) - first <= MOST_KEPT:
                 if len(_programs) >= MOST_KNOWN:
-                    _programs.pop(next(iter(_programs)), None)
+                    _programs.clear()  # in one step, for other threads write, too
                 rows = tuple(writer.heights for writer in writers)
                 _programs[key] = (tuple(self.whole[first:]), rows)
             return

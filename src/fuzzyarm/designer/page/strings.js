@@ -145,7 +145,7 @@ export const S = {
   corner: (variable, term, n) => `${variable} ${term}: corner ${n}`,
   lowerCorner: (variable, term, n) => `${variable} ${term}: lower corner ${n}`,
   width: (variable, term, name, lower) => `${variable} ${term}: ${lower ? "lower " : ""}${name}`,
-  over: "over",
+  overShape: "over",
   height: "height",
   addTerm: "Add …",
   nameOfTerm: (variable) => `Name of a new term of ${variable}`,

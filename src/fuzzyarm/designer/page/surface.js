@@ -210,7 +210,7 @@ export function surfacePane(store, { start }) {
         py[k] = at[1];
       }
     }
-    frame(g, project, { x, y, low, high, output });
+    frame(g, project, { x, y, low, high, output, wanted: reach < 130 ? 2 : 4 });
     // From far to near along both axes, so that what is in front covers what is behind.
     const is = order(n - 1, sa > 0);
     const js = order(n - 1, ca > 0);
@@ -294,7 +294,7 @@ export function surfacePane(store, { start }) {
     return (value - low) / (high - low);
   };
 
-  function frame(g, project, { x, y, low, high, output }) {
+  function frame(g, project, { x, y, low, high, output, wanted }) {
     g.strokeStyle = colourOf("--line");
     g.fillStyle = colourOf("--soft");
     g.font = "11px system-ui, sans-serif";
@@ -309,7 +309,7 @@ export function surfacePane(store, { start }) {
     const side = Math.sin(turned.azimuth) > 0 ? -0.5 : 0.5;
     const axis = (variable, at) => {
       const [a, b] = rangeOf(variable);
-      for (const tick of ticks(a, b, 4)) {
+      for (const tick of ticks(a, b, wanted)) {
         g.fillText(shortNumber(tick), ...at((tick - a) / (b - a) - 0.5, 1.1));
       }
       g.font = "600 12px system-ui, sans-serif";

@@ -263,7 +263,7 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     const { variable, term } = one;
     const parts = [el("strong", { textContent: `${variable.name} ${term.name}` })];
     for (const shape of sidesOf(term)) {
-      parts.push(el("span", { textContent: shape.side ? `${S.over} ${shape.kind}` : shape.kind }));
+      parts.push(el("span", { textContent: shape.side ? `${S.overShape} ${shape.kind}` : shape.kind }));
       if (term.kind !== "formula" && term.kind !== "linear") parts.push(...fieldsOf(variable, term, shape));
     }
     if (change) {
@@ -279,7 +279,7 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
   }
 
   function fieldsOf(variable, term, shape) {
-    const side = shape.side ? `${S.over} ` : "";
+    const side = shape.side ? `${S.overShape} ` : "";
     const count = shape.kind === "points" ? shape.parameters.length : shape.names.length;
     const name = (i) => shape.names[i] ?? `${i % 2 ? "y" : "x"}${Math.floor(i / 2) + 1}`;
     const made = Array.from({ length: count + 1 }, (_, i) => {

@@ -136,19 +136,24 @@ class Samples(Protocol):
     """What is drawn of a run, whole or so far: see :class:`fuzzyarm.loop.run.Run`."""
 
     @property
-    def plant(self) -> str: ...  # noqa: D102
+    def plant(self) -> str:
+        """Return the name of the plant."""
 
     @property
-    def outputs(self) -> Mapping[str, NDArray[np.float64]]: ...  # noqa: D102
+    def outputs(self) -> Mapping[str, NDArray[np.float64]]:
+        """Return the outputs, by port."""
 
     @property
-    def wanted(self) -> Mapping[str, NDArray[np.float64]]: ...  # noqa: D102
+    def wanted(self) -> Mapping[str, NDArray[np.float64]]:
+        """Return the references of tracked outputs, by port."""
 
     @property
-    def drives(self) -> Mapping[str, NDArray[np.float64]]: ...  # noqa: D102
+    def drives(self) -> Mapping[str, NDArray[np.float64]]:
+        """Return the drives, by port."""
 
     @property
-    def loaded(self) -> Sequence[bool]: ...  # noqa: D102
+    def loaded(self) -> Sequence[bool]:
+        """Return of each sample whether the arm carries another load than at first."""
 
 
 @dataclass(frozen=True)
