@@ -24,6 +24,7 @@ import functools
 import os
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from types import FunctionType
@@ -53,11 +54,27 @@ _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 _Bindings = Mapping[str, Callable[..., Any]]
 
+_loaded: dict[str, tuple[int, int] | None] = {}
+"""Source files of kernels, and their stamps when they were imported."""
+
+_THIS_PROCESS = f"{os.getpid()} {time.time_ns()}".encode()
+
 
 def kernel(function: _Function) -> _Function:
     """Mark `function` as one that may be compiled; it stays plain Python."""
     setattr(function, _MARK, True)
+    file = function.__code__.co_filename
+    _loaded.setdefault(file, _stamp(file))
     return function
+
+
+def _stamp(file: str) -> tuple[int, int] | None:
+    """Return what changes when a file is written; None where there is none."""
+    try:
+        status = os.stat(file)
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
 
 
 def is_kernel(function: object) -> bool:
@@ -526,6 +543,9 @@ def _source_digest(function: Callable[..., Any], bindings: _Bindings) -> str:
     reached = _reached(function, bindings)
     for file in sorted({cast(FunctionType, each).__code__.co_filename for each in reached}):
         whole.update(Path(file).read_bytes())
+        if _stamp(file) != _loaded[file]:
+            # What runs here is older than the file: no other process may take its machine code.
+            whole.update(_THIS_PROCESS)
     return whole.hexdigest()[:16]
 
 

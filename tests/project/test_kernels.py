@@ -391,6 +391,18 @@ def test_digest_covers_every_kernel_file(monkeypatch):
     assert {"on_plant.py", "kernel.py", "lookup.py", "setting.py"} <= set(read)
 
 
+def test_machine_code_of_what_was_imported_before_its_file_changed_is_nobody_elses(monkeypatch):
+    from fuzzyarm.loop.loop import run_loop
+
+    file = run_loop.__code__.co_filename
+    before = kernels._source_digest(run_loop, {})
+    monkeypatch.setitem(kernels._loaded, file, (0, 0))
+    changed = kernels._source_digest(run_loop, {})
+    assert changed == kernels._source_digest(run_loop, {}) != before
+    monkeypatch.setattr(kernels, "_THIS_PROCESS", b"another")
+    assert kernels._source_digest(run_loop, {}) not in {before, changed}
+
+
 @pytest.mark.slow
 def test_without_any_writable_folder_it_compiles_anew(monkeypatch):
     from numba.core.caching import CompileResultCacheImpl
