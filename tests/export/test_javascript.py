@@ -17,8 +17,8 @@ from fuzzyarm.export.javascript import engine_source, numbers_of, rule_base_modu
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.op import inf
 from fuzzyarm.expression.operations import OPERATIONS
+from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.engine import Compiled
-from fuzzyarm.inference.layout import NotCoveredError
 from fuzzyarm.language import parse
 from fuzzyarm.model.rulebase import Defuzzifier
 from fuzzyarm.shipped_files import shipped

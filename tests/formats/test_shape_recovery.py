@@ -165,3 +165,8 @@ def test_points_that_are_a_straight_shape(corners: tuple, expected: tuple) -> No
     assert (found.kind, *found.parameters) == (expected or ("points", *corners))
     for x in np.linspace(-3.0, 5.0, 257).tolist():
         assert abs(membership(found, x) - membership(points, x)) <= TOLERANCE
+
+
+@pytest.mark.parametrize("ys", [(1.0, 0.25, 0.25, 0.25), (0.25, 0.25, 0.25, 1.0)])
+def test_a_level_stretch_is_not_a_flank_of_a_bell(ys):
+    assert recovered([-6.0, -5.9375, -5.875, -5.8125], ys) is None

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fuzzyarm import compilers, kernels, machine_code
 from fuzzyarm.inference.kernel import evaluate, run, sweep
-from fuzzyarm.inference.layout import _polyline_row
+from fuzzyarm.inference.row_functions import _polyline_row
 from fuzzyarm.kernels import Wanted, address_of, kernel
 from fuzzyarm.loop.loop import run_loop
 from fuzzyarm.plant.setting import stored_double, stored_single

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
-    from fuzzyarm.tuning.tune import Tuned
+    from fuzzyarm.tuning.tuned import Tuned
 
 EXIT_INTERRUPTED = 130
 

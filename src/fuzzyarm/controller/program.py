@@ -17,7 +17,8 @@ from fuzzyarm.controller import kernel as to
 from fuzzyarm.controller.law import Block
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference import kernel as block_of
-from fuzzyarm.inference.layout import NotCoveredError, lay_out, make_block
+from fuzzyarm.inference.block import NotCoveredError, make_block
+from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.kernels import address_of
 from fuzzyarm.model.controller import (

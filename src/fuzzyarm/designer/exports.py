@@ -19,7 +19,7 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.formats.conversion import converted, findings_of
 from fuzzyarm.formats.findings import Imported
 from fuzzyarm.formats.registry import FOREIGN
-from fuzzyarm.inference.layout import NotCoveredError
+from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import RuleBase

@@ -8,9 +8,10 @@ from typing import Any
 
 from fuzzyarm.export.javascript import Functions, numbers_of
 from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.inference.block import NotCoveredError
 from fuzzyarm.inference.firing_intervals import UPPER, doubled, is_value
-from fuzzyarm.inference.layout import NotCoveredError, norm_number
 from fuzzyarm.inference.plan import Plan, plan
+from fuzzyarm.inference.row_functions import norm_number
 from fuzzyarm.inference.trace import sentence
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.language.rules import GridNode, RuleNode

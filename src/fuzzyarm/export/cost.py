@@ -17,7 +17,9 @@ from fuzzyarm.export.listing import operations_of
 from fuzzyarm.export.rulebase import DirectRoutine
 from fuzzyarm.export.steps import Ask, Find, Set, Step, Steps, Teach, steps_of
 from fuzzyarm.inference import kernel as at
-from fuzzyarm.inference.layout import Layout, lay_out
+from fuzzyarm.inference.block import Layout
+from fuzzyarm.inference.enveloped import sampled_centroid
+from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.kernels import address_of
 from fuzzyarm.model.rulebase import RuleBase
@@ -144,7 +146,7 @@ class _Programs:
         self.k, self.f, self.count = layout.whole, layout.floats, layout.programs
         self.kinds = {
             address_of(function, 1, compiled=False, inline=True): function
-            for function in (at.closed_centroid, at.sampled_centroid, at.weighted)
+            for function in (at.closed_centroid, sampled_centroid, at.weighted)
         }
 
     def costs(self) -> Iterator[Operations]:
@@ -190,7 +192,7 @@ class _Programs:
         if kind is at.closed_centroid:
             own, here = self._closed(here)
             total += own
-        elif kind is at.sampled_centroid:
+        elif kind is sampled_centroid:
             total += self._sampled(consequents, fold)
         elif kind is at.weighted:
             linear = k[head + at.DETAIL]

@@ -25,9 +25,11 @@ from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace,
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
 from fuzzyarm.expression.records import Kind, degree_on_polyline
-from fuzzyarm.inference import integrated, kernel, reduced
-from fuzzyarm.inference.layout import Curve, Layout, NotCoveredError, lay_out
+from fuzzyarm.inference import enveloped, integrated, kernel, reduced
+from fuzzyarm.inference.block import Layout, NotCoveredError
+from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
+from fuzzyarm.inference.row_functions import Curve
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import KARNIK_MENDEL, POSITION, Hedge, RuleBase, Shape
 from fuzzyarm.model.shapes import polyline
@@ -40,8 +42,8 @@ PROGRAMS: tuple[Callable[..., Any], ...] = (
     kernel.run,
     kernel.closed_centroid,
     kernel.weighted,
-    kernel.sampled_centroid,
-    kernel.enveloped_centroid,
+    enveloped.sampled_centroid,
+    enveloped.enveloped_centroid,
     integrated.integrated_centroid,
     integrated.integrated_bisector,
     reduced.karnik_mendel_values,

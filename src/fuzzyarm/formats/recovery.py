@@ -409,6 +409,8 @@ def _bell_slope(samples: _Samples, side: int) -> float | None:
         return None
     chosen = (inside[0], inside[len(inside) // 2], inside[-1])
     (x0, x1, x2), ys = ([samples.xs[i] for i in chosen], [samples.ys[i] for i in chosen])
+    if ys[0] == ys[2]:  # a level stretch: a bell has none
+        return None
 
     def bent(slope: float) -> float:
         a, b, c = (_bell(y, slope) for y in ys)

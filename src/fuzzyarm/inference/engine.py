@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
+from fuzzyarm.inference.block import Block, Layout, NotCoveredError, make_block
 from fuzzyarm.inference.errors import NotANumberError
 from fuzzyarm.inference.kernel import MISSING, evaluate, run, sweep
 from fuzzyarm.inference.labelled import gathered
-from fuzzyarm.inference.layout import Block, Layout, NotCoveredError, lay_out, make_block
+from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
 from fuzzyarm.kernels import address_of, in_threads, is_at_hand, jit_wanted

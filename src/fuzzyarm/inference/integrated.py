@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzyarm.inference.enveloped import cut_in, insert
 from fuzzyarm.inference.kernel import (
     AGGREGATION,
     DETAIL,
@@ -33,8 +34,6 @@ from fuzzyarm.inference.kernel import (
     WIDTH,
     WORK,
     WORK_ROWS,
-    cut_in,
-    insert,
     parts_of,
 )
 from fuzzyarm.kernels import call, kernel

@@ -8,22 +8,16 @@ defuzzifier reads.
 from __future__ import annotations
 
 import math
-import struct
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import accumulate, product
-from typing import Any, NamedTuple, Protocol
+from itertools import product
+from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from fuzzyarm.expression.functions import row_function, row_source
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
-from fuzzyarm.expression.nodes import Node, constant, replace, symbol
-from fuzzyarm.expression.records import degree_on_polyline
-from fuzzyarm.inference import firing_intervals, integrated, reduced
+from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
+from fuzzyarm.inference import enveloped, firing_intervals, integrated, reduced
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
+from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule
@@ -39,11 +33,10 @@ from fuzzyarm.inference.quadrature import (
     noise_of,
     panels,
 )
-from fuzzyarm.inference.sets import cut_lines, formula_of
-from fuzzyarm.kernels import address_of, call, kernel
+from fuzzyarm.inference.row_functions import Addresses, Curve, InMemory, norm_number
+from fuzzyarm.inference.sets import cut_lines
 from fuzzyarm.model.rulebase import (
     KARNIK_MENDEL,
-    POSITION,
     TAKAGI_SUGENO,
     TYPE_2,
     And,
@@ -53,7 +46,6 @@ from fuzzyarm.model.rulebase import (
     Is,
     Or,
     Output,
-    Shape,
 )
 from fuzzyarm.model.shapes import polyline
 
@@ -73,260 +65,14 @@ INTEGRATED = (
 """Defuzzifiers that go by the quadrature."""
 
 
-SAMPLED = (at.sampled_centroid, reduced.karnik_mendel_samples, reduced.nie_tan_samples)
+SAMPLED = (enveloped.sampled_centroid, reduced.karnik_mendel_samples, reduced.nie_tan_samples)
 """Defuzzifiers that go by samples."""
 
-ENVELOPED = (at.enveloped_centroid, reduced.karnik_mendel_envelope, reduced.nie_tan_envelope)
+ENVELOPED = (enveloped.enveloped_centroid, reduced.karnik_mendel_envelope, reduced.nie_tan_envelope)
 """Defuzzifiers that go by the upper envelope of straight sets."""
 
 WHICH_END = {"karnik-mendel-left": -1.0, "karnik-mendel": 0.0, "karnik-mendel-right": 1.0}
 """Which end of the centroid is wanted: the left, the middle of both, the right."""
-
-
-class NotCoveredError(Exception):
-    """The kernel does not do this; the message says what."""
-
-
-class Layout(NamedTuple):
-    """The numbers of a rule base.
-
-    Attributes
-    ----------
-    whole, floats : list
-        What the kernel reads.
-    programs : int
-        How many cells of all inputs together there are.
-    rows, samples : int
-        How many rows the kernel works in, and how long the row of samples has to be.
-    marks : tuple of Mark
-        Of a loose layout: where the numbers of each term stand.
-    """
-
-    whole: list[int]
-    floats: list[float]
-    programs: int
-    rows: int
-    samples: int
-    marks: tuple[Mark, ...] = ()
-
-
-class Mark(NamedTuple):
-    """Where the numbers of a term stand in a loose layout.
-
-    Attributes
-    ----------
-    sort : str
-        ``curve`` (the numbers of its row function), ``pieces`` (four floats each), ``samples``
-        (a degree for each position) or ``value``.
-    variable, term : str
-        The term; as it is, without hedges.
-    row : int
-        Of a curve the row that its degrees are written to; of pieces where in the whole numbers
-        their count stands.
-    floats, room : int
-        Where its numbers begin, and for how many there is room.
-    scaled : bool
-        Of a set: whether its rules scale it rather than cut it.
-    """
-
-    sort: str
-    variable: str
-    term: str
-    row: int
-    floats: int
-    room: int
-    scaled: bool = False
-
-
-class Block(NamedTuple):
-    """The numbers with room for some points.
-
-    Attributes
-    ----------
-    numbers : ndarray of float64
-        What the kernel takes.
-    columns, results : ndarray of float64, shapes (inputs, points) and (outputs, points)
-        Parts of it.
-    points : ndarray of int64, shape (1,)
-        How many points there are; a part of it, too.
-    """
-
-    numbers: NDArray[np.float64]
-    columns: NDArray[np.float64]
-    results: NDArray[np.float64]
-    points: NDArray[np.int64]
-
-
-def make_block(layout: Layout, points: int) -> Block:
-    """Give the numbers of a rule base room for so many points."""
-    inputs, outputs = layout.whole[at.INPUTS], layout.whole[at.OUTPUTS]
-    # In the order of memory: each name is where the next part begins.
-    lengths = {
-        at.FLOATS: len(layout.whole),
-        at.ROOM: len(layout.floats),
-        at.COLUMNS: layout.rows * points + 2 * layout.samples,
-        at.RESULTS: inputs * points,
-        at.ORDERED: outputs * points,
-        at.ORDER: inputs * points,
-        at.ENDS: 2 * points,
-        at.SIZE: layout.programs + 2,
-    }
-    ends = dict(zip(lengths, accumulate(lengths.values()), strict=True))
-    numbers = np.zeros(ends[at.SIZE])
-    whole = numbers.view(np.int64)
-    whole[: len(layout.whole)] = layout.whole
-    whole[at.POINTS], whole[at.WIDTH] = points, points
-    for name, end in ends.items():
-        whole[name] = end
-    numbers[ends[at.FLOATS] : ends[at.ROOM]] = layout.floats
-    ones = ends[at.ROOM] + at.ONES * points
-    numbers[ones : ones + points] = 1.0
-    columns = numbers[ends[at.COLUMNS] : ends[at.RESULTS]].reshape(inputs, points)
-    results = numbers[ends[at.RESULTS] : ends[at.ORDERED]].reshape(outputs, points)
-    return Block(numbers, columns, results, whole[at.POINTS : at.POINTS + 1])
-
-
-# ── row functions ────────────────────────────────────────────────────────────────────
-
-_OWN_NORMS = {
-    ("T", "min"): at.MIN, ("T", "product"): at.PRODUCT, ("S", "max"): at.MAX, ("S", "sum"): at.SUM,
-}  # fmt: skip
-
-_functions: dict[tuple[Node, tuple[str, ...], tuple[str, ...]], Callable[..., None]] = {}
-"""Row functions by what they compute; of a definition there is one, and one address."""
-
-
-def _row_function(
-    root: Node, rows: tuple[str, ...], numbers: tuple[str, ...], name: str
-) -> Callable[..., None]:
-    key = (root, rows, numbers)
-    if key not in _functions:
-        word = f"{name.replace('-', '_')}_row"
-        _functions[key] = row_function(row_source(root, rows, numbers, word), word)
-    return _functions[key]
-
-
-def norm_address(norm: Norm, sort: str, *, compiled: bool) -> int:
-    """Return the address of a norm that the kernel does not do by itself."""
-    function = _row_function(norm.expression, norm.symbols, (), norm.name)
-    return address_of(function, 4, compiled=compiled)
-
-
-class Curve(NamedTuple):
-    """A term whose degrees a row function computes, with its numbers."""
-
-    address: int
-    numbers: tuple[float, ...]
-
-
-def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curve:
-    """Return the row function of a term under hedges.
-
-    Terms that differ in their numbers only share it: shape, height and hedges become one
-    expression of `x` and their numbers.
-    """
-    if shape.kind == "points":
-        corners = [number for corner in polyline(shape) for number in corner]
-        if not hedges:
-            return Curve(address_of(_polyline_row, 3, compiled=compiled), tuple(corners))
-        (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
-        return Curve(address_of(_hedged_polyline_row, 3, compiled=compiled), (modified, *corners))
-    names: list[str] = []
-    numbers: list[float] = []
-
-    def number(value: float) -> Node:
-        names.append(f"n{len(names)}")
-        numbers.append(value)
-        return symbol(names[-1])
-
-    if shape.kind == "formula":
-        root = formula_of(shape).with_constants((POSITION,))
-        root = replace(root, {POSITION: symbol("x")})
-    else:
-        kind = SHAPES[shape.kind]
-        own = [number(value) for value in shape.parameters]
-        root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
-    root = number(shape.height) * root if shape.height != 1.0 else root
-    root = _under(hedges, root, number)
-    function = _row_function(root, ("x",), tuple(names), shape.kind)
-    return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
-
-
-def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node]) -> Node:
-    """Return an expression under hedges; `number` makes symbols of their exponents."""
-    for hedge in reversed(hedges):
-        modifier = HEDGES[hedge.name]
-        own = [] if hedge.exponent is None else [number(hedge.exponent)]
-        root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
-    return root
-
-
-def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
-    """Return the address of a row function of hedges, with their exponents as constants."""
-    root = _under(hedges, symbol("x"), constant)
-    return address_of(_row_function(root, ("x",), (), "hedged"), 3, compiled=compiled)
-
-
-kernel(degree_on_polyline)
-
-
-@kernel
-def _polyline_row(x: Any, corners: Any, into: Any) -> None:
-    for point in range(into.shape[0]):
-        into[point] = degree_on_polyline(corners, x[point])
-
-
-@kernel
-def _hedged_polyline_row(x: Any, numbers: Any, into: Any) -> None:
-    """Do the same and apply hedges, whose address stands as a whole number before the corners."""
-    corners = numbers[1 : numbers.shape[0]]
-    for point in range(into.shape[0]):
-        into[point] = degree_on_polyline(corners, x[point])
-    call(numbers.view(np.int64)[0], into, numbers[0:0], into)
-
-
-class Addresses(Protocol):
-    """Who gives the functions that a program calls their numbers."""
-
-    def norm(self, norm: Norm, sort: str) -> int:
-        """Return the number of a norm beside the kernel's own; `sort` is ``T`` or ``S``."""
-
-    def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
-        """Return the number of a term's row function, and what it takes."""
-
-    def hedged(self, hedges: tuple[Hedge, ...]) -> int:
-        """Return the number of a row function of hedges."""
-
-    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
-        """Return the number of a kernel that takes the block."""
-
-
-def norm_number(norm: Norm, sort: str, addresses: Addresses) -> int:
-    """Return what a program calls a norm: a number of the kernel's own, or another."""
-    own = _OWN_NORMS.get((sort, norm.name))
-    return addresses.norm(norm, sort) if own is None else own
-
-
-class InMemory(NamedTuple):
-    """Numbers that are addresses in this process, of machine code or of plain Python."""
-
-    compiled: bool
-
-    def norm(self, norm: Norm, sort: str) -> int:
-        """See :class:`Addresses`."""
-        return norm_address(norm, sort, compiled=self.compiled)
-
-    def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
-        """See :class:`Addresses`."""
-        return curve_of(shape, hedges, compiled=self.compiled)
-
-    def hedged(self, hedges: tuple[Hedge, ...]) -> int:
-        """See :class:`Addresses`."""
-        return hedge_row(hedges, compiled=self.compiled)
-
-    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
-        """See :class:`Addresses`."""
-        return address_of(function, 1, compiled=self.compiled, inline=inline)
 
 
 # ── the writer ───────────────────────────────────────────────────────────────────────
@@ -785,14 +531,16 @@ class _OutputWriter:
             if self.loose:  # a corner may move into the range, or off another one
                 room = max(room, len(polyline(member.term.shape)) + 1)
             ends = [end for piece in member.pieces for end in piece[:4]]
-            self._floats([*ends, *[0.0] * (at.PIECE * room - len(ends))])
-            self._mark("pieces", i, len(self.base.floats) - at.PIECE * room, room)
+            self._floats([*ends, *[0.0] * (enveloped.PIECE * room - len(ends))])
+            self._mark("pieces", i, len(self.base.floats) - enveloped.PIECE * room, room)
             pieces += room
         # Cutting may split a piece in two; each end is an event. Behind them the envelope: of
         # n lines it has less than n log n pieces, few more than n as a rule.
-        begin = 2 * at.PIECE * pieces + 4 * pieces
+        begin = 2 * enveloped.PIECE * pieces + 4 * pieces
         most = 2 * pieces * max(4, (4 * pieces).bit_length())
-        self.samples = (begin + at.RUN_OF_LINE * most) // 2 + 1  # there are two rows of samples
+        self.samples = (
+            begin + enveloped.RUN_OF_LINE * most
+        ) // 2 + 1  # there are two rows of samples
         return begin
 
     def _write_integral(self) -> int:
@@ -940,13 +688,13 @@ def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], No
     if plan.discrete:
         return at.weighted
     if plan.output.defuzzifier.resolution is not None:
-        return at.sampled_centroid
+        return enveloped.sampled_centroid
     if plan.output.defuzzifier.method == "bisector" and plan.members:
         return integrated.integrated_bisector
     in_general = loose and plan.members and has_envelope(plan)  # any form that numbers can take
     if not in_general and (plan.closed is not None or not plan.members):
         return at.closed_centroid
-    return at.enveloped_centroid if has_envelope(plan) else integrated.integrated_centroid
+    return enveloped.enveloped_centroid if has_envelope(plan) else integrated.integrated_centroid
 
 
 def _type_reduction(plan: OutputPlan) -> Callable[[Any], None]:

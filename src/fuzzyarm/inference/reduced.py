@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from fuzzyarm.inference.enveloped import RUN_OF_LINE, envelop, sample
 from fuzzyarm.inference.integrated import integrate
 from fuzzyarm.inference.kernel import (
     DETAIL,
@@ -28,13 +29,10 @@ from fuzzyarm.inference.kernel import (
     OUTPUT,
     OUTPUT_RANGE,
     RULE_HEAD,
-    RUN_OF_LINE,
     WIDTH,
     WORK,
     WORK_ROWS,
-    envelop,
     parts_of,
-    sample,
 )
 from fuzzyarm.inference.type_reduction import STEPS, end_of_average
 from fuzzyarm.kernels import kernel

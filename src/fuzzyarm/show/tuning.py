@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.console import Group
 
     from fuzzyarm.tuning.search import Found
-    from fuzzyarm.tuning.tune import Row, Tuned
+    from fuzzyarm.tuning.tuned import Row, Tuned
 
 WIDTH, HEIGHT = 60, 8
 """Of the curve, characters."""

@@ -6,7 +6,8 @@ from fuzzyarm.lazy import lazily
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.scenarios import Scenario, Stage
 from fuzzyarm.tuning.search import Journal
-from fuzzyarm.tuning.tune import Tuned, tune
+from fuzzyarm.tuning.tune import tune
+from fuzzyarm.tuning.tuned import Tuned
 
 __all__ = ["Journal", "Scenario", "Stage", "TuneError", "Tuned", "tune"]
 

@@ -133,3 +133,25 @@ export function eachFrame(draw) {
     });
   };
 }
+
+/** Ticks with numbers below and on the left of a plot, and the names of both axes. */
+export function drawAxes(g, { left, top, wide, tall }, [a, b], [c, d], name, other) {
+  g.fillStyle = colourOf("--soft");
+  g.font = "11px system-ui, sans-serif";
+  g.textAlign = "center";
+  for (const tick of ticks(a, b, Math.max(2, wide / 70))) {
+    g.fillText(shortNumber(tick), left + (wide * (tick - a)) / (b - a), top + tall + 14);
+  }
+  g.textAlign = "right";
+  for (const tick of ticks(c, d, Math.max(2, tall / 40))) {
+    g.fillText(shortNumber(tick), left - 5, top + tall - (tall * (tick - c)) / (d - c) + 4);
+  }
+  g.font = "600 12px system-ui, sans-serif";
+  g.textAlign = "center";
+  g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
+  g.save();
+  g.translate(11, top + tall / 2);
+  g.rotate(-Math.PI / 2);
+  g.fillText(clean(other).slice(0, 24), 0, 0);
+  g.restore();
+}

@@ -3,30 +3,9 @@
 // A plane has no point that a hand moves, no program and no store; the contour of the Surface pane
 // has all of them. It marks a place, and draws cells of a table.
 
-import { clean, colourOf, context, heat, SHADES, shortNumber, ticks } from "./draw.js";
+import { clean, colourOf, context, drawAxes, heat, SHADES, shortNumber } from "./draw.js";
 
 const box = (width, height) => ({ left: 46, top: 26, wide: width - 60, tall: height - 64 });
-
-function numbers(g, { left, top, wide, tall }, [a, b], [c, d], name, other) {
-  g.fillStyle = colourOf("--soft");
-  g.font = "11px system-ui, sans-serif";
-  g.textAlign = "center";
-  for (const tick of ticks(a, b, Math.max(2, wide / 70))) {
-    g.fillText(shortNumber(tick), left + (wide * (tick - a)) / (b - a), top + tall + 14);
-  }
-  g.textAlign = "right";
-  for (const tick of ticks(c, d, Math.max(2, tall / 40))) {
-    g.fillText(shortNumber(tick), left - 5, top + tall - (tall * (tick - c)) / (d - c) + 4);
-  }
-  g.font = "600 12px system-ui, sans-serif";
-  g.textAlign = "center";
-  g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
-  g.save();
-  g.translate(11, top + tall / 2);
-  g.rotate(-Math.PI / 2);
-  g.fillText(clean(other).slice(0, 24), 0, 0);
-  g.restore();
-}
 
 function heading(g, title, { left, wide }) {
   g.fillStyle = colourOf("--ink");
@@ -101,7 +80,7 @@ export function drawPlane(canvas, { title, xs, ys, z, low, high, signed, x, y, g
     top + tall - (tall * (v - up[0])) / (up[1] - up[0]),
   ];
   if (grid) rulings(g, grid, at, inside);
-  numbers(g, inside, across, up, x, y);
+  drawAxes(g, inside, across, up, x, y);
   if (worst) mark(g, ...at(...worst));
 }
 
@@ -148,7 +127,7 @@ export function drawCells(canvas, { title, across, up, cells, high, x, y, worst 
       g.fillText(said, (x0 + x1) / 2, (y0 + y1) / 2 + 4);
     }
   }
-  numbers(g, inside, [a, b], [c, d], x, y);
+  drawAxes(g, inside, [a, b], [c, d], x, y);
   if (worst) mark(g, ...at(...worst));
 }
 
@@ -163,7 +142,7 @@ export function drawLines(canvas, { title, xs, lines, low, high, x, y, worst }) 
   const { left, top, wide, tall } = inside;
   heading(g, title, inside);
   const [a, b] = [xs[0], xs[xs.length - 1]];
-  numbers(g, inside, [a, b], [low, high], x, y);
+  drawAxes(g, inside, [a, b], [low, high], x, y);
   const at = (u, v) => [left + (wide * (u - a)) / (b - a), top + tall * (1 - (v - low) / (high - low))];
   lines.forEach((values, k) => {
     const [colour, dashes] = STYLES[k % STYLES.length];

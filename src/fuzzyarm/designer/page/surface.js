@@ -4,7 +4,9 @@
 // on a plain canvas. That needs neither a library nor a graphics processor, halves the time of a
 // frame against as many paths, and prints as it looks.
 
-import { clean, el, pane, choice, context, colourOf, SHADES, ticks, shortNumber, eachFrame } from "./draw.js";
+import {
+  choice, clean, colourOf, context, drawAxes, eachFrame, el, pane, SHADES, shortNumber, ticks,
+} from "./draw.js";
 import { rangeOf } from "./store.js";
 import { S } from "./strings.js";
 
@@ -375,7 +377,7 @@ export function surfacePane(store, { start }) {
       g.fillStyle = "#ffffff";
       g.fillText(shortNumber(level), spot[0], spot[1] + 4);
     }
-    axes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
+    drawAxes(g, { left, top, wide, tall }, rangeOf(x), rangeOf(y), x.name, y.name);
     const [u, v] = [place(x, store.point[store.axes.x]), place(y, store.point[store.axes.y])];
     g.strokeStyle = "rgb(255 255 255 / 0.6)";
     g.setLineDash([4, 4]);
@@ -426,34 +428,11 @@ export function surfacePane(store, { start }) {
     return spots;
   }
 
-  function axes(g, { left, top, wide, tall }, across, up, name, other) {
-    g.fillStyle = colourOf("--soft");
-    g.font = "11px system-ui, sans-serif";
-    g.textAlign = "center";
-    const [a, b] = across;
-    for (const tick of ticks(a, b, wide / 70)) {
-      g.fillText(shortNumber(tick), left + (wide * (tick - a)) / (b - a), top + tall + 14);
-    }
-    g.textAlign = "right";
-    const [c, d] = up;
-    for (const tick of ticks(c, d, tall / 40)) {
-      g.fillText(shortNumber(tick), left - 5, top + tall - (tall * (tick - c)) / (d - c) + 4);
-    }
-    g.font = "600 12px system-ui, sans-serif";
-    g.textAlign = "center";
-    g.fillText(clean(name).slice(0, 24), left + wide / 2, top + tall + 30);
-    g.save();
-    g.translate(11, top + tall / 2);
-    g.rotate(-Math.PI / 2);
-    g.fillText(clean(other).slice(0, 24), 0, 0);
-    g.restore();
-  }
-
   // --- a line: over one input, or the section of the cut ---
 
   function drawLine({ g, width, height, found, low, high, x, output }) {
     const where = box(width, height);
-    axes(g, where, rangeOf(x), [low, high], x.name, output.name);
+    drawAxes(g, where, rangeOf(x), [low, high], x.name, output.name);
     curve(g, where, { xs: found.xs, z: found.z, low, high, variable: x, at: store.point[store.axes.x] });
   }
 
@@ -466,7 +445,7 @@ export function surfacePane(store, { start }) {
     line.setAttribute("aria-label", S.sectionLabel(output.name, other.name, said));
     if (!found || !lineSize.width) return;
     const where = { left: 44, top: 6, wide: width - 56, tall: height - 40 };
-    axes(g, where, rangeOf(other), [low, high], other.name, output.name);
+    drawAxes(g, where, rangeOf(other), [low, high], other.name, output.name);
     curve(g, where, { ...found, low, high, variable: other, at: store.point[otherInput()] });
   }
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fuzzyarm.show.figures.style import COLOURS, label_axes, new_figure, safe, tidy
-from fuzzyarm.tuning.tune import front_of
+from fuzzyarm.tuning.tuned import front_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from fuzzyarm.tuning.search import Found
-    from fuzzyarm.tuning.tune import Tuned
+    from fuzzyarm.tuning.tuned import Tuned
 
 
 def tuning_figure(tuned: Tuned, title: str = "") -> Figure:

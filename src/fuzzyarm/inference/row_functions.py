@@ -1,0 +1,167 @@
+"""Functions of rows by number: norms, curved terms, hedges and programs, as a layout names them.
+
+A layout says :class:`Addresses` what it needs and writes down the number that it gets: an address
+of machine code here (:class:`InMemory`), a place in a table in a program of another language.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from fuzzyarm.expression.functions import row_function, row_source
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
+from fuzzyarm.expression.nodes import Node, constant, replace, symbol
+from fuzzyarm.expression.records import degree_on_polyline
+from fuzzyarm.inference import kernel as at
+from fuzzyarm.inference.sets import formula_of
+from fuzzyarm.kernels import address_of, call, kernel
+from fuzzyarm.model.rulebase import (
+    POSITION,
+    Hedge,
+    Shape,
+)
+from fuzzyarm.model.shapes import polyline
+
+_OWN_NORMS = {
+    ("T", "min"): at.MIN, ("T", "product"): at.PRODUCT, ("S", "max"): at.MAX, ("S", "sum"): at.SUM,
+}  # fmt: skip
+
+_functions: dict[tuple[Node, tuple[str, ...], tuple[str, ...]], Callable[..., None]] = {}
+"""Row functions by what they compute; of a definition there is one, and one address."""
+
+
+def _row_function(
+    root: Node, rows: tuple[str, ...], numbers: tuple[str, ...], name: str
+) -> Callable[..., None]:
+    key = (root, rows, numbers)
+    if key not in _functions:
+        word = f"{name.replace('-', '_')}_row"
+        _functions[key] = row_function(row_source(root, rows, numbers, word), word)
+    return _functions[key]
+
+
+def norm_address(norm: Norm, sort: str, *, compiled: bool) -> int:
+    """Return the address of a norm that the kernel does not do by itself."""
+    function = _row_function(norm.expression, norm.symbols, (), norm.name)
+    return address_of(function, 4, compiled=compiled)
+
+
+class Curve(NamedTuple):
+    """A term whose degrees a row function computes, with its numbers."""
+
+    address: int
+    numbers: tuple[float, ...]
+
+
+def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curve:
+    """Return the row function of a term under hedges.
+
+    Terms that differ in their numbers only share it: shape, height and hedges become one
+    expression of `x` and their numbers.
+    """
+    if shape.kind == "points":
+        corners = [number for corner in polyline(shape) for number in corner]
+        if not hedges:
+            return Curve(address_of(_polyline_row, 3, compiled=compiled), tuple(corners))
+        (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
+        return Curve(address_of(_hedged_polyline_row, 3, compiled=compiled), (modified, *corners))
+    names: list[str] = []
+    numbers: list[float] = []
+
+    def number(value: float) -> Node:
+        names.append(f"n{len(names)}")
+        numbers.append(value)
+        return symbol(names[-1])
+
+    if shape.kind == "formula":
+        root = formula_of(shape).with_constants((POSITION,))
+        root = replace(root, {POSITION: symbol("x")})
+    else:
+        kind = SHAPES[shape.kind]
+        own = [number(value) for value in shape.parameters]
+        root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
+    root = number(shape.height) * root if shape.height != 1.0 else root
+    root = _under(hedges, root, number)
+    function = _row_function(root, ("x",), tuple(names), shape.kind)
+    return Curve(address_of(function, 3, compiled=compiled), tuple(numbers))
+
+
+def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node]) -> Node:
+    """Return an expression under hedges; `number` makes symbols of their exponents."""
+    for hedge in reversed(hedges):
+        modifier = HEDGES[hedge.name]
+        own = [] if hedge.exponent is None else [number(hedge.exponent)]
+        root = replace(modifier.expression, dict(zip(modifier.symbols, [root, *own], strict=True)))
+    return root
+
+
+def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
+    """Return the address of a row function of hedges, with their exponents as constants."""
+    root = _under(hedges, symbol("x"), constant)
+    return address_of(_row_function(root, ("x",), (), "hedged"), 3, compiled=compiled)
+
+
+kernel(degree_on_polyline)
+
+
+@kernel
+def _polyline_row(x: Any, corners: Any, into: Any) -> None:
+    for point in range(into.shape[0]):
+        into[point] = degree_on_polyline(corners, x[point])
+
+
+@kernel
+def _hedged_polyline_row(x: Any, numbers: Any, into: Any) -> None:
+    """Do the same and apply hedges, whose address stands as a whole number before the corners."""
+    corners = numbers[1 : numbers.shape[0]]
+    for point in range(into.shape[0]):
+        into[point] = degree_on_polyline(corners, x[point])
+    call(numbers.view(np.int64)[0], into, numbers[0:0], into)
+
+
+class Addresses(Protocol):
+    """Who gives the functions that a program calls their numbers."""
+
+    def norm(self, norm: Norm, sort: str) -> int:
+        """Return the number of a norm beside the kernel's own; `sort` is ``T`` or ``S``."""
+
+    def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
+        """Return the number of a term's row function, and what it takes."""
+
+    def hedged(self, hedges: tuple[Hedge, ...]) -> int:
+        """Return the number of a row function of hedges."""
+
+    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+        """Return the number of a kernel that takes the block."""
+
+
+def norm_number(norm: Norm, sort: str, addresses: Addresses) -> int:
+    """Return what a program calls a norm: a number of the kernel's own, or another."""
+    own = _OWN_NORMS.get((sort, norm.name))
+    return addresses.norm(norm, sort) if own is None else own
+
+
+class InMemory(NamedTuple):
+    """Numbers that are addresses in this process, of machine code or of plain Python."""
+
+    compiled: bool
+
+    def norm(self, norm: Norm, sort: str) -> int:
+        """See :class:`Addresses`."""
+        return norm_address(norm, sort, compiled=self.compiled)
+
+    def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
+        """See :class:`Addresses`."""
+        return curve_of(shape, hedges, compiled=self.compiled)
+
+    def hedged(self, hedges: tuple[Hedge, ...]) -> int:
+        """See :class:`Addresses`."""
+        return hedge_row(hedges, compiled=self.compiled)
+
+    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+        """See :class:`Addresses`."""
+        return address_of(function, 1, compiled=self.compiled, inline=inline)

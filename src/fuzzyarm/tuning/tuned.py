@@ -1,0 +1,343 @@
+"""What came of tuning: the plan, the table, what can be claimed of it, and its files."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.files import write_atomically
+from fuzzyarm.tuning.design import Candidate, Parameter, controller_at
+from fuzzyarm.tuning.examiner import Score
+from fuzzyarm.tuning.linear import NAME as LINEAR
+from fuzzyarm.tuning.movement import TuneError
+from fuzzyarm.tuning.optimisers import OPTIMISERS
+from fuzzyarm.tuning.search import Budget, Found
+from fuzzyarm.tuning.text import Change, Rewritten, with_files
+
+Method = Literal["nelder-mead", "cma-es", "evolution"]
+
+UNSEEN = 24
+"""Scenarios of the judgement."""
+
+MOST_DIGITS = 8
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How to tune.
+
+    Attributes
+    ----------
+    method : str
+        A key of :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
+    budget : Budget
+        When to end.
+    seed : int
+        Of the search.
+    digits : int
+        Of the numbers that are written.
+    unseen : int
+        Scenarios of the judgement; 0 for no judgement.
+    linear : bool
+        Whether a linear opponent is tuned, too.
+    """
+
+    method: str = "nelder-mead"
+    budget: Budget = field(default_factory=Budget)
+    seed: int = 1
+    digits: int = 3
+    unseen: int = UNSEEN
+    linear: bool = True
+
+    def __post_init__(self) -> None:
+        if self.method not in OPTIMISERS:
+            hint = f"one of {', '.join(OPTIMISERS)}"
+            raise TuneError(f"no method is called '{self.method}'", name=self.method, hint=hint)
+        if not 1 <= self.digits <= MOST_DIGITS:
+            raise TuneError(f"{self.digits} digits are out of range", hint=f"1 to {MOST_DIGITS}")
+        if not 0 <= self.unseen <= 10_000:
+            raise TuneError(f"{self.unseen} unseen scenarios are out of range", hint="0 to 10000")
+
+
+class Row(NamedTuple):
+    """A controller in the table: what it costs on each set of scenarios.
+
+    Attributes
+    ----------
+    name : str
+        ``as in the file``, ``tuned``, ``linear PD`` or ``linear regression``.
+    scores : dict of str to Score
+        ``train``, ``unseen``, ``noisy``.
+    """
+
+    name: str
+    scores: dict[str, Score]
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What came of tuning.
+
+    Attributes
+    ----------
+    subject : ControllerText or RuleBase
+        As it was.
+    candidate : Candidate
+        The numbers that are written.
+    parameters : tuple of Parameter
+        What moved.
+    found : Found
+        The search: all trials, the best, what was refused.
+    digits : int
+        Of the numbers: more than were asked for where rounding broke a promise.
+    rows : tuple of Row
+        The table.
+    on_a_bound : tuple of str
+        Parameters that ended on a bound of their range.
+    changes : tuple of Change
+        What differs, in the words of the file.
+    files : tuple of Rewritten
+        The texts.
+    cost : str
+        What became small.
+    scenarios, unseen : tuple of str
+        Names of what was tuned on, and of what was judged by.
+    linear : Found or None
+        The search of the linear opponent.
+    plan : Plan
+        How it was done.
+    over : str
+        How the costs of scenarios became one.
+    notes : tuple of str
+        What stands in the files.
+    """
+
+    subject: ControllerText | RuleBase
+    candidate: Candidate
+    parameters: tuple[Parameter, ...]
+    found: Found
+    digits: int
+    rows: tuple[Row, ...]
+    on_a_bound: tuple[str, ...]
+    changes: tuple[Change, ...]
+    files: tuple[Rewritten, ...]
+    cost: str
+    scenarios: tuple[str, ...]
+    unseen: tuple[str, ...]
+    linear: Found | None
+    plan: Plan
+    over: str
+    notes: tuple[str, ...]
+
+    @property
+    def model(self) -> ControllerText | RuleBase:
+        """The tuned controller or rule base."""
+        if isinstance(self.subject, ControllerText):
+            return controller_at(self.subject, self.candidate)
+        return self.candidate.rulebases.get(self.subject.name, self.subject)
+
+    @property
+    def text(self) -> str:
+        """The text of the file that was tuned."""
+        return self.files[0].new if self.files else ""
+
+    def row(self, name: str) -> Row | None:
+        """Return a row of the table by its name."""
+        return next((row for row in self.rows if row.name == name), None)
+
+    def wins(self, over: str) -> tuple[int, int]:
+        """Return on how many unseen scenarios it costs less than another row, and of how many."""
+        own, other = self.row("tuned"), self.row(over)
+        if own is None or other is None:
+            return 0, 0
+        pairs = list(zip(_parts(own, "unseen"), _parts(other, "unseen"), strict=False))
+        return sum(mine < theirs for mine, theirs in pairs), len(pairs)
+
+    @cached_property
+    def front(self) -> list[tuple[float, float]]:
+        """Error and chatter of the trials that no other beats in both, by rising error."""
+        return front_of(self.found)
+
+    def diff(self) -> str:
+        """Return the lines of all files that differ."""
+        return "\n".join(each.diff() for each in self.files if each.changed)
+
+    def claim(self) -> str:
+        """Return what can be said of it: no more than the unseen scenarios show."""
+        return _claim(self)
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the report as JSON takes it; what has no value is None."""
+        return _as_data(self)
+
+    def write(self, path: str | os.PathLike[str]) -> list[Path]:
+        """Write the texts; rule bases of their own files go beside, as ``STEM-NAME.frb``.
+
+        Written over the file that was tuned, rule bases beside it keep their names. Shipped files
+        are never written over.
+        """
+        return _write(self, Path(path))
+
+
+def _parts(row: Row, which: str) -> tuple[float, ...]:
+    return row.scores[which].parts if which in row.scores else ()
+
+
+def front_of(found: Found) -> list[tuple[float, float]]:
+    """Return error and chatter of the trials that no other beats in both, by rising error."""
+    pairs = sorted(
+        (trial.score.error, trial.score.chatter)
+        for trial in found.trials
+        if not trial.score.diverged
+        and math.isfinite(trial.score.error)
+        and math.isfinite(trial.score.chatter)
+    )
+    front: list[tuple[float, float]] = []
+    for error, chatter in pairs:
+        if not front or chatter < front[-1][1]:
+            front.append((error, chatter))
+    return front
+
+
+# --- What is said of it ---
+
+
+def _claim(tuned: Tuned) -> str:
+    file, own = tuned.row("as in the file"), tuned.row("tuned")
+    if file is None or own is None or "unseen" not in own.scores:
+        return "no unseen scenarios: nothing is known beyond what it was tuned on"
+    if not tuned.changes:
+        return "nothing better was found; the file stays as it is"
+    said = [_than(tuned, own, file, "the file")]
+    for name in (LINEAR, "linear regression"):
+        other = tuned.row(name)
+        if other is not None:
+            said.append(_than(tuned, own, other, f"the {name}" if name == LINEAR else name))
+    diverged = own.scores["unseen"].diverged
+    if diverged:
+        said.append(f"{diverged} of {len(tuned.unseen)} runs diverge")
+    return "unseen: " + "; ".join(said)
+
+
+def _than(tuned: Tuned, own: Row, other: Row, name: str) -> str:
+    mine, theirs = own.scores["unseen"].cost, other.scores["unseen"].cost
+    if not math.isfinite(mine - theirs):
+        return f"costs {mine:.4g}, {name} {theirs:.4g}"
+    better, count = tuned.wins(other.name)
+    counted = f" (on {better} of {count})" if count else ""
+    if theirs == mine:
+        return f"costs as much as {name}"
+    change = 100.0 * abs(mine - theirs) / abs(theirs) if theirs else math.inf
+    word = "less" if mine < theirs else "more"
+    return f"costs {change:.3g} % {word} than {name}{counted}"
+
+
+def notes_of(tuned: Tuned) -> list[str]:
+    """Return what is written into the files: what became of the cost, and how it was done."""
+    from fuzzyarm.version import __version__
+
+    columns = []
+    for row in tuned.rows:
+        shown = ", ".join(f"{name} {score.cost:.4g}" for name, score in row.scores.items())
+        columns.append(f"{row.name}: {shown}")
+    ways = ", ".join(tuned.scenarios[:2])
+    more = len(tuned.scenarios) - 2
+    others = f" and {more} drawn" if more > 0 else ""
+    on = f"{ways}{others}" if ways else "a function"
+    count = len(tuned.found.trials)
+    return [
+        f"{tuned.cost}, {tuned.over} over {on}",
+        *columns,
+        f"{tuned.plan.method}, {count} evaluations, seed {tuned.plan.seed},"
+        f" {tuned.digits} digits, fuzzyarm {__version__}",
+    ]
+
+
+def _as_data(tuned: Tuned) -> dict[str, Any]:
+    found = tuned.found
+    return {
+        "cost": tuned.cost,
+        "over": tuned.over,
+        "method": tuned.plan.method,
+        "seed": tuned.plan.seed,
+        "trials": len(found.trials),
+        "refused": found.refused,
+        "seconds": round(found.seconds, 3),
+        "interrupted": found.interrupted,
+        "digits": tuned.digits,
+        "scenarios": list(tuned.scenarios),
+        "unseen": list(tuned.unseen),
+        "rows": {
+            row.name: {name: _score_data(score) for name, score in row.scores.items()}
+            for row in tuned.rows
+        },
+        "claim": tuned.claim(),
+        "parameters": [
+            {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
+            for each in tuned.parameters
+        ],
+        "on_a_bound": list(tuned.on_a_bound),
+        "changes": [dict(zip(("what", "old", "new"), each, strict=True)) for each in tuned.changes],
+        "curve": [_finite(value) for value in found.curve],
+        "front": [{"rms": error, "chatter": chatter} for error, chatter in tuned.front],
+    }
+
+
+def _score_data(score: Score) -> dict[str, Any]:
+    return {
+        "cost": _finite(score.cost),
+        "rms": _finite(score.error),
+        "chatter": _finite(score.chatter),
+        "diverged": score.diverged,
+        "each": [_finite(part) for part in score.parts],
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+# --- Writing ---
+
+
+def _write(tuned: Tuned, out: Path) -> list[Path]:
+    first, *others = tuned.files
+    origin = Path(first.path) if first.path else None
+    over = origin is not None and out.exists() and out.resolve() == origin.resolve()
+    written, names = [], {}
+    for each in others:
+        beside = each.path and Path(each.path).resolve().parent == out.resolve().parent
+        name = Path(each.path).name if over and beside else f"{out.stem}-{each.name}.frb"
+        names[each.name] = name
+        write_atomically(out.parent / name, each.new)
+        written.append(out.parent / name)
+    text = first.new
+    if isinstance(tuned.subject, ControllerText):
+        kept = {} if over else _files_elsewhere(tuned.subject, origin, out)
+        text = with_files(text, {**kept, **names})
+    write_atomically(out, text)
+    return [out, *written]
+
+
+def _files_elsewhere(text: ControllerText, origin: Path | None, out: Path) -> dict[str, str]:
+    """Return used files that stand beside the old file and not beside the new one."""
+    if origin is None or origin.resolve().parent == out.resolve().parent:
+        return {}
+    found = {}
+    for use in text.model.uses:
+        place = origin.parent / use.files[0]
+        if len(use.files) == 1 and place.exists() and not _shipped(use.files[0]):
+            found[use.name] = os.path.relpath(str(place), str(out.parent))
+    return found
+
+
+def _shipped(name: str) -> bool:
+    from fuzzyarm.shipped_files import shipped_names
+
+    return name in shipped_names()
