@@ -494,12 +494,12 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
 
     exported = files_of(Session(str(path), path.read_text()), ".fis", {}, lambda _: None)[0][0]
     text = exported.content.decode().replace("[-2 0 2]", "[-3 0 2]")
-    page.evaluate(DROP, ["dropped.fis", text])
+    page.evaluate(DROP, ["imported.fis", text])
     page.get_by_text("read with the defaults of fuzzylite").wait_for()
     page.get_by_role("button", name="Close").click()
-    opened(page, "dropped.frb")
-    dropped = served.folder / "dropped.frb"
-    assert dropped.read_text() == converted_file("dropped.fis", text.encode())["text"]
+    opened(page, "imported.frb")
+    dropped = served.folder / "imported.frb"
+    assert dropped.read_text() == converted_file("imported.fis", text.encode())["text"]
     assert value_at(page, 1.0, 0.0) == fuzzyarm.infer(fuzzyarm.load(dropped), e=1.0, ce=0.0)["u"]
     assert "# mine" not in path.read_text()
 

@@ -103,6 +103,7 @@ STEPS = 60
 def reach(k: Any, f: Any, room: Any, heap: Any, point: int, wanted: float) -> float:
     """Return where the area from the left end on reaches a number."""
     before, _, x_0, x_1 = integrate_all(k, f, room, heap, point, wanted)
+    # The panel in which the sum reaches it, halved: no formula of the aggregate is known.
     a, b = x_0, x_1
     if x_0 < x_1:
         for _ in range(STEPS):
@@ -191,6 +192,7 @@ def _clip_range(heap: Any, edges: int, count: int, start: float, end: float) -> 
     """Keep the edges inside a stretch, and its ends; return how many there are."""
     if not start < end:
         return 0
+    # In place: what is kept never lies behind what is read.
     heap[edges] = start
     kept = 1
     for edge in range(edges, edges + count):
@@ -208,7 +210,7 @@ def _clip_edges(
     """Add the edges where an implication clips the straight pieces of a set."""
     clips, pieces = k[consequent + CLIPS_AT], k[consequent + PIECES_AT]
     for clip in range(clips, clips + 2 * k[consequent + CLIPS], 2):
-        level = f[clip] + f[clip + 1] * height
+        level = f[clip] + f[clip + 1] * height  # where this implication bends a line
         for piece in range(pieces, pieces + 4 * k[consequent + PIECES], 4):
             x_0, y_0, x_1, y_1 = f[piece], f[piece + 1], f[piece + 2], f[piece + 3]
             if (y_0 - level) * (y_1 - level) < 0.0:
@@ -227,6 +229,8 @@ def cross(k: Any, f: Any, stretch: int, strengths: Any, heap: Any, edges: int, c
         start, end = f[at], f[at + 1]
         for i in range(k[one + LINES]):
             line = k[one + LINES_AT] + LINE_NUMBERS * i
+            # What an implication leaves of a line is (α + β y) of its degree y; at the ends of
+            # the stretch both sets have known degrees, and a change of sign is a crossing.
             alpha = f[line] + f[line + 1] * first
             beta = f[line + 2] + f[line + 3] * first
             for j in range(k[other + LINES]):
@@ -321,6 +325,7 @@ def integral(
     head = k[OUTPUT]
     constants = k[k[head + DETAIL] + CONSTANTS_AT]
     middle, half = 0.5 * (x_0 + x_1), 0.5 * (x_1 - x_0)
+    # Gauss and Lobatto's rule: six nodes inside, and both ends.
     for i in range(3):
         step = half * f[constants + NODES + i]
         nodes[2 * i], nodes[2 * i + 1] = middle - step, middle + step

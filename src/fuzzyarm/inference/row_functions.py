@@ -67,6 +67,7 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         corners = [number for corner in polyline(shape) for number in corner]
         if not hedges:
             return Curve(address_of(_polyline_row, 3, compiled=compiled), tuple(corners))
+        # An address among floats: its bits are kept, its value as a float means nothing.
         (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
         return Curve(address_of(_hedged_polyline_row, 3, compiled=compiled), (modified, *corners))
     names: list[str] = []
@@ -82,6 +83,7 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         root = replace(root, {POSITION: symbol("x")})
     else:
         kind = SHAPES[shape.kind]
+        # Numbers are arguments, so that triangles share one function whatever their corners are.
         own = [number(value) for value in shape.parameters]
         root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
@@ -106,6 +108,10 @@ def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
 
 
 kernel(degree_on_polyline)
+
+
+# Straight terms have lines in the kernel. Rows of corners are for sets that it asks by address:
+# under hedges, in an integral, and where a layout is loose.
 
 
 @kernel

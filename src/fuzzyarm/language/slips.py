@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 from fuzzyarm.language.document import Document, parse_document
@@ -199,7 +200,9 @@ def _code(line: str) -> str:
     return line.partition("#")[0].strip()
 
 
-def _rewritten(line: str, word: str, order: Sequence[Slip]) -> tuple[str, str]:
+@lru_cache(maxsize=2048)
+def _rewritten(line: str, word: str, order: tuple[Slip, ...]) -> tuple[str, str]:
+    # Remembered: a text is read again at every key stroke, and most of its lines are as before.
     said: dict[str, None] = {}
     for slip in _QUOTES:
         if not slip.words or word in slip.words:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable
+from functools import lru_cache
+from itertools import islice
 
 _LENGTHS = 4
 _MOST = 300
@@ -20,13 +22,19 @@ def nearest(word: str, choices: Iterable[str]) -> str | None:
     for option in options:
         if option.casefold() == word.casefold():
             return option
-    import difflib
-
     if len(word) > 100:
         return None
+    similar = (option for option in options if abs(len(option) - len(word)) <= _LENGTHS)
+    return _closest(word, tuple(islice(similar, _MOST)))
+
+
+@lru_cache(maxsize=2048)
+def _closest(word: str, options: tuple[str, ...]) -> str | None:
+    # Remembered: a mistake is looked at again at every key stroke until it is mended.
+    import difflib
+
     cutoff = 0.5 if len(word) <= 3 else 0.6
-    similar = [option for option in options if abs(len(option) - len(word)) <= _LENGTHS]
-    found = difflib.get_close_matches(word, similar[:_MOST], n=1, cutoff=cutoff)
+    found = difflib.get_close_matches(word, options, n=1, cutoff=cutoff)
     return found[0] if found else None
 
 
