@@ -215,8 +215,8 @@ def main() -> None:
                     browser = playwright.chromium.launch(
                         executable_path=shutil.which("chromium"), args=["--no-sandbox"]
                     )
+                    draw_files(browser, address)  # before a hand has changed the files
                     draw(browser, address)
-                    draw_files(browser, address)
                     run(browser, address)
                     browser.close()
             finally:
