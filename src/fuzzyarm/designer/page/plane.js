@@ -7,6 +7,21 @@ import { clean, colourOf, context, drawAxes, heat, SHADES, shortNumber } from ".
 
 const box = (width, height) => ({ left: 46, top: 26, wide: width - 60, tall: height - 64 });
 
+/** A canvas with its title, and the plot in it; null while it is not shown. */
+function begin(canvas, title) {
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  if (!width || !height) return null;
+  const { g } = context(canvas, width, height);
+  const inside = box(width, height);
+  heading(g, title, inside);
+  return { g, inside };
+}
+
+/** Where a place of both axes is in a plot. */
+function placed({ left, top, wide, tall }, [a, b], [c, d]) {
+  return (u, v) => [left + (wide * (u - a)) / (b - a), top + tall - (tall * (v - c)) / (d - c)];
+}
+
 function heading(g, title, { left, wide }) {
   g.fillStyle = colourOf("--ink");
   g.font = "600 12px system-ui, sans-serif";
@@ -54,12 +69,10 @@ const HEATS = Array.from({ length: 256 }, (_, i) => parts(heat(i / 255)[0]));
  * which are those of differences if `signed`; `grid` has lines to be drawn, `worst` a place.
  */
 export function drawPlane(canvas, { title, xs, ys, z, low, high, signed, x, y, grid, worst }) {
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  if (!width || !height) return;
-  const { g } = context(canvas, width, height);
-  const inside = box(width, height);
+  const begun = begin(canvas, title);
+  if (!begun) return;
+  const { g, inside } = begun;
   const { left, top, wide, tall } = inside;
-  heading(g, title, inside);
   const [across, up] = [[xs[0], xs[xs.length - 1]], [ys[0], ys[ys.length - 1]]];
   const colours = new ImageData(xs.length, ys.length);
   const shades = signed ? HEATS : SHADES;
@@ -75,10 +88,7 @@ export function drawPlane(canvas, { title, xs, ys, z, low, high, signed, x, y, g
   small.getContext("2d").putImageData(colours, 0, 0);
   // Pixels stand for points: the outer half of the outer ones lies beyond the range.
   g.drawImage(small, 0.5, 0.5, xs.length - 1, ys.length - 1, left, top, wide, tall);
-  const at = (u, v) => [
-    left + (wide * (u - across[0])) / (across[1] - across[0]),
-    top + tall - (tall * (v - up[0])) / (up[1] - up[0]),
-  ];
+  const at = placed(inside, across, up);
   if (grid) rulings(g, grid, at, inside);
   drawAxes(g, inside, across, up, x, y);
   if (worst) mark(g, ...at(...worst));
@@ -104,15 +114,12 @@ function rulings(g, [across, up], at, { left, top, wide, tall }) {
 
 /** Draw cells with a number each: `cells` has [column, row, value], between the levels of the axes. */
 export function drawCells(canvas, { title, across, up, cells, high, x, y, worst }) {
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  if (!width || !height) return;
-  const { g } = context(canvas, width, height);
-  const inside = box(width, height);
-  const { left, top, wide, tall } = inside;
-  heading(g, title, inside);
+  const begun = begin(canvas, title);
+  if (!begun) return;
+  const { g, inside } = begun;
   const [a, b] = [across[0], across[across.length - 1]];
   const [c, d] = [up[0], up[up.length - 1]];
-  const at = (u, v) => [left + (wide * (u - a)) / (b - a), top + tall - (tall * (v - c)) / (d - c)];
+  const at = placed(inside, [a, b], [c, d]);
   g.font = "11px system-ui, sans-serif";
   for (const [i, j, value] of cells) {
     const [x0, y1] = at(across[i], up[j]);
@@ -135,15 +142,13 @@ const STYLES = [["--accent", []], ["--lit", [6, 4]]];
 
 /** Draw lines over one input: `lines` are values at `xs`. */
 export function drawLines(canvas, { title, xs, lines, low, high, x, y, worst }) {
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  if (!width || !height) return;
-  const { g } = context(canvas, width, height);
-  const inside = box(width, height);
-  const { left, top, wide, tall } = inside;
-  heading(g, title, inside);
+  const begun = begin(canvas, title);
+  if (!begun) return;
+  const { g, inside } = begun;
+  const { top, tall } = inside;
   const [a, b] = [xs[0], xs[xs.length - 1]];
   drawAxes(g, inside, [a, b], [low, high], x, y);
-  const at = (u, v) => [left + (wide * (u - a)) / (b - a), top + tall * (1 - (v - low) / (high - low))];
+  const at = placed(inside, [a, b], [low, high]);
   lines.forEach((values, k) => {
     const [colour, dashes] = STYLES[k % STYLES.length];
     g.strokeStyle = colourOf(colour);
