@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from fuzzyarm import load, shipped
+from fuzzyarm.kernels import kernel
 from fuzzyarm.loop import Options, Signal, simulate
-from fuzzyarm.plant import find_plant
+from fuzzyarm.plant import Plant, Port, find_plant
 from fuzzyarm.plant.plant import CLOCK_SIZE, WORK, numbers_of, plain_motion, with_parameters
 from fuzzyarm.plant.setting import Arithmetic
 
@@ -194,6 +195,43 @@ def test_compiled_interpreted_and_by_hand_it_has_the_same_bits(name):
         assert state[: len(seen)] == seen
         for _ in range(parts):
             state = runge_kutta(by_hand(name), state, [force], numbers(plant), period / parts)
+
+
+# --- One's own, written as Python allows ---
+
+
+class Kiln(Plant):
+    """Counts its states from the end."""
+
+    name, axis = "kiln", "room"
+    inputs = {"power": Port("W", 0.0, 2000.0)}
+    outputs = {"temperature": Port("°C"), "sum": Port("1")}
+    states = {"age": "1", "T": "°C", "sum": "1"}
+    parameters = {"loss": 1e-3}
+
+    @staticmethod
+    @kernel
+    def derivative(t, x, u, p):
+        total = 0.0
+        for i in range(len(x)):
+            total += x[i - 1]  # begins with the last
+        return 1e-4, 1e-5 * u[-1] - p[-1] * (x[-2] - 10.0), 1e-6 * total
+
+    @staticmethod
+    @kernel
+    def measure(t, x, u, p):
+        return x[-2], x[-1:][0]
+
+
+def test_equations_of_a_user_may_count_from_the_end():
+    text, to = load(shipped("heater.frb")), {"temperature": Signal("step", (20.0,))}
+    fast, slow = (
+        simulate(text, Kiln(), references=to, duration=600.0, options=Options(compiled=compiled))
+        for compiled in (True, False)
+    )
+    assert slow.outputs["sum"][-1] > 0.0
+    for name, values in slow.outputs.items():
+        np.testing.assert_array_equal(fast.outputs[name], values)
 
 
 # --- Their controllers ---

@@ -373,7 +373,7 @@ def measure_outputs(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Measure what the plant says."""
-    found = measure(clock[0], x, u, p)
+    found = measure(clock[0], x[0 : len(x) // 3], u, p)
     for i in range(len(y)):
         y[i] = found[i]
 
@@ -396,24 +396,25 @@ def runge_kutta_4(
     """Advance by classical fourth-order steps with the inputs held."""
     # Behind the n states stand the states at the start of the step and the weighted slopes.
     n = len(x) // 3
+    states = x[0:n]  # the equations of a user may count from the end
     h = clock[1] / clock[2]
     t = clock[0]
     for _ in range(int(clock[2])):
-        slope = derivative(t, x, u, p)
+        slope = derivative(t, states, u, p)
         for i in range(n):
             x[n + i] = x[i]
             x[2 * n + i] = slope[i]
             x[i] = x[n + i] + 0.5 * h * slope[i]
-        slope = derivative(t + 0.5 * h, x, u, p)
+        slope = derivative(t + 0.5 * h, states, u, p)
         for i in range(n):
             x[2 * n + i] += 2.0 * slope[i]
             x[i] = x[n + i] + 0.5 * h * slope[i]
-        slope = derivative(t + 0.5 * h, x, u, p)
+        slope = derivative(t + 0.5 * h, states, u, p)
         for i in range(n):
             x[2 * n + i] += 2.0 * slope[i]
             x[i] = x[n + i] + h * slope[i]
         t += h
-        slope = derivative(t, x, u, p)
+        slope = derivative(t, states, u, p)
         for i in range(n):
             x[i] = x[n + i] + h / 6.0 * (x[2 * n + i] + slope[i])
 
