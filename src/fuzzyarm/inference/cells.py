@@ -8,6 +8,7 @@ the value there belongs to the set. Even buckets lead from a value to its cell.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -83,11 +84,14 @@ def cut_into_cells(
         left, right = max(left, low), min(right, high)  # noqa: PLW2901
         at_step = left in steps and right in {left, math.nextafter(left, math.inf)}
         cell: dict[int, Line] = {}
+        middle = _between(left, right)
         for line, (number, shape, hedges) in zip(corners, propositions, strict=True):
             if at_step:
                 found: Line | None = (term_function(shape, tuple(hedges))(left), 0.0, 0.0)
+            elif not hedges and _is_beyond(line, middle):
+                continue
             else:
-                found = _line(line, hedges, _between(left, right))
+                found = _line(line, hedges, middle)
             if found is not None and found != ZERO_LINE:
                 cell[number] = found
         lines.append(cell)
@@ -99,6 +103,12 @@ def _within(edges: list[float], low: float, high: float, steps: set[float]) -> l
     """Drop the edges that no value passes."""
     inside = [x for x in edges if low < x < high or (x == high and x in steps)]
     return [-math.inf, *inside, math.inf]
+
+
+def _is_beyond(corners: list[tuple[float, float]], position: float) -> bool:
+    """Whether a term is 0 at a position because its corners end before; most are."""
+    (first, below), (last, above) = corners[0], corners[-1]
+    return (position <= first and below == 0.0) or (position >= last and above == 0.0)
 
 
 def _between(left: float, right: float) -> float:
@@ -135,5 +145,5 @@ def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:
     starts = [0]  # the first bucket holds all that is below, the last all that is above
     for bucket in range(count + 1):
         left = first + (bucket + 1e-9) / count * width
-        starts.append(sum(1 for x in inner if x <= left))
+        starts.append(bisect_right(inner, left))
     return first - width / count, count / width, tuple(starts)

@@ -105,7 +105,7 @@ RULE_HEAD = 2
 TRUTH_HEAD = 4
 """Whole numbers in front of the operands of an expression in parentheses."""
 
-MIN, PRODUCT, MAX, SUM = range(4)
+BY_ITSELF = MIN, PRODUCT, MAX, SUM = range(4)
 """Norms that the kernel does by itself; any other number is the address of one."""
 
 ONES = 0

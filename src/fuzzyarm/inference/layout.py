@@ -96,6 +96,18 @@ class _Rule(NamedTuple):
     threshold: float
 
 
+class _Numbered(NamedTuple):
+    """Rules of a plan, the numbers of their propositions, and the rules in these."""
+
+    planned: tuple[PlannedRule, ...]
+    numbers: dict[Proposition, int]
+    rules: list[_Rule]
+
+
+_last_numbered: list[_Numbered] = []
+"""Those of the last few plans, the newest in front."""
+
+
 def lay_out(
     plan: Plan,
     *,
@@ -160,9 +172,7 @@ class _Writer:
         self.loose = loose
         self.alone = alone
         self.marks: list[Mark] = []
-        self.numbers: dict[Proposition, int] = {}
-        self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
-        self.rules = [self._rule(i, planned) for i, planned in enumerate(plan.rules)]
+        self._number_rules()
         for name, output in plan.outputs.items():
             if name in {key[0] for key in self.numbers}:
                 raise NotCoveredError(f"'{name}' is used by later rules")
@@ -170,6 +180,20 @@ class _Writer:
         self._cut_inputs()
         self.whole: list[int] = []
         self.floats: list[float] = []
+
+    def _number_rules(self) -> None:
+        """Give propositions numbers; rules that a plan before had, as in tuning, keep theirs."""
+        self.numbers: dict[Proposition, int] = {}
+        self.truths: dict[tuple[Expression, str, str], _Truth] = {}  # inner ones first
+        for known in _last_numbered:
+            if known.planned is self.plan.rules:
+                self.numbers, self.rules = known.numbers, known.rules
+                return
+        self.rules = [self._rule(i, planned) for i, planned in enumerate(self.plan.rules)]
+        # Norms and hedges by address belong to one process, or to the text of one export.
+        if not self.truths and all(rule.norm in at.BY_ITSELF for rule in self.rules):
+            made = _Numbered(self.plan.rules, self.numbers, self.rules)
+            _last_numbered[:] = [made, *_last_numbered[:3]]
 
     def _rule(self, index: int, planned: PlannedRule) -> _Rule:
         antecedent = planned.rule.antecedent
@@ -464,7 +488,8 @@ class _OutputWriter:
         if not (is_closed and base.alone):
             address = base.addresses.program(self.defuzzifier, inline=inline)
         whole[head : head + at.OUTPUT_HEAD] = [
-            address, floats, fold, mode, detail, int(is_mean), int(is_closed), int(self._is_max_min),
+            address, floats, fold, mode, detail,
+            int(is_mean), int(is_closed), int(self._is_max_min),
         ]  # fmt: skip
 
     @property
@@ -477,7 +502,6 @@ class _OutputWriter:
             and all(each.norm == at.MIN and each.conjunction for each in rules)
             and all(each.weight == 1.0 and each.threshold == 0.0 for each in rules)
         )
-
 
     def _write_layers(self, floats: int) -> None:
         form = self.plan.closed

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import wraps
 from itertools import count
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from fuzzyarm.inference import firing_intervals
 from fuzzyarm.inference.errors import CyclicRulesError, InferenceError, UnknownNameError
@@ -212,10 +212,10 @@ def plan(rulebase: RuleBase) -> Plan:
     InferenceError
         If the model cannot be evaluated; the message says where.
     """
-    _check_variables(rulebase)
     if rulebase.is_type2:
+        _check_variables(rulebase)
         return _plan_type_2(firing_intervals.doubled(rulebase))
-    steps, rules = _order(rulebase)
+    steps, rules = _order_once(rulebase)
     outputs = {output.name: _plan_output(rulebase, output) for output in rulebase.outputs}
     return Plan(rulebase, rules, outputs, steps, tuple((i,) for i in range(len(rules))))
 
@@ -259,6 +259,42 @@ def _check_reference(rulebase: RuleBase, part: Is | Consequent, known: list[str]
 
 
 # ── order ────────────────────────────────────────────────────────────────────────────
+
+
+class _Ordered(NamedTuple):
+    """Rules in order, what they were made of, and what all that depends on."""
+
+    blocks: tuple[RuleBlock, ...]
+    names: tuple[Any, ...]
+    steps: tuple[int | str, ...]
+    rules: tuple[PlannedRule, ...]
+
+
+_last_ordered: list[_Ordered] = []
+"""Those of the last few rule bases, the newest in front."""
+
+
+def _order_once(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule, ...]]:
+    """Check and order the rules, or find them among the last ones.
+
+    In tuning terms move, and everything else is the same object in one rule base after another.
+    """
+    names = tuple(
+        (variable.name, isinstance(variable, Input), *map(_name_of, variable.terms))
+        for variable in (*rulebase.inputs, *rulebase.outputs)
+    )
+    for known in _last_ordered:
+        if known.blocks is rulebase.blocks and known.names == names:
+            return known.steps, known.rules
+    _check_variables(rulebase)
+    steps, rules = _order(rulebase)
+    _last_ordered[:] = [_Ordered(rulebase.blocks, names, steps, rules), *_last_ordered[:3]]
+    return steps, rules
+
+
+def _name_of(term: Term) -> tuple[str, str | Shape]:
+    """Return what rules depend on: the name of a term and its kind; of a formula all it says."""
+    return term.name, term.shape if term.shape.kind == "formula" else term.shape.kind
 
 
 def _order(rulebase: RuleBase) -> tuple[tuple[int | str, ...], tuple[PlannedRule, ...]]:
