@@ -151,7 +151,7 @@ def train(
                 float(motion.time[end - 1]),
                 end + count * (passage - 1),
                 learned(law, arithmetic, record.memory),
-                shown_errors(course, record.samples),
+                shown_errors(course, record.rows),
                 end == count or lost is not None,
                 None if lost is None else float(motion.time[lost]),
                 shown_units(course),

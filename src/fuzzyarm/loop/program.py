@@ -213,11 +213,6 @@ class Record:
         return np.asarray(filled.reshape(-1, self.columns))
 
     @property
-    def samples(self) -> NDArray[np.float64]:
-        """A copy of what was recorded, shape (samples, taps)."""
-        return self.rows.copy()
-
-    @property
     def taken(self) -> NDArray[np.int64]:
         """Indices of the set points that were sampled."""
         whole = np.flatnonzero(self.course.motion.iterations == self.course.motion.every)
@@ -269,7 +264,9 @@ def error_taps(course: Course) -> list[int]:
 def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the errors of the first columns of :func:`error_taps`, as they are shown."""
     count = len(course.motion.tracked)
-    return np.asarray((samples[:, count : 2 * count] - samples[:, :count]) * scales(course))
+    # A row for each tap: across it NumPy would go in steps of two numbers.
+    taps = np.ascontiguousarray(samples.T)
+    return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
 
 
 def scales(course: Course) -> NDArray[np.float64]:

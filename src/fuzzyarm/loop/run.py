@@ -455,7 +455,7 @@ class ClosedLoop:
         stopped = None if course.plant.ended else record.diverged()
         names = list(map(self.site.interface.label, course.motion.tracked))
         labels = judged_names([axis for axis, _ in course.motion.tracked], names)
-        errors = rms(shown_errors(course, record.samples)).tolist()
+        errors = rms(shown_errors(course, record.rows)).tolist()
         chatter = self._chatter(record)
         first: dict[str, float] = {}  # of the first drive of each axis
         for name, value in chatter.items():

@@ -158,7 +158,7 @@ def watched_run(
     own = program.inputs(as_array=arithmetic.compiled)
     with np.errstate(all="ignore"):
         loop_for(program, course, record)(*course.inputs(), *own, *record.outputs)
-    errors = rms(shown_errors(course, record.samples))
+    errors = rms(shown_errors(course, record.rows))
     first, second, *_ = record.changes(MAGNITUDES).tolist()
     return Watched((float(errors[0]), float(errors[1])), (first, second), record.diverged())
 
