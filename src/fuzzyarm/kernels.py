@@ -49,6 +49,7 @@ SWITCH = "FUZZYARM_JIT"
 """Environment variable: ``0`` runs every kernel interpreted."""
 
 _MARK = "__fuzzyarm_kernel__"
+_SCALAR = "__fuzzyarm_scalar__"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
@@ -65,6 +66,16 @@ def kernel(function: _Function) -> _Function:
     setattr(function, _MARK, True)
     file = function.__code__.co_filename
     _loaded.setdefault(file, _stamp(file))
+    return function
+
+
+def scalar(function: _Function) -> _Function:
+    """Mark a kernel, called by address, that works number by number: its loops are short.
+
+    They are then neither unrolled nor made to take several numbers at a time: the machine code
+    is half as long, and is made and runs in less time.
+    """
+    setattr(function, _SCALAR, True)
     return function
 
 
@@ -360,7 +371,8 @@ def machine_code(wanted: Wanted) -> MachineCode:
         compiler = inner_compiler(wanted.inline)
         bindings = dict(wanted.bindings)
         inner = compiler(_clone(wanted.function, bindings, {}, compiler, root=True))
-        code, complete = compile_entry(inner, wanted.types, _symbol(digest))
+        scalar = hasattr(wanted.function, _SCALAR)
+        code, complete = compile_entry(inner, wanted.types, _symbol(digest), scalar=scalar)
     return MachineCode(code, complete, digest)
 
 

@@ -338,7 +338,28 @@ def _library_without_native_code() -> Any:
     return Linked
 
 
-def compile_entry(inner: Any, letters: str, symbol: str) -> tuple[bytes, bool]:
+@contextlib.contextmanager
+def _loops_as_they_are(codegen: Any) -> Iterator[None]:
+    """Have LLVM neither unroll loops nor take several numbers at a time for now."""
+    import llvmlite.binding as llvm
+    from numba import config
+
+    def builder(**options: Any) -> Any:
+        # Whether numba wants them vectorised is among the options, and is not asked.
+        tuning = llvm.create_pipeline_tuning_options(int(options.get("opt", config.OPT)))
+        tuning.loop_unrolling = tuning.loop_vectorization = tuning.slp_vectorization = False
+        return llvm.create_pass_builder(codegen._tm, tuning)
+
+    codegen._pass_builder = builder
+    try:
+        yield
+    finally:
+        del codegen._pass_builder
+
+
+def compile_entry(
+    inner: Any, letters: str, symbol: str, *, scalar: bool = False
+) -> tuple[bytes, bool]:
     """Compile a function behind an entry of C: a pointer and a length for each array.
 
     Parameters
@@ -349,6 +370,8 @@ def compile_entry(inner: Any, letters: str, symbol: str) -> tuple[bytes, bool]:
         Of each array: ``f`` for float64, ``i`` for int64.
     symbol : str
         What the entry is called.
+    scalar : bool, optional
+        Whether its loops are short, see :func:`fuzzyarm.kernels.scalar`.
 
     Returns
     -------
@@ -400,7 +423,9 @@ def compile_entry(inner: Any, letters: str, symbol: str) -> tuple[bytes, bool]:
         for each in (*whole.functions, *whole.global_variables):
             if not each.is_declaration and each.name != symbol:
                 each.linkage = "internal"
-        library.finalize()
+        codegen = context.codegen()
+        with _loops_as_they_are(codegen) if scalar else contextlib.nullcontext():
+            library.finalize()
         outside = [each.name for each in library._final_module.functions if each.is_declaration]
         return library._get_compiled_object(), not any(map(_only_with_numba, outside))
 

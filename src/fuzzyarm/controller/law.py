@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import address_of, call, kernel
+from fuzzyarm.kernels import address_of, call, kernel, scalar
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
 from fuzzyarm.plant.setting import (
     Arithmetic,
@@ -257,6 +257,7 @@ def tell(now: Moment, signals: list[float]) -> None:
     signals[13], signals[14], signals[15], signals[16] = pose
 
 
+@scalar
 @kernel
 def summed_drives(
     told: list[float],
@@ -317,6 +318,7 @@ def law_kernel(now: Moment, numbers: list[float], memory: list[float], links: li
     return 0.0, 0.0
 
 
+@scalar
 @kernel
 def law_at_address(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]

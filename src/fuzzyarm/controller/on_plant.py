@@ -26,7 +26,7 @@ from fuzzyarm.controller.program import (
     write_down,
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
-from fuzzyarm.kernels import kernel
+from fuzzyarm.kernels import kernel, scalar
 from fuzzyarm.model.controller import ControllerModel, Learn, Zoom
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.arm import RATIOS, motor_torque
@@ -156,6 +156,7 @@ ARM = site_of(Arm())
 FIRST_RATIO, SECOND_RATIO = RATIOS
 
 
+@scalar
 @kernel
 def text_law(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]

@@ -52,7 +52,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.kernels import call, kernel
+from fuzzyarm.kernels import call, kernel, scalar
 
 # Head of the whole numbers: counts; first rows; where programs and outputs begin;
 INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
@@ -123,6 +123,7 @@ FAILED = -1
 # ── points ───────────────────────────────────────────────────────────────────────────
 
 
+@scalar
 @kernel
 def evaluate(block: Any) -> None:
     """Evaluate the one point in a block; ``k[MISSING]`` outputs are NaN then."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import address_of, build, is_kernel, kernel
+from fuzzyarm.kernels import address_of, build, is_kernel, kernel, scalar
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
@@ -378,6 +378,7 @@ def measure_outputs(
         y[i] = found[i]
 
 
+@scalar
 @kernel
 def run_plant(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
