@@ -90,10 +90,12 @@ def draw() -> None:
     """Draw the shipped rule bases."""
     for path in shipped_rulebases():
         out = PICTURES / f"gallery-{path.stem}.png"
-        main(["plot", str(path), "-o", str(out)])
+        assert main(["plot", str(path), "-o", str(out)]) == 0
         picture = Image.open(out).convert("RGB")
         picture.thumbnail((900, 900))
-        picture.quantize(256).save(out, optimize=True)  # with fewer, terms share a colour
+        # Covering all colours, not the most frequent: thin lines keep those of their terms.
+        cover = Image.Quantize.MAXCOVERAGE
+        picture.quantize(256, method=cover, kmeans=5).save(out, optimize=True)
 
 
 if __name__ == "__main__":
