@@ -27,6 +27,7 @@ from PIL import Image
 from rich.console import Console, Group
 from rich.padding import Padding
 from rich.panel import Panel
+from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 
 from fuzzyarm import explain, load, shipped
@@ -184,6 +185,16 @@ def save(svg: str, name: str) -> None:
     (PICTURES / f"{name}.svg").write_text(svg, "utf-8")
 
 
+TERMINAL = TerminalTheme(
+    (30, 30, 30), (217, 217, 217),
+    [(0, 0, 0), (204, 85, 90), (152, 168, 75), (208, 179, 68),
+     (96, 138, 177), (152, 114, 159), (104, 160, 179), (245, 245, 245)],
+    [(154, 155, 153), (255, 38, 39), (0, 130, 61), (208, 132, 66),
+     (25, 132, 233), (255, 44, 122), (57, 130, 128), (253, 253, 197)],
+)  # fmt: skip
+"""The colours of rich's terminal, but black is black: numbers stand on coloured cells."""
+
+
 def recorded(title: str, *drawings: object, width: int = 92, name: str) -> None:
     """Draw into a picture of a terminal."""
     console = Console(
@@ -191,7 +202,7 @@ def recorded(title: str, *drawings: object, width: int = 92, name: str) -> None:
         force_terminal=True, color_system="truecolor", highlight=False,
     )  # fmt: skip
     console.print(*drawings, sep="\n")
-    save(console.export_svg(title=title), name)
+    save(console.export_svg(title=title, theme=TERMINAL), name)
 
 
 def command(*words: str, folder: Path = ROOT, status: int = 0) -> Text:
@@ -294,7 +305,7 @@ def draw_authoring() -> None:
         recorded("new", command("new", "joint", "--kind", "pi", folder=folder),
                  Text(), command("check", "--strict", "joint.frb", folder=folder),
                  Text(), coloured_text((folder / "joint.frb").read_text("utf-8"), range(1, 29)),
-                 width=116, name="new")  # fmt: skip
+                 width=123, name="new")  # fmt: skip
         recorded("watch", command("watch", "thermostat.frb", "--once", folder=folder), name="watch")
         recorded(
             "eval --explain",
