@@ -13,7 +13,9 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "src")]
 
 import make_reference  # noqa: E402
+from docutils import nodes  # noqa: E402
 from highlighting import LutLexer, RuleBaseLexer  # noqa: E402
+from PIL import Image  # noqa: E402
 from sphinx.application import Sphinx  # noqa: E402
 
 from fuzzyarm.version import __version__  # noqa: E402
@@ -56,9 +58,22 @@ def setup(app: Sphinx) -> None:
     """Write the pages of the Python API; teach Sphinx the languages of rule bases and tables."""
     make_reference.write_api_pages(HERE / "api")
     app.connect("autodoc-skip-member", _skip)
+    app.connect("doctree-read", _sized)
     app.connect("autodoc-process-docstring", _without_table)
     app.add_lexer("frb", RuleBaseLexer)
     app.add_lexer("lut", LutLexer)
+
+
+def _sized(app: Sphinx, doctree: nodes.document) -> None:
+    """Say how large each picture is: the page keeps its place, and one that is shrunk is a link."""
+    for picture in doctree.findall(nodes.image):
+        path = Path(app.srcdir, picture["uri"])
+        if path.suffix in (".png", ".gif", ".webp"):
+            with Image.open(path) as opened:
+                wide, high = opened.size
+            picture["width"], picture["height"] = f"{wide}px", f"{high}px"
+        if path.suffix == ".svg":
+            picture["width"] = "100%"
 
 
 def _skip(app: Sphinx, what: str, name: str, *others: object) -> bool | None:

@@ -27,6 +27,7 @@ from PIL import Image
 from rich.console import Console, Group
 from rich.padding import Padding
 from rich.panel import Panel
+from rich.terminal_theme import TerminalTheme
 from rich.text import Text
 
 from fuzzyarm import explain, load, shipped
@@ -47,6 +48,12 @@ PICTURES = ROOT / "docs" / "pictures"
 RULEBASES = ROOT / "rulebases"
 
 
+def do(words: list[str]) -> None:
+    """Run a command; a picture that it refuses to draw stops the making."""
+    status = main(words)
+    assert status == 0, words
+
+
 def draw_table() -> None:
     """Draw the table of pd7.frb as a colour terminal shows it."""
     with tempfile.TemporaryDirectory() as name:
@@ -58,7 +65,7 @@ def draw_table() -> None:
 
 def draw_surface() -> None:
     """Draw the terms and the control surface of pd7.frb."""
-    main(["plot", str(shipped("pd7.frb")), "-o", str(PICTURES / "pd7.png")])
+    do(["plot", str(shipped("pd7.frb")), "-o", str(PICTURES / "pd7.png")])
 
 
 SERVO = "rulebases/servo.frb"
@@ -67,8 +74,10 @@ STRUCTURES = {
     "pd": f"{SERVO} --plant motor --step 1 --for 400ms",
     "incremental-pi": f"{OWN}/incremental-pi.frb --plant motor --reference velocity=step:20",
     "pd-plus-i": f"{SERVO} {OWN}/pd-plus-i.frb --plant motor --step 1 --disturb voltage=step:-2,1",
-    "scheduled-pid": f"rulebases/tanks.frb {OWN}/scheduled-pid.frb --plant tanks --step 0.1",
-    "supervisor": f"{OWN}/supervisor.frb --plant tanks --step 0.2",
+    "scheduled-pid": (
+        f"rulebases/tanks.frb {OWN}/scheduled-pid.frb --plant tanks --step 0.1 --for 150s"
+    ),
+    "supervisor": f"{OWN}/supervisor.frb --plant tanks --step 0.2 --for 150s",
     "stfc": "fuzzy-direct stfc --payload",
     "cfaf": "fuzzy-direct cfaf --payload",
     "soc": "soc-zero --payload",
@@ -86,16 +95,21 @@ def draw_structures(wanted: list[str]) -> None:
         if wanted and name not in wanted:
             continue
         path = PICTURES / f"structure-{name}.png"
-        main(["simulate", *words.split(), "--plot", str(path)])
-        picture = Image.open(path).convert("RGB")
-        picture.thumbnail((900, 900))
-        picture.quantize(64).save(path, optimize=True)
+        do(["simulate", *words.split(), "--plot", str(path)])
+        shrunk(path, 92 / 130).quantize(64).save(path, optimize=True)  # 92 dots per inch
+
+
+def shrunk(path: Path, factor: float) -> Image.Image:
+    """Return a picture of a file, smaller by a factor."""
+    picture = Image.open(path).convert("RGB")
+    width, height = (round(factor * side) for side in picture.size)
+    return picture.resize((width, height), Image.Resampling.LANCZOS)
 
 
 def draw_map() -> None:
     """Draw the robustness map of pid over payload and integral gain."""
     ranges = ["--sweep", "payload=0..2:21", "--sweep", "K_I=0.1..10:24 log"]
-    main(["sweep", "pid", *ranges, "--plot", str(PICTURES / "sweep-map.png")])
+    do(["sweep", "pid", *ranges, "--plot", str(PICTURES / "sweep-map.png")])
 
 
 FRAMES = 40
@@ -133,7 +147,7 @@ def draw_plants(wanted: list[str]) -> None:
             run = simulate(chosen, pick_and_place(), payload=True, options=options)
         else:
             run = simulate(chosen, plant, references=references, duration=duration, options=options)
-        draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=80)
+        draw_runs([run]).savefig(PICTURES / f"plant-{name}.png", dpi=92)
         animate(run, plant, PICTURES / f"plant-{name}.gif", frames=FRAMES)
 
 
@@ -149,13 +163,13 @@ def draw_type_2() -> None:
 def draw_phase() -> None:
     """Draw the phase portrait of the shipped servo."""
     out = str(PICTURES / "servo-phase.png")
-    main(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
+    do(["plot", str(shipped("servo.frb")), "-o", out, "--what", "phase", "--plant", "motor"])
 
 
 def draw_sector() -> None:
     """Draw the sectors of the shipped servo, for the page of proofs."""
     out = str(PICTURES / "servo-sector.png")
-    main(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
+    do(["prove", str(shipped("servo.frb")), "--sector", "--plot", out])
 
 
 # --- Of docs/authoring.md: what the editor, the commands and the studio show ---
@@ -171,6 +185,16 @@ def save(svg: str, name: str) -> None:
     (PICTURES / f"{name}.svg").write_text(svg, "utf-8")
 
 
+TERMINAL = TerminalTheme(
+    (30, 30, 30), (217, 217, 217),
+    [(0, 0, 0), (204, 85, 90), (152, 168, 75), (208, 179, 68),
+     (96, 138, 177), (152, 114, 159), (104, 160, 179), (245, 245, 245)],
+    [(154, 155, 153), (255, 38, 39), (0, 130, 61), (208, 132, 66),
+     (25, 132, 233), (255, 44, 122), (57, 130, 128), (253, 253, 197)],
+)  # fmt: skip
+"""The colours of rich's terminal, but black is black: numbers stand on coloured cells."""
+
+
 def recorded(title: str, *drawings: object, width: int = 92, name: str) -> None:
     """Draw into a picture of a terminal."""
     console = Console(
@@ -178,7 +202,7 @@ def recorded(title: str, *drawings: object, width: int = 92, name: str) -> None:
         force_terminal=True, color_system="truecolor", highlight=False,
     )  # fmt: skip
     console.print(*drawings, sep="\n")
-    save(console.export_svg(title=title), name)
+    save(console.export_svg(title=title, theme=TERMINAL), name)
 
 
 def command(*words: str, folder: Path = ROOT, status: int = 0) -> Text:
@@ -281,7 +305,7 @@ def draw_authoring() -> None:
         recorded("new", command("new", "joint", "--kind", "pi", folder=folder),
                  Text(), command("check", "--strict", "joint.frb", folder=folder),
                  Text(), coloured_text((folder / "joint.frb").read_text("utf-8"), range(1, 29)),
-                 width=116, name="new")  # fmt: skip
+                 width=123, name="new")  # fmt: skip
         recorded("watch", command("watch", "thermostat.frb", "--once", folder=folder), name="watch")
         recorded(
             "eval --explain",

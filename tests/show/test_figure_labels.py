@@ -146,6 +146,9 @@ def test_labels_in_a_row_stand_apart_and_near(data, widths):
 def test_texts_fit_the_room_they_are_given():
     text = "position error of the first joint before the gear"
     assert all(text_width(line, 9) <= 1.5 for line in wrapped(text, 9, 1.5).split("\n"))
+    long = "rate: change of the room temperature, K per 10 min"
+    assert wrapped(long, 9, 2.9) == "rate: change of the room\ntemperature, K per 10 min"
+    assert wrapped(f"{long} {long}", 9, 1.3, 2).endswith(" …")
     short = shortened("a_long_name_that_ends_in_small", 8, 1.0)
     assert text_width(short, 8) <= 1.0
     assert (short[:2], short[-2:]) == ("a_", "ll")

@@ -15,7 +15,7 @@ from fuzzyarm.plant import find_plant
 from fuzzyarm.show.drawing import make_console, plain_text
 from fuzzyarm.show.figures import live
 from fuzzyarm.show.figures.live import Canvas, LiveView, frames_of, play
-from fuzzyarm.show.figures.plants import DRAWN
+from fuzzyarm.show.figures.plants import DRAWN, Scene, Words
 
 STEPS = {
     "motor": ("servo.frb", "position", 0.1),
@@ -49,7 +49,8 @@ def test_every_shipped_plant_is_drawn_with_its_errors_and_drives(name):
     lines = text.splitlines()
     assert len(lines) <= 16
     assert max(map(len, lines)) <= 80
-    assert lines[0].startswith(f"{run.controller} on {name}  ")
+    said = name if run.controller == name else f"{run.controller} on {name}"
+    assert lines[0].startswith(f"{said}  ")
     assert f"error of {run.labels[0]}" in text
     assert any(drive in text for drive in run.drives)
     drawn = "".join(line[:30] for line in lines[1:])
@@ -115,7 +116,7 @@ def test_it_plays_as_long_as_the_run_and_stops_when_asked(cartpole, monkeypatch)
     frames = frames_of(run)
     assert (frames[0], frames[-1]) == (0, run.samples - 1)
     assert len(slept) == len(frames)
-    assert out.getvalue().count("cartpole on cartpole") >= len(frames)
+    assert out.getvalue().count("cartpole  ") >= len(frames)
 
     def interrupted(_seconds):
         raise KeyboardInterrupt
@@ -131,3 +132,12 @@ def test_watching_needs_a_terminal(capsys, words):
     assert out == ""
     assert "--watch" in err
     assert "terminal" in err
+
+
+def test_the_scale_of_a_thermometer_stays_while_a_run_that_is_over_is_shown():
+    run, plant = run_on("room")
+    ends = [DRAWN["room"](Scene(run, plant, index)).parts for index in (0, run.samples - 1)]
+    scales = [[each.text for each in parts if isinstance(each, Words)][1:3] for parts in ends]
+    assert scales[0] == scales[1]
+    values = [*run.outputs["temperature"], *run.wanted["temperature"]]
+    assert float(scales[0][0]) < min(values) <= max(values) < float(scales[0][1])

@@ -118,7 +118,7 @@ def _what_is(name: str) -> tuple[str, str]:
 # --- The whole story ---
 
 _DEMO = """\
-The whole story on a shipped rule base: read it, break it, draw it, evaluate it, compile it.
+The whole story on a shipped rule base: read, break, draw, evaluate, prove, compile and run it.
 
 Works in a temporary folder and leaves nothing behind, unless --keep names a folder for the
 files it makes.
@@ -148,16 +148,23 @@ def _tell() -> int:
     statuses.append(_step("check", "broken.frb") == 1)
     _say("It is drawn: terms as small plots, rules as a grid.")
     statuses.append(_step("show", "pd7.frb") == 0)
-    _say("It is evaluated, and tells why: which rules fire, how strongly, on which lines.")
+    _say("It is evaluated, with the reason: which rules fire, how strongly, where.")
     statuses.append(_step("eval", "pd7.frb", *_POINT, "--explain") == 0)
-    _say("It is compiled to the table that a controller runs on, with the error this makes.")
+    _say("It is proved: no input whatever gives an output beyond these bounds.")
+    statuses.append(_step("prove", "pd7.frb", "--range") == 0)
+    _say("It is compiled to a lookup table, with the error that this makes.")
     statuses.append(_step("compile", "pd7.frb", "-o", "pd7.lut") == 0)
     statuses.append(_step("show", "pd7.lut") == 0)
     statuses.append(_step("eval", "pd7.lut", *_POINT) == 0)
-    _say(
-        "Next: take a copy with `fuzzyarm shipped pd7.frb -o .`, edit it, and run the same"
-        " commands on it."
-    )
+    _say("A controller puts gains around it: here one that turns a shaft by 1 rad.")
+    servo = shipped("servo.frb").read_text(encoding="utf-8")
+    Path("servo.frb").write_text(servo, encoding="utf-8")
+    print(servo)
+    run = ("simulate", "servo.frb", "--plant", "motor", "--step", "1", "--for", "500ms")
+    statuses.append(_step(*run) == 0)
+    _say("And it becomes C, as one header without a library.")
+    statuses.append(_step("compile", "servo.frb", "-o", "servo.h") == 0)
+    _say("Next: copy it with `fuzzyarm shipped pd7.frb -o .`, edit it, run it again.")
     return 0 if all(statuses) else 1
 
 

@@ -35,6 +35,16 @@ def number_words(x: float, digits: int = 6) -> str:
     return number_text(rounded)
 
 
+def run_words(controller: str, plant: str) -> str:
+    """Return what is simulated: ``servo on motor``; one name where both have the same."""
+    return controller if controller == plant else f"{controller} on {plant}"
+
+
+def time_words(seconds: float, end: float) -> str:
+    """Return a time of a run that lasts until `end`, with as many decimals as can be of use."""
+    return f"{seconds:.{2 if end < 20.0 else 1 if end < 200.0 else 0}f}"
+
+
 # --- The console that drawings are made for ---
 
 

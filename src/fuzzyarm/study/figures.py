@@ -120,6 +120,9 @@ FAMILIES = {
 }
 """Chapter: what its controllers are, and their colour."""
 
+MARKS = {"4": "o", "5": "s", "6": "^", "": "D"}
+"""Chapter, or none: the mark of its controllers, by which they differ without colours too."""
+
 OWN_COLOUR = "#6a3d9a"
 """Of the controllers that the study does not have."""
 
@@ -309,8 +312,9 @@ def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
         "floating-point operations of a control step, both joints": [
             cost.operations.total for cost in costs
         ],
-        "time of a control step in the loop, both joints, ns": [
-            max(1e9 * cost.seconds, 1.0) for cost in costs
+        "time of a control step in the loop, both joints, ns (less than 10 at 10)": [
+            max(1e9 * cost.seconds, 10.0)
+            for cost in costs  # what is less is lost in the noise
         ],
     }
     for panel, (heading, values) in zip(panels, headings.items(), strict=True):
@@ -324,8 +328,8 @@ def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
 def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[float]) -> None:
     for each, value in zip(compared, values, strict=True):
         chapter = chapter_of_controller(each.name)
-        mark = "o" if chapter else "D"
-        panel.plot(value, each.error, mark, color=_colour_of(chapter), markersize=5.0)
+        colour = _colour_of(chapter)
+        panel.plot(value, each.error, MARKS[chapter], color=colour, markersize=5.0)
     panel.set_xscale("log")
     panel.set_yscale("log")
     panel.yaxis.set_major_formatter("{x:g}")
@@ -423,13 +427,13 @@ def _key_of_families(figure: Figure, names: Sequence[str]) -> None:
     found = {chapter_of_controller(name) for name in names}
     marks: dict[str, Any] = {"linestyle": "none", "markersize": 5.0}
     entries = [
-        Line2D([], [], marker="o", color=colour, label=name, **marks)
+        Line2D([], [], marker=MARKS[chapter], color=colour, label=name, **marks)
         for chapter, (name, colour) in FAMILIES.items()
         if chapter in found
     ]
     if "" in found:
         entries.append(
-            Line2D([], [], marker="D", color=OWN_COLOUR, label="beyond the study", **marks)
+            Line2D([], [], marker=MARKS[""], color=OWN_COLOUR, label="beyond the study", **marks)
         )
     figure.legend(
         handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.show.drawing import run_words, time_words
+from fuzzyarm.show.figures.labels import columns_that_fit
 from fuzzyarm.show.figures.plants import METAL, Scene, picture_of
 from fuzzyarm.show.figures.run import draw_runs
 from fuzzyarm.show.figures.style import COLOURS, new_figure, safe
@@ -41,7 +43,9 @@ def animate(
     frames: int = 100,
     watch: Callable[[int], None] | None = None,
 ) -> None:
-    """Write the animation of a run, whole or not at all; it plays as long as the run, up to 8 s.
+    """Write the animation of a run, whole or not at all.
+
+    It plays as long as the run, but no shorter than 4 s and no longer than 8 s.
 
     Parameters
     ----------
@@ -68,7 +72,7 @@ def animate(
         raise AnimationError("the run has no samples to show", path=name)
     shown = np.unique(np.linspace(0, run.samples - 1, min(frames, run.samples)).round().astype(int))
     figure, draw = _scene(run, plant)
-    seconds = min(8.0, max(1.0, float(run.time[-1])))
+    seconds = min(8.0, max(4.0, float(run.time[-1])))
     write_film(figure, draw, shown, seconds, name, watch=watch)
 
 
@@ -121,7 +125,9 @@ def write_film(
     write_atomically(Path(name), content)
 
 
-_DPI = 72
+_DPI = 90
+_HELD = 1500
+"""Milliseconds for which a GIF, which begins again by itself, shows its last picture."""
 
 
 def _pictures(
@@ -185,7 +191,7 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
     for _ in pictures:
         canvas.draw()
         drawn.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
-    palette = drawn[-1].quantize(64)
+    palette = drawn[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)  # white stays white
     reduced = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in drawn]
     buffer = io.BytesIO()
     reduced[0].save(
@@ -193,7 +199,7 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
         "GIF",
         save_all=True,
         append_images=reduced[1:],
-        duration=1000 // rate,
+        duration=[*[1000 // rate] * (len(reduced) - 1), _HELD],
         loop=0,
         optimize=True,
     )
@@ -202,6 +208,9 @@ def _gif(figure: Figure, pictures: Iterator[None], rate: int) -> bytes:
 
 # --- The scene: the plant on the left, curves on the right; or curves alone ---
 
+_KEY, _CURVES = 7, 4.0
+"""Points of the letters above the curves, and the width of these in inches."""
+
 
 def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
     """Return a figure, and what draws a sample of the run into it."""
@@ -209,16 +218,15 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
     if picture is None:
         curves = draw_runs([run])
         return curves, _cursors(curves, run)
-    figure: Any = new_figure(9.6, 4.8)
+    figure: Any = new_figure(8.0, 4.0)
     left, right = figure.subfigures(1, 2, width_ratios=[1, 1.35])
     axes = left.subplots()
     move = _redraw(run, right)
+    name, end = run_words(run.controller, run.plant), float(run.time[-1])
 
     def draw(index: int) -> list[Any]:
         axes.clear()
-        axes.set_title(
-            safe(f"{run.controller} on {run.plant}, {run.time[index]:.2f} s"), fontsize=9
-        )
+        axes.set_title(safe(f"{name}, {time_words(float(run.time[index]), end)} s"), fontsize=9)
         picture.draw(axes, Scene(run, plant, index))
         move(index)
         return []
@@ -227,26 +235,36 @@ def _scene(run: Run, plant: Plant) -> tuple[Figure, Callable[[int], list[Any]]]:
 
 
 def _redraw(run: Run, home: Any) -> Callable[[int], None]:
-    """Draw errors and drives of a run into a part of a figure; return what moves the cursor."""
+    """Draw errors and drives of a run into a part of a figure; return what moves the cursor.
+
+    Drives of one unit share a panel: the arm has torques and voltages.
+    """
     drives = [name for name in run.drives if np.any(run.drives[name])] or list(run.drives)[:1]
-    panels = home.subplots(2, 1, sharex=True)
+    units = list(dict.fromkeys(run.drive_units[name] for name in drives))
+    panels = home.subplots(1 + len(units), 1, sharex=True)
     for column, label in enumerate(run.labels):
         colour = COLOURS[column % len(COLOURS)]
         panels[0].plot(
             run.time, run.errors[:, column], color=colour, linewidth=1.0, label=safe(label)
         )
     panels[0].set_ylabel(safe(f"error, {run.units[0]}"), fontsize=8)
-    for column, name in enumerate(drives):
-        colour = COLOURS[column % len(COLOURS)]
-        panels[1].plot(run.time, run.drives[name], color=colour, linewidth=0.9, label=safe(name))
-    units = dict.fromkeys(run.drive_units[name] for name in drives)  # those of the arm: two
-    panels[1].set_ylabel(safe(", ".join(units)), fontsize=8)
-    panels[1].set_xlabel("time, s", fontsize=8)
+    for panel, unit in zip(panels[1:], units, strict=True):
+        alike = [name for name in drives if run.drive_units[name] == unit]
+        for column, name in enumerate(alike):
+            colour = COLOURS[column % len(COLOURS)]
+            panel.plot(run.time, run.drives[name], color=colour, linewidth=0.9, label=safe(name))
+        panel.set_ylabel(safe(unit), fontsize=8)
+    panels[-1].set_xlabel("time, s", fontsize=8)
     cursors = []
     for panel in panels:
         panel.spines[["top", "right"]].set_visible(False)
         panel.tick_params(labelsize=7)
-        panel.legend(fontsize=7, frameon=False, loc="upper right")
+        _, labels = panel.get_legend_handles_labels()
+        columns = columns_that_fit(labels, _KEY, _CURVES)
+        panel.legend(
+            fontsize=_KEY, frameon=False, loc="lower left", bbox_to_anchor=(0.0, 0.98),
+            ncols=columns, borderaxespad=0.0, columnspacing=1.0, handlelength=1.4,
+        )  # fmt: skip
         cursors.append(panel.axvline(run.time[0], color=METAL, linewidth=0.8))
 
     def move(index: int) -> None:

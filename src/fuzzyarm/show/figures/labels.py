@@ -42,14 +42,30 @@ def text_height(text: str, size: float) -> float:
 
 
 def wrapped(text: str, size: float, room: float, most: int = 4) -> str:
-    """Break a text into lines no wider than `room`; what goes beyond `most` lines is cut off."""
+    """Break a text into lines no wider than `room`, as even as can be.
+
+    What goes beyond `most` lines is cut off.
+    """
     width = text_width(text, size)
     letters = len(text) if width <= room else max(8, int(1.15 * room / width * len(text)))
     while True:
         lines = textwrap.wrap(text, max(1, letters), max_lines=most, placeholder=" …")
         if letters <= 8 or all(text_width(line, size) <= room for line in lines):
-            return "\n".join(lines)
+            return "\n".join(_even(text, lines, size))
         letters -= 1
+
+
+def _even(text: str, lines: list[str], size: float) -> list[str]:
+    """Return as many lines of a text, the widest as narrow as can be; `lines` are full ones."""
+    if len(lines) < 2 or lines[-1].endswith(" …"):
+        return lines
+
+    def widest(found: list[str]) -> float:
+        return max(text_width(line, size) for line in found)
+
+    longest = max(map(len, text.split()))
+    tries = (textwrap.wrap(text, n) for n in range(longest, max(map(len, lines))))
+    return min([lines, *(each for each in tries if len(each) == len(lines))], key=widest)
 
 
 def shortened(text: str, size: float, room: float) -> str:

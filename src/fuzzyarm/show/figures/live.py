@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from fuzzyarm.show.drawing import fitted, number_words
+from fuzzyarm.show.drawing import fitted, number_words, run_words, time_words
 from fuzzyarm.show.figures.plants import Scene, picture_of
 
 if TYPE_CHECKING:
@@ -231,8 +231,10 @@ class LiveView:
         from rich.text import Text
 
         run = self.run
-        title = Text(f"{run.controller} on {run.plant}", "bold", no_wrap=True)
-        title.append(f"  {run.time[index]:.2f} of {run.time[-1]:.2f} s", "not bold")
+        title = Text(run_words(run.controller, run.plant), "bold", no_wrap=True)
+        end = float(run.time[-1])
+        now = time_words(float(run.time[index]), end)
+        title.append(f"  {now} of {time_words(end, end)} s", "not bold")
         rows = max(4, height - 1)
         if self._picture is None:
             return Group(title, *self._curves(index, width, rows))

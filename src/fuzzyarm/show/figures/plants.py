@@ -315,11 +315,12 @@ SCALE = 5.0
 
 def _room(scene: Scene) -> Drawing:
     """Draw a thermometer and the heater's power."""
-    values = scene.run.outputs["temperature"][: scene.index + 1]
     wanted = scene.wanted("temperature")
-    seen = [float(np.min(values)), float(np.max(values)), *([] if wanted is None else [wanted])]
-    low = SCALE * math.floor(min(seen) / SCALE - 0.4)
-    high = SCALE * math.ceil(max(seen) / SCALE + 0.4)
+    # Of all samples that there are: the scale of a run that is over never changes.
+    curves = (scene.run.outputs, scene.run.wanted)
+    seen = np.concatenate([each["temperature"] for each in curves if "temperature" in each])
+    low = SCALE * math.floor(float(np.min(seen)) / SCALE - 0.4)
+    high = SCALE * math.ceil(float(np.max(seen)) / SCALE + 0.4)
     temperature, power = scene.output("temperature"), float(scene.run.drives["power"][scene.index])
 
     def height(value: float) -> float:

@@ -86,7 +86,7 @@ def _draw_output(axes: Axes, runs: Sequence[Run], column: int) -> None:
     tidy(axes)
     wanted = runs[0].reference[:, column]
     axes.plot(
-        runs[0].time, wanted, color=WANTED_COLOUR, linewidth=0.9, linestyle=":", label="wanted"
+        runs[0].time, wanted, color=WANTED_COLOUR, linewidth=0.9, linestyle=":", label="reference"
     )
     for index, run in enumerate(runs):
         output = run.reference[:, column] - run.errors[:, column]

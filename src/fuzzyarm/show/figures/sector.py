@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fuzzyarm.model.units import product, read_unit, unit_text
 from fuzzyarm.proof.sector import form_text
 from fuzzyarm.show.drawing import number_words
-from fuzzyarm.show.figures.style import COLOURS, label_axes, new_figure, safe, tidy
+from fuzzyarm.show.figures.labels import wrapped
+from fuzzyarm.show.figures.style import COLOURS, LABEL, label_axes, new_figure, safe, tidy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.plant.plant import Plant
-    from fuzzyarm.proof.controllers import DriveProof
+    from fuzzyarm.proof.controllers import DriveProof, DriveSector
     from fuzzyarm.proof.sector import Sector
 
 _LINE, _PLANE = 801, 201
@@ -98,11 +100,19 @@ def controller_sectors(
         up = f"{drive.port}, {drive.unit}" if drive.unit else drive.port
         pictures.append(
             SectorPicture(
-                form_text(each.weights, 4), up, form, values, each.low, each.high,
+                _form_words(drive, each), up, form, values, each.low, each.high,
                 len(each.weights) == 1,
             )
         )  # fmt: skip
     return pictures
+
+
+def _form_words(drive: DriveProof, sector: DriveSector) -> str:
+    """Return σ, with its unit where it is one source: that of the drive over that of its gain."""
+    words = form_text(sector.weights, 4)
+    gain = next((each for each in drive.gains if [each.source] == list(sector.weights)), None)
+    unit = product(read_unit(drive.unit), read_unit(gain.unit) if gain else None, -1)
+    return words if unit is None else f"{words}, {unit_text(unit)}"
 
 
 def sector_figure(pictures: Sequence[SectorPicture]) -> Figure:
@@ -115,7 +125,7 @@ def sector_figure(pictures: Sequence[SectorPicture]) -> Figure:
     """
     columns = min(len(pictures), 3)
     rows = -(-len(pictures) // columns)
-    figure = new_figure(4.6 * columns if columns > 1 else 5.6, 3.9 * rows)
+    figure = new_figure(3.6 * columns if columns > 1 else 5.6, 3.4 * rows)
     axes = figure.subplots(rows, columns, squeeze=False).ravel()
     for part, picture in zip(axes, pictures, strict=False):
         _draw(part, picture)
@@ -138,19 +148,19 @@ def _draw(axes: Axes, picture: SectorPicture) -> None:
         label = f"{number_words(gain, 5)} σ" if gain else "0"
         axes.plot(ends, gain * ends, color=colour, linewidth=1.3, linestyle="--", label=label)
     if picture.one:
-        axes.plot(form, values, color=COLOURS[0], linewidth=1.8, label=safe("u"))
+        axes.plot(form, values, color=COLOURS[0], linewidth=1.8, label=safe(picture.up))
     else:
-        _band(axes, form, values, far)
+        _band(axes, form, values, far, picture.up)
     tidy(axes)
     axes.set_ylim(-top, top)
     axes.set_xlim(-1.02 * far, 1.02 * far)
     axes.axhline(0.0, color="#999999", linewidth=0.6)
     axes.axvline(0.0, color="#999999", linewidth=0.6)
-    label_axes(axes, safe(f"σ = {picture.across}"), safe(picture.up))
+    label_axes(axes, safe(wrapped(f"σ = {picture.across}", LABEL, 2.9)), safe(picture.up))
     axes.legend(fontsize=8, frameon=False, loc="upper left")
 
 
-def _band(axes: Axes, form: Any, values: Any, far: float) -> None:
+def _band(axes: Axes, form: Any, values: Any, far: float, name: str) -> None:
     """Fill what the values cover: the least and the greatest u / σ over each stretch of σ."""
     count = 2 * max(10, int(0.3 * len(form) ** 0.5))  # enough points for each stretch
     edges = np.linspace(-far, far, count + 1)
@@ -165,5 +175,5 @@ def _band(axes: Axes, form: Any, values: Any, far: float) -> None:
     ends = np.clip(np.stack([least[some], most[some]]) * middles, values.min(), values.max())
     axes.fill_between(
         middles, *ends,
-        color=COLOURS[0], alpha=0.55, lw=0, label="u",
+        color=COLOURS[0], alpha=0.55, lw=0, label=safe(name),
     )  # fmt: skip

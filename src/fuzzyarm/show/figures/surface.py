@@ -377,6 +377,8 @@ def _plane(
     names = [safe(shortened(side.name, LABEL, 1.0)) for side in (*sides, target)]
     label_axes(space, names[0], names[1])
     space.set_zlabel(names[2], fontsize=LABEL)
+    space.zaxis.set_rotate_label(False)  # matplotlib would write it from the top down
+    space.zaxis.label.set_rotation(90 if len(names[2]) > 4 else 0)
     for axis, name in zip((space.xaxis, space.yaxis), names, strict=False):
         axis.labelpad = 4.0 + 12.0 * text_width(name, LABEL)  # long names stand clear of numbers
     space.tick_params(labelsize=7, pad=0)
