@@ -66,18 +66,16 @@ HEAD = 28
 
 # For each input, from HEAD on: whether it is clamped; buckets that lead to its cells; its
 # first row of degrees and the most lines of a cell; its curved terms: how many, and where
-# (for each an address, where its numbers are, and how many); the cell of the last point.
+# (for each an address, where its numbers are, and how many).
 CLAMPED, BUCKETS, STARTS_AT, EDGES_AT, STRIDE, SLOT, MOST_LINES, CURVES, CURVES_AT = range(9)
-LAST_CELL = 9
-INPUT_HEAD = 10
+INPUT_HEAD = 9
 CURVE = 3
 
 # For each output, from OUTPUTS_AT on: its defuzzifier by address, its floats, how strengths
 # and sets are folded, what happens outside its range, a number for the defuzzifier, whether
-# its value is a mean, whether the defuzzifier is `closed_centroid`, and whether all rules are
-# ``a and b …`` under min, of weight 1, united by max.
-DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN, IS_CLOSED, IS_MAX_MIN = range(8)
-OUTPUT_HEAD = 8
+# its value is a mean, and whether the defuzzifier is `closed_centroid`.
+DEFUZZIFIER, FLOATS_AT, AGGREGATION, OUT_MODE, DETAIL, IS_MEAN, IS_CLOSED = range(7)
+OUTPUT_HEAD = 7
 CLAMP, EXTEND, ERROR = range(3)
 
 RANGE = 4
@@ -153,11 +151,7 @@ def evaluate(block: Any) -> None:
     head = k[OUTPUTS_AT]
     for o in range(outputs):
         groups = at
-        if k[head + IS_MAX_MIN] != 0:
-            at = _unite_rules_of_point(k, room, at, heights, width, operands)
-        else:
-            fold = k[head + AGGREGATION]
-            at = _fold_heights_of_point(k, f, room, at, fold, heights, width, operands)
+        at = _fold_heights_of_point(k, f, room, at, k[head + AGGREGATION], heights, width, operands)
         if k[head + IS_CLOSED] != 0:
             total, moment, at = _closed_at_point(k, f, room, k[groups], at, heights, width)
         else:
@@ -300,13 +294,8 @@ def _program_of_point(block: Any, k: Any, f: Any) -> int:
         if not f[at] <= value <= f[at + 1]:
             program = FAILED
         elif program >= 0:
-            # A loop stays in a cell for many periods. Where that of the last point will do, what
-            # follows waits for a comparison only, which the processor foresees.
-            edges, cell = k[head + EDGES_AT], k[head + LAST_CELL]
-            if not f[edges + cell] <= value < f[edges + cell + 1]:
-                starts, last = k[head + STARTS_AT], k[head + BUCKETS] - 1.0
-                cell = cell_of(k, f, starts, edges, value, f[at + 2], f[at + 3], last)
-                k[head + LAST_CELL] = cell
+            starts, edges, last = k[head + STARTS_AT], k[head + EDGES_AT], k[head + BUCKETS] - 1.0
+            cell = cell_of(k, f, starts, edges, value, f[at + 2], f[at + 3], last)
             program += cell * k[head + STRIDE]
     return program
 
@@ -477,29 +466,6 @@ def _fold_heights_of_point(
             strength = _fired(k, f, room, at, width, operands)
             folded = joined(k, room, fold, folded, strength)
             at += RULE_HEAD + operands
-        room[heights + group * width] = folded
-    return at
-
-
-@kernel
-def _unite_rules_of_point(
-    k: Any, room: Any, at: int, heights: int, width: int, operands: int
-) -> int:
-    """Do what :func:`_fold_heights_of_point` does for a grid of rules as nearly all are."""
-    # Neither norms nor weights are read, which are half of the work of a rule.
-    groups = k[at]
-    at += 1
-    for group in range(groups):
-        end = at + GROUP_HEAD + k[at] * (RULE_HEAD + operands)
-        at += GROUP_HEAD
-        folded = 0.0  # below which no strength is
-        while at < end:
-            at += RULE_HEAD
-            strength = min(room[k[at] * width], room[k[at + 1] * width])
-            for operand in range(at + 2, at + operands):
-                strength = min(strength, room[k[operand] * width])
-            folded = max(folded, strength)
-            at += operands
         room[heights + group * width] = folded
     return at
 

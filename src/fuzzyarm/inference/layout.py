@@ -379,7 +379,7 @@ class _Writer:
         )
         head = at.HEAD + at.INPUT_HEAD * i
         self.whole[head : head + at.INPUT_HEAD] = [
-            int(clamped), len(cells.starts), 0, edges, stride, row, most, len(always), curves, 0,
+            int(clamped), len(cells.starts), 0, edges, stride, row, most, len(always), curves,
         ]  # fmt: skip
 
     def _active(self, strides: Sequence[int], programs: int) -> list[list[_Rule]]:
@@ -464,20 +464,8 @@ class _OutputWriter:
         if not (is_closed and base.alone):
             address = base.addresses.program(self.defuzzifier, inline=inline)
         whole[head : head + at.OUTPUT_HEAD] = [
-            address, floats, fold, mode, detail, int(is_mean), int(is_closed), int(self._is_max_min),
+            address, floats, fold, mode, detail, int(is_mean), int(is_closed),
         ]  # fmt: skip
-
-    @property
-    def _is_max_min(self) -> bool:
-        """Whether its rules are conjunctions under min that count in full, united by max."""
-        rules = [each for each in self.base.rules if each.number in self.members]
-        return (
-            self.plan.output.aggregation == "max"
-            and self.base.operands > 1
-            and all(each.norm == at.MIN and each.conjunction for each in rules)
-            and all(each.weight == 1.0 and each.threshold == 0.0 for each in rules)
-        )
-
 
     def _write_layers(self, floats: int) -> None:
         form = self.plan.closed
