@@ -36,6 +36,7 @@ function listed(names) {
 }
 
 let saved = null; // the text on disk, as the server knows it
+let gone = false; // whether the file is
 let dirty = false;
 let lost = false;
 let turning = false; // to another file of this page
@@ -83,7 +84,7 @@ const link = {
     status.textContent = clean(words);
   },
   edited(now) {
-    mark(saved !== null && now !== saved);
+    mark(saved !== null && (gone || now !== saved));
   },
 };
 
@@ -209,18 +210,20 @@ const TAKEN = {
   },
   status(message) {
     saved = message.saved ?? saved;
-    mark(text.state().text !== saved);
+    gone = message.gone;
+    mark(gone || text.state().text !== saved);
     if (!message.conflict) {
-      tell("");
+      tell(gone ? S.fileGone : "");
       return;
     }
     const settle = (words, mine) => el("button", {
       textContent: words, onclick: () => send({ do: "settle", mine }),
     });
-    tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
+    if (message.unreadable) tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
+    else tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
   },
   failed(message) {
-    if (text.state().epoch) link.say(message.message);
+    if (text.state().epoch && !lost) link.say(message.message);
     else tell(message.message); // the file cannot be opened
   },
 };
