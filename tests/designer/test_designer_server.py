@@ -197,9 +197,88 @@ def test_saving_keeps_line_ends_and_heeds_other_writers(shared):
     assert shared.path.read_bytes().startswith(b"# changed\r\n")
 
 
+def test_a_file_that_is_no_text_any_more_is_not_written_over(shared):
+    shared.replace("# mine\n" + shared.text, "me")
+    theirs = b"# caf\xe9\n"
+    shared.path.write_bytes(theirs)
+    assert shared.look()
+    assert not shared.look()  # said once
+    assert shared.status["unreadable"] == "line 1: not UTF-8: byte 0xe9"
+    with pytest.raises(ConflictError, match="0xe9"):
+        shared.save()
+    shared.settle(mine=False)  # nothing can be taken
+    assert shared.path.read_bytes() == theirs
+    shared.settle(mine=True)
+    assert shared.path.read_bytes().startswith(b"# mine\r\n")
+    assert not shared.status["dirty"]
+    assert not shared.status["conflict"]
+
+
+def test_a_file_that_is_gone_is_said_and_written_anew(shared):
+    text = shared.text
+    shared.path.unlink()
+    assert shared.look()
+    assert not shared.look()
+    assert shared.status["gone"]
+    assert shared.status["dirty"]
+    shared.path.write_text(text + "# theirs\n")  # somebody saves by removing and writing
+    assert shared.look()
+    assert not shared.status["dirty"]
+    assert shared.text == text + "# theirs\n"
+    shared.path.unlink()
+    shared.save()
+    assert shared.path.read_text() == shared.text
+    assert not shared.status["gone"]
+
+
+def test_a_link_out_of_the_folder_is_neither_read_nor_written(shared, tmp_path_factory):
+    outside = tmp_path_factory.mktemp("elsewhere") / "outside.frb"
+    outside.write_text("# secret\n")
+    shared.path.unlink()
+    shared.path.symlink_to(outside)
+    assert shared.look()
+    assert "secret" not in shared.text
+    for act in (shared.save, lambda: shared.settle(mine=True)):
+        with pytest.raises(ValueError, match="link out of the folder"):
+            act()
+    assert outside.read_text() == "# secret\n"
+
+
+def test_a_byte_order_mark_stays_and_half_a_character_is_not_saved(tmp_path):
+    path = tmp_path / "x.frb"
+    path.write_bytes(b"\xef\xbb\xbf# a\n")
+    shared = SharedText(path)
+    assert shared.text == "# a\n"
+    shared.replace("# b\n", "me")
+    shared.save()
+    assert path.read_bytes() == b"\xef\xbb\xbf# b\n"
+    shared.push(shared.version, [{"clientID": "me", "changes": [4, [0, "\ud800"]]}])
+    with pytest.raises(ChangeError, match="line 2 has half of a character"):
+        shared.save()
+
+
+def test_after_a_restart_windows_that_disagree_are_asked_and_the_file_stays(shared):
+    disk = shared.text
+    one, two = ("# one\n" + disk, "# two\n" + disk)
+    shared.resume(one, disk, "resumed")
+    shared.resume(two, disk, "resumed")
+    assert shared.status["conflict"]
+    shared.settle(mine=False)
+    assert shared.text == one
+    assert shared.saved == disk  # and not what the other window has had
+    assert shared.status["dirty"]
+
+
+def test_a_long_text_is_merged_at_once():
+    base = "".join(f"row {k % 7}\n" for k in range(20_000))  # comparing all with all takes minutes
+    mine, theirs = f"# mine\n{base}", f"{base}# theirs\n"
+    assert merged(base, mine, theirs) == f"# mine\n{base}# theirs\n"
+
+
 def test_a_question_that_is_not_understood_is_answered(shared):
     for asked in ({}, {"what": "hover"}, {"what": "shapes", "shapes": [{}]}, {"what": "cell"},
                   {"what": "cell", "cell": [1, 1], "term": "<b>"}, {"what": "complete", "at": "x"},
+                  {"what": "hover", "at": [math.inf, 0]},
                   {"what": "shapes", "shapes": [{"kind": "none", "parameters": []}]}):  # fmt: skip
         assert "error" in shared.answer(asked), asked
 
@@ -238,7 +317,8 @@ def test_only_who_knows_the_token_is_let_in(client):
     for path in ("/", "/page/app.js", f"/{TOKEN[:-1]}/", f"/{TOKEN}x/", "//", f"/x/{TOKEN}/"):
         assert client.get(path).status_code == 403, path
     for headers in ({"host": "evil.example"}, {"origin": "http://evil.example"},
-                    {"host": "127.0.0.1.evil.example"}, {"host": ""}):  # fmt: skip
+                    {"host": "127.0.0.1.evil.example"}, {"host": ""},
+                    {"host": "[::1"}):  # fmt: skip
         assert client.get(f"/{TOKEN}/", headers=headers).status_code == 403, headers
     assert client.post(f"/{TOKEN}/").status_code == 403
     for path, origin in (("/socket", "http://127.0.0.1:8000"), (f"/{TOKEN}/socket", None),
@@ -260,11 +340,52 @@ def test_only_files_of_the_folder_are_opened(client, tmp_path):
         for name in ("../outside.frb", str(tmp_path / "outside.frb"), "link.frb", "x\0.frb", ""):
             socket.send_text(json.dumps({"do": "open", "file": name}))
             assert json.loads(socket.receive_text())["is"] == "failed", name
-        for message in ("", "[]", "{}", '{"do": "push"}', '{"do": 3, "file": 1}'):
+        socket.send_bytes(b"x")
+        assert json.loads(socket.receive_text())["is"] == "failed"
+        for message in ("", "[]", "{}", '{"do": "push"}', '{"do": 3, "file": 1}', "[" * 9999,
+                        '{"do": "stop", "id": Infinity}'):  # fmt: skip
             socket.send_text(message)
-            assert json.loads(socket.receive_text())["is"] == "failed", message
+            assert json.loads(socket.receive_text())["is"] == "failed", message[:40]
         socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
         assert json.loads(socket.receive_text())["text"] == PD7
+
+
+def test_what_the_system_says_has_no_path(client, tmp_path):
+    (tmp_path / "inside" / "latin.frb").write_bytes(b"# caf\xe9\n")
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "latin.frb"}))
+        said = json.loads(socket.receive_text())["message"]
+        assert said == "'latin.frb' is not opened: line 1: not UTF-8: byte 0xe9"
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        assert json.loads(socket.receive_text())["is"] == "opened"
+        shutil.rmtree(tmp_path / "inside")
+        socket.send_text(json.dumps({"do": "save", "file": "pd7.frb"}))
+        while (told := json.loads(socket.receive_text()))["is"] != "failed":
+            pass
+        assert told["message"] == "not saved: pd7.frb: No such file or directory"
+
+
+def test_a_window_whose_file_has_gone_with_the_server_keeps_its_text(client, tmp_path):
+    known = {
+        "do": "open",
+        "epoch": "another",
+        "version": 3,
+        "saved": PD7,
+        "text": "# typed\n" + PD7,
+    }
+    with socket_of(client) as socket:
+        for name in ("link.frb", "../outside.frb", "x.txt", "pd7.frb/x.frb"):
+            socket.send_text(json.dumps({**known, "file": name}))
+            assert json.loads(socket.receive_text())["is"] == "failed", name
+        socket.send_text(json.dumps({**known, "file": "gone.frb"}))
+        opened, status = (json.loads(socket.receive_text()) for _ in range(2))
+        assert opened["text"] == known["text"]
+        assert status["gone"]
+        socket.send_text(json.dumps({"do": "save", "file": "gone.frb"}))
+        while not (told := json.loads(socket.receive_text())).get("saved"):
+            pass
+    assert (tmp_path / "inside" / "gone.frb").read_text() == known["text"]
+    assert not told["gone"]
 
 
 def test_a_text_is_checked_and_drawn(client):

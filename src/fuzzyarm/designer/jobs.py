@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, Protocol
 from urllib.parse import quote
 
+from fuzzyarm.designer.names import fault_words, in_words
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
 
@@ -124,11 +125,11 @@ class Job:
         except StoppedError:
             return {"end": "stopped"}
         except (FuzzyarmError, OSError) as error:
-            return {"end": "failed", "message": str(error)}
+            return {"end": "failed", "message": in_words(error)}
         except (KeyError, TypeError, ValueError, IndexError):
             return {"end": "failed", "message": "a question that is not understood"}
         except Exception as error:  # the window must hear that nothing more comes
-            return {"end": "failed", "message": f"a fault of the program: {error!r}"}
+            return {"end": "failed", "message": fault_words(error)}
         return {"end": "done"}
 
     def hear(self, said: dict[str, Any]) -> None:

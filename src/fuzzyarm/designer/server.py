@@ -47,8 +47,8 @@ from fuzzyarm.designer.exports import export
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
 from fuzzyarm.designer.learning import learn, learnable
-from fuzzyarm.designer.names import in_words
-from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.designer.names import OutsideError, fault_words, in_words
+from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.tables import table_error
 from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
@@ -197,19 +197,27 @@ class Designer:
         window = Window(socket)
         self.windows.append(window)
         try:
-            while True:
-                try:
-                    message = json.loads(await socket.receive_text())
-                    await self._take(window, message)
-                except (FuzzyarmError, OSError) as error:
-                    await window.tell({**_of_file(message), "message": str(error)})
-                except (KeyError, TypeError, ValueError, AttributeError):
-                    await window.tell({"is": "failed", "message": "a message is not understood"})
-        except (WebSocketDisconnect, RuntimeError):
-            pass
+            while (said := await socket.receive())["type"] == "websocket.receive":
+                await self._hear(window, said.get("text"))
         finally:
             window.stop()
             self.windows.remove(window)
+
+    async def _hear(self, window: Window, said: str | None) -> None:
+        """Do what a window says; whatever is wrong with it is answered, and ends nothing."""
+        message: Any = None
+        try:
+            message = json.loads(said or "")
+            await self._take(window, message)
+            return
+        except (FuzzyarmError, OSError) as error:
+            wrong = in_words(error)
+        except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError):
+            wrong = "a message is not understood"
+        except Exception as error:
+            wrong = fault_words(error)
+        told = {"file": message["file"]} if isinstance(message, dict) and "file" in message else {}
+        await window.tell({"is": "failed", **told, "message": wrong})
 
     async def _take(self, window: Window, message: dict[str, Any]) -> None:
         """Do what a window says."""
@@ -276,8 +284,10 @@ class Designer:
                 found = self.workspace.answer(asked)
         except (FuzzyarmError, OSError) as error:
             found = {"error": in_words(error)}
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, ArithmeticError):
             found = {"error": "a question that is not understood"}
+        except Exception as error:  # the page waits for an answer
+            found = {"error": fault_words(error)}
         moved = [(old, new) for old, new in [found.get("renamed", ("", ""))] if old]
         moved += [(found["deleted"], "")] if "deleted" in found else []
         told = []
@@ -298,7 +308,12 @@ class Designer:
 
     async def _opened(self, window: Window, message: dict[str, Any]) -> None:
         name = str(message["file"])
-        shared = self.workspace.text(name)
+        try:
+            shared = self.workspace.text(name)
+        except OutsideError:
+            if "text" not in message:
+                raise
+            shared = self.workspace.revived(name, str(message["text"]))
         window.files.add(name)
         before = shared.version
         if message.get("epoch") == shared.epoch:  # the connection was lost, not the server
@@ -306,6 +321,7 @@ class Designer:
             if missed is not None:
                 again = {"is": "reopened", "file": name, "version": message["version"]}
                 await window.tell({**again, "updates": missed, "saved": shared.saved})
+                await window.tell({"is": "status", "file": name, **shared.status})
                 self._check(name, shared)
                 return
         elif "text" in message:
@@ -336,12 +352,15 @@ class Designer:
             await window.tell(late)
 
     async def _saved(self, window: Window, name: str, shared: SharedText) -> None:
-        before = shared.version
+        before, wrong = shared.version, ""
         try:
             shared.save()
-        except ConflictError as error:
-            await window.tell({"is": "failed", "file": name, "message": str(error)})
+        except (FuzzyarmError, OSError) as error:
+            wrong = in_words(error)
         await self._changed(name, shared, before, disk=True)
+        if wrong:  # last: the state of the file would take its place
+            said = {"is": "failed", "file": name, "message": f"not saved: {wrong}"}
+            await window.tell(said)
 
     async def _changed(
         self, name: str, shared: SharedText, before: int, *, disk: bool = False
@@ -372,7 +391,10 @@ class Designer:
             copy = shared.session.copy()
             copy.version = shared.version
             for question in (shared.findings, shared.scene):
-                message = await asyncio.to_thread(question, copy)
+                try:
+                    message = await asyncio.to_thread(question, copy)
+                except Exception as error:  # nobody else would say why nothing is drawn
+                    message = {"is": "failed", "message": fault_words(error)}
                 if copy.version != shared.version:
                     break
                 shared.session.adopt(copy)
@@ -386,15 +408,10 @@ class Designer:
         while True:
             await asyncio.sleep(LOOK_EVERY)
             for name in {name for window in self.windows for name in window.files}:
-                shared = self.workspace.text(name)
-                before = shared.version
-                if shared.look():
+                shared = self.workspace.opened(name)
+                before = shared.version if shared else 0
+                if shared and shared.look():
                     await self._changed(name, shared, before, disk=True)
-
-
-def _of_file(message: dict[str, Any]) -> dict[str, Any]:
-    """Return the beginning of an answer that says what fails, and of which file, if of one."""
-    return {"is": "failed", **({"file": message["file"]} if "file" in message else {})}
 
 
 def _passed_on(window: Window, message: dict[str, Any]) -> None:
@@ -429,8 +446,7 @@ class Guarded:
         host = headers.get(b"host", b"").decode("latin-1")
         token = scope["path"].split("/")[1] if "/" in scope["path"] else ""
         names = {"127.0.0.1", "localhost", "::1"}
-        parts = urlsplit(f"//{host}")
-        if parts.hostname not in names or not secrets.compare_digest(
+        if _host_name(host) not in names or not secrets.compare_digest(
             token.encode(), self.token.encode()
         ):
             return False
@@ -438,6 +454,14 @@ class Guarded:
         if origin is None:
             return bool(scope["type"] == "http" and scope["method"] in {"GET", "HEAD"})
         return bool(origin.decode("latin-1") == f"http://{host}")
+
+
+def _host_name(host: str) -> str | None:
+    """Return the name in a `Host`; None where it is not one."""
+    try:
+        return urlsplit(f"//{host}").hostname
+    except ValueError:
+        return None
 
 
 def _with_headers(send: Send) -> Send:
@@ -523,6 +547,8 @@ def serve(
             log_level="error",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,
+            proxy_headers=False,  # nobody stands between
+            server_header=False,
             timeout_graceful_shutdown=1,
         )
         server = uvicorn.Server(config)

@@ -19,6 +19,7 @@ export function makeDesk(file, page, views) {
   const save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => link.save() });
   const files = el("select", { "aria-label": S.file, onchange: () => page.turnTo(files.value) });
   let saved = null; // the text on disk, as the server knows it
+  let gone = false; // whether the file is
   let dirty = false;
   let lost = !connection.isOpen();
   let latest = null; // findings, which come in front of the picture of the same text
@@ -43,7 +44,7 @@ export function makeDesk(file, page, views) {
       status.textContent = clean(words);
     },
     edited(now) {
-      mark(saved !== null && now !== saved);
+      mark(saved !== null && (gone || now !== saved));
     },
   };
 
@@ -141,18 +142,20 @@ export function makeDesk(file, page, views) {
     },
     status(message) {
       saved = message.saved ?? saved;
-      mark(text.state().text !== saved);
+      gone = message.gone;
+      mark(gone || text.state().text !== saved);
       if (!message.conflict) {
-        tell("");
+        tell(gone ? S.fileGone : "");
         return;
       }
       const settle = (words, mine) => el("button", {
         textContent: words, onclick: () => send({ do: "settle", mine }),
       });
-      tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
+      if (message.unreadable) tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
+      else tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
     },
     failed(message) {
-      if (text.state().epoch) link.say(message.message);
+      if (text.state().epoch && !lost) link.say(message.message);
       else tell(message.message); // the file cannot be opened
     },
   };

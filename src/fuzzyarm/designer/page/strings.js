@@ -16,6 +16,8 @@ export const S = {
   gone: "The server does not answer. Your text is kept in this page, and is sent when it is back.",
   back: "connected again",
   conflict: "The file has changed on disk, in the same lines as here.",
+  fileGone: "The file is gone from the folder. Save writes it anew.",
+  unreadable: (why) => `The file has changed on disk, and is not taken: ${why}.`,
   keepMine: "Keep mine",
   takeTheirs: "Take the file's",
   text: "Text",
