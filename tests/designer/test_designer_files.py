@@ -23,6 +23,7 @@ from fuzzyarm.lsp.session import Session
 from fuzzyarm.proof.tables import cell_errors
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import compile_table, read_table, write_table
+from fuzzyarm.text.files import confined
 from fuzzyarm.text.numbers import outward_text
 
 pytest.importorskip("starlette", reason="the extra designer is not installed")
@@ -255,7 +256,8 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
     wide += f"rule if {' and '.join(f'{n} is A' for n in inputs)} then y is A\n"
     assert "cells; at most" in refused(wide, ".h")
     servo = (folder / "servo.frb").read_text()
-    assert "not a file of this folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
+    with confined(folder):
+        assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
     assert kinds_of(Session("x.frb", servo)) == [".h", ".c", ".st", ".fmu"]
 
 
@@ -538,3 +540,22 @@ def test_a_page_says_what_it_was_opened_for(folder):
     assert answer["only"]
     assert answer["text"] == (folder / "slide7.frb").read_text()
     assert not (folder / "s.frb").exists()
+
+
+@pytest.mark.parametrize("file", ["../outside.frb", "link.frb", "{parent}/outside.frb"])
+def test_a_controller_uses_no_file_outside_the_folder(client, folder, file):
+    text = (folder / "servo.frb").read_text()
+    named = file.format(parent=folder.parent)
+    (folder / "servo.frb").write_text(text.replace('"pd7.frb"', f'"{named}"'))
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "servo.frb"}))
+        found = heard(socket, lambda each: each["is"] == "findings")["findings"]
+        reason = f"cannot read '{named}': it is outside the folder that is open"
+        assert [each["message"] for each in found] == [reason]
+        works = {"plants": {}, "run": {"plant": "motor"}, "learn": {}, "tune": {},
+                 "export": {"suffix": ".h"}, "compare": {"other": "pd7.frb"}}  # fmt: skip
+        for what, more in works.items():
+            socket.send_text(json.dumps({"do": "start", "what": what, "id": 3, **more}))
+            end = heard(socket, lambda each: "end" in each)
+            assert end["end"] == "failed", what
+            assert reason in end["message"], what

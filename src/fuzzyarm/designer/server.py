@@ -52,6 +52,8 @@ from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.tables import table_error
 from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.shipped_files import shipped_folder
+from fuzzyarm.text.files import confined
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.run import Running
@@ -135,7 +137,8 @@ class Designer:
     @contextlib.asynccontextmanager
     async def _lifespan(self, _app: Starlette) -> Any:
         task = asyncio.create_task(self._watch())
-        yield
+        with confined(self.workspace.folder, shipped_folder()):
+            yield
         task.cancel()
         for window in self.windows:
             window.stop()

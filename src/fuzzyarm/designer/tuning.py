@@ -27,7 +27,9 @@ from fuzzyarm.designer.jobs import Job
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.shipped_files import shipped_folder
 from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.files import confined
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -242,7 +244,8 @@ def search(pipe: Connection, order: Order) -> None:
     enough = threading.Event()
     threading.Thread(target=_listen, args=(pipe, enough), daemon=True).start()
     try:
-        pipe.send({"done": _tuned(pipe, order, enough)})
+        with confined(Path(order.path).parent, shipped_folder()):
+            pipe.send({"done": _tuned(pipe, order, enough)})
     except (FuzzyarmError, OSError) as error:
         with contextlib.suppress(OSError):
             pipe.send({"failed": str(error)})
