@@ -222,6 +222,20 @@ def test_widths_have_handles_and_numbers(served, window):
     assert 0.3 < float(text_of(page).split("bell 8 ")[1].split()[0]) < 1
 
 
+def test_the_kind_of_a_shape_is_chosen_and_undone(served, window):
+    page = window(put(served, "kind.frb")[1])
+    before = text_of(page)
+    page.locator('text[data-variable="e"][data-term="PS"]').focus()
+    kind = page.get_by_label("e PS: kind of its shape")
+    kind.focus()
+    kind.select_option("gaussian")
+    until(lambda: "term e PS: gaussian 2 " in text_of(page), "the kind")
+    until(lambda: page.get_by_label("e PS, deviation").count() == 1, "its numbers")
+    assert page.evaluate("document.activeElement.className") == "kind"
+    page.get_by_role("button", name="Undo").click()
+    until(lambda: text_of(page) == before, "one step back")
+
+
 def test_a_lower_function_stays_below_the_upper_one(served, window):
     page = window(put(served, "below.frb", shipped("tipper2.frb").read_text())[1])
     page.locator('text[data-variable="food"][data-term="rancid"]').focus()

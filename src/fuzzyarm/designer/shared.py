@@ -34,6 +34,7 @@ from fuzzyarm.language.queries import (
     rename_term,
     set_cell,
     set_gain,
+    set_kind,
     set_ranges,
     set_rule,
     set_shapes,
@@ -396,8 +397,10 @@ class SharedText:
         return self._edits(set_shapes(self.session.reading, shapes))
 
     def _term(self, asked: dict[str, Any]) -> dict[str, Any]:
-        """Add a term, remove one, or give it another name."""
+        """Add a term, remove one, or give it another name or kind."""
         reading, variable, term = self.session.reading, str(asked["variable"]), str(asked["term"])
+        if "kind" in asked:
+            return self._edits(set_kind(reading, variable, term, str(asked["kind"])))
         if "shape" in asked:
             return self._edits(add_term(reading, variable, term, _shape(asked["shape"])))
         if "name" in asked:

@@ -150,6 +150,8 @@ export const S = {
   width: (variable, term, name, lower) => `${variable} ${term}: ${lower ? "lower " : ""}${name}`,
   overShape: "over",
   height: "height",
+  kindOf: (variable, term) => `${variable} ${term}: kind of its shape`,
+  kindHint: "Another kind at the same place; what it cannot have is lost",
   addTerm: "Add …",
   nameOfTerm: (variable) => `Name of a new term of ${variable}`,
   remove: "Remove",
