@@ -4,8 +4,8 @@ import { el, svg, pane, hue, shortNumber, ticks, eachFrame } from "./draw.js";
 import { rangeOf, cornersOf, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
 
-const HEIGHT = 98;
-const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 30, 17];
+const HEIGHT = 101;
+const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 34, 17];
 const SMOOTH = 161;
 const LEAST_HEIGHT = 0.05;
 const DIAMOND = 5.5;
@@ -128,8 +128,8 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     const at = scale(variable);
     const parts = [];
     const role = v < store.scene.inputs.length ? S.inputs : S.outputs;
-    parts.push(svg("text", { x: 4, y: 12, class: "name" }, variable.name));
-    parts.push(svg("text", { x: at.width - 4, y: 12, "text-anchor": "end" }, role));
+    parts.push(svg("text", { x: 4, y: 10, class: "name" }, variable.name));
+    parts.push(svg("text", { x: at.width - 4, y: 10, "text-anchor": "end" }, role));
     parts.push(svg("line", { class: "axis", x1: LEFT, x2: at.width - RIGHT, y1: at.y(0), y2: at.y(0) }));
     for (const tick of ticks(at.low, at.high, at.width / 80)) {
       parts.push(svg("text", { x: at.x(tick), y: HEIGHT - 4, "text-anchor": "middle" }, shortNumber(tick)));
