@@ -475,7 +475,8 @@ def test_an_export_is_loaded_by_an_address_with_the_token(client, folder):
     (folder / name).write_text(PD7)
     with socket_of(client) as socket:
         socket.send_text(json.dumps({"do": "open", "file": name}))
-        start = {"do": "start", "what": "export", "id": 1, "suffix": ".csv", "options": {}}
+        start = {"do": "start", "file": name, "what": "export", "id": 1, "suffix": ".csv"}
+        start["options"] = {}
         socket.send_text(json.dumps(start))
         (file,) = heard(socket, lambda each: "files" in each)["files"]
         start = {**start, "id": 2, "suffix": ".fmu"}
@@ -513,9 +514,11 @@ def test_files_are_dropped_and_windows_hear_of_other_names(client, folder):
         assert "error" in ask(socket, what="nothing")
         assert "error" in ask(socket, what="findings", file="../outside.frb")
         ask(socket, what="rename", file="pd7.frb", name="new.frb")
-        assert heard(other, lambda each: each["is"] == "moved")["file"] == "new.frb"
+        moved = heard(other, lambda each: each["is"] == "moved")
+        assert (moved["file"], moved["to"]) == ("pd7.frb", "new.frb")
         ask(socket, what="delete", file="new.frb")
-        assert heard(other, lambda each: each["is"] == "moved")["file"] == ""
+        moved = heard(other, lambda each: each["is"] == "moved")
+        assert (moved["file"], moved["to"]) == ("new.frb", "")
     assert sorted(each.name for each in folder.iterdir()) == [
         "link.frb", "servo.frb", "slide7-2.frb", "slide7.frb",
     ]  # fmt: skip
@@ -552,7 +555,8 @@ def test_a_controller_uses_no_file_outside_the_folder(client, folder, file):
         works = {"plants": {}, "run": {"plant": "motor"}, "learn": {}, "tune": {},
                  "export": {"suffix": ".h"}, "compare": {"other": "pd7.frb"}}  # fmt: skip
         for what, more in works.items():
-            socket.send_text(json.dumps({"do": "start", "what": what, "id": 3, **more}))
+            start = {"do": "start", "file": "servo.frb", "what": what, "id": 3}
+            socket.send_text(json.dumps({**start, **more}))
             end = heard(socket, lambda each: "end" in each)
             assert end["end"] == "failed", what
             assert reason in end["message"], what

@@ -262,7 +262,7 @@ def test_after_a_restart_windows_that_disagree_are_asked_and_the_file_stays(shar
     one, two = ("# one\n" + disk, "# two\n" + disk)
     shared.resume(one, disk, "resumed")
     shared.resume(two, disk, "resumed")
-    assert shared.status["conflict"]
+    assert shared.status["elsewhere"]
     shared.settle(mine=False)
     assert shared.text == one
     assert shared.saved == disk  # and not what the other window has had
@@ -359,7 +359,7 @@ def test_what_the_system_says_has_no_path(client, tmp_path):
         socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
         assert json.loads(socket.receive_text())["is"] == "opened"
         shutil.rmtree(tmp_path / "inside")
-        socket.send_text(json.dumps({"do": "save"}))
+        socket.send_text(json.dumps({"do": "save", "file": "pd7.frb"}))
         while (told := json.loads(socket.receive_text()))["is"] != "failed":
             pass
         assert told["message"] == "not saved: pd7.frb: No such file or directory"
@@ -381,7 +381,7 @@ def test_a_window_whose_file_has_gone_with_the_server_keeps_its_text(client, tmp
         opened, status = (json.loads(socket.receive_text()) for _ in range(2))
         assert opened["text"] == known["text"]
         assert status["gone"]
-        socket.send_text(json.dumps({"do": "save"}))
+        socket.send_text(json.dumps({"do": "save", "file": "gone.frb"}))
         while not (told := json.loads(socket.receive_text())).get("saved"):
             pass
     assert (tmp_path / "inside" / "gone.frb").read_text() == known["text"]
@@ -395,7 +395,8 @@ def test_a_text_is_checked_and_drawn(client):
         assert [each["is"] for each in heard] == ["opened", "status", "findings", "scene"]
         assert len(heard[3]["scene"]["rules"]) == 49
         change = difference(PD7, PD7.replace("terms", "tern"))
-        push = {"do": "push", "version": 0, "updates": [{"clientID": "x", "changes": change}]}
+        push = {"do": "push", "file": "pd7.frb", "version": 0}
+        push["updates"] = [{"clientID": "x", "changes": change}]
         socket.send_text(json.dumps(push))
         heard = [json.loads(socket.receive_text()) for _ in range(4)]
         assert heard[0]["updates"][0]["changes"] == change
@@ -427,8 +428,8 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         for message in (
             {"do": "open", "file": "pd7.frb"},
             {"do": "say", "id": 99, "enough": True},  # of work that does not run
-            {"do": "start", "what": "count", "id": 1, "from": 3},
-            {"do": "start", "what": "count", "id": 2, "from": 5},
+            {"do": "start", "file": "pd7.frb", "what": "count", "id": 1, "from": 3},
+            {"do": "start", "file": "pd7.frb", "what": "count", "id": 2, "from": 5},
         ):
             socket.send_text(json.dumps(message))
         heard = []
@@ -441,11 +442,13 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         assert end(socket, 1)["end"] == "done"
         socket.send_text(json.dumps({"do": "stop", "id": 2}))
         assert end(socket, 2)["end"] == "stopped"
-        socket.send_text(json.dumps({"do": "start", "what": "count", "id": 3, "bad": 1}))
+        socket.send_text(
+            json.dumps({"do": "start", "file": "pd7.frb", "what": "count", "id": 3, "bad": 1})
+        )
         assert end(socket, 3)["message"] == "a sentence"
-        socket.send_text(json.dumps({"do": "start", "what": "count", "id": 4}))
+        socket.send_text(json.dumps({"do": "start", "file": "pd7.frb", "what": "count", "id": 4}))
         assert end(socket, 4)["end"] == "failed"
-        socket.send_text(json.dumps({"do": "start", "what": "none", "id": 5}))
+        socket.send_text(json.dumps({"do": "start", "file": "pd7.frb", "what": "none", "id": 5}))
         assert json.loads(socket.receive_text())["is"] == "failed"
 
 
@@ -460,7 +463,8 @@ def test_a_surface_is_computed_beside_and_its_question_is_not_trusted(client, tm
         socket.send_text(json.dumps({"do": "open", "file": "maxima.frb"}))
 
         def news(**changed):
-            start = {"do": "start", "what": "surface", "id": 7, **asked, **changed}
+            start = {"do": "start", "file": "maxima.frb", "what": "surface", "id": 7}
+            start |= {**asked, **changed}
             socket.send_text(json.dumps(start))
             heard = []
             while not heard or "end" not in heard[-1]:

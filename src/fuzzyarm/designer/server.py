@@ -5,14 +5,15 @@ the answer is 403. The names in `Host` and `Origin` are checked, against pages o
 that reach this machine through the browser. The content policy lets nothing be loaded from
 elsewhere and runs no text.
 
-The socket speaks JSON, an object each way. A window sends ``{"do": "open", "file": …}``, then
-``push`` (changes and the version that they are for), ``ask`` (a question with an ``id``),
-``save`` and ``settle``; ``folder`` (a question with an ``id`` about the files, or what is to be
-done with one: `Workspace.answer`); for long work ``start`` (``what``, and an ``id`` of the page's
-own), ``say`` and ``stop`` with that ``id``. It hears ``opened`` or ``reopened``, ``updates``,
-``findings``, ``scene``, ``answer``, ``status``, ``moved`` (its file has another name, or none),
-``job`` (news of long work; the last has ``end``)
-and ``failed``, each under ``is``.
+The socket speaks JSON, an object each way. A window may have several files open: what is said of
+one names it, under ``file``. It sends ``{"do": "open", "file": …}``, then ``push`` (changes and the
+version that they are for), ``ask`` (a question with an ``id``), ``save`` and ``settle``, at last
+``close``; for long work on a file ``start`` (``what``, and an ``id`` of the page's own). Without a
+file it sends ``say`` and ``stop`` with the ``id`` of such work, and ``folder`` (a question with an
+``id`` about the files, or what is to be done with one: `Workspace.answer`). It hears, of its files,
+``opened`` or ``reopened``, ``updates``, ``findings``, ``scene``, ``status`` and ``moved`` (``to``
+another name, or none); besides ``answer``, ``job`` (news of long work; the last has ``end``) and
+``failed``, each under ``is``.
 """
 
 from __future__ import annotations
@@ -85,7 +86,8 @@ class Window:
 
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
-        self.file = ""
+        self.files: set[str] = set()
+        """Those that it has open."""
         self.jobs: dict[int, Job] = {}
 
     def stop(self) -> None:
@@ -206,8 +208,10 @@ class Designer:
 
     async def _hear(self, window: Window, said: str | None) -> None:
         """Do what a window says; whatever is wrong with it is answered, and ends nothing."""
+        message: Any = None
         try:
-            await self._take(window, json.loads(said or ""))
+            message = json.loads(said or "")
+            await self._take(window, message)
             return
         except (FuzzyarmError, OSError) as error:
             wrong = in_words(error)
@@ -215,7 +219,7 @@ class Designer:
             wrong = "a message is not understood"
         except Exception as error:
             wrong = fault_words(error)
-        await window.tell({"is": "failed", "message": wrong})
+        await window.tell({**_of_file(message), "message": wrong})
 
     async def _take(self, window: Window, message: dict[str, Any]) -> None:
         """Do what a window says."""
@@ -229,18 +233,22 @@ class Designer:
         if wanted == "folder":
             self._hold(self._foldered(window, message))
             return
-        shared = self.workspace.text(window.file)
+        name = str(message["file"])
+        if wanted == "close":
+            window.files.discard(name)
+            return
+        shared = self.workspace.text(name)
         if wanted == "push":
             await self._pushed(window, shared, message)
         elif wanted == "ask":
             answer = {"is": "answer", "id": message["id"], **shared.answer(message)}
             await window.tell(answer)
         elif wanted == "save":
-            await self._saved(window, shared)
+            await self._saved(window, name, shared)
         elif wanted == "settle":
             before = shared.version
             shared.settle(mine=bool(message["mine"]))
-            await self._changed(window.file, shared, before, disk=True)
+            await self._changed(name, shared, before, disk=True)
         elif wanted == "start":
             self._started(window, shared, message)
 
@@ -255,6 +263,10 @@ class Designer:
             del window.jobs[number]
 
         self._hold(run())
+
+    def _on(self, name: str) -> list[Window]:
+        """Return the windows that have a file open."""
+        return [each for each in self.windows if name in each.files]
 
     def _hold(self, work: Coroutine[Any, Any, None]) -> None:
         """Run something beside the answering; a task that nobody holds may be dropped."""
@@ -282,9 +294,9 @@ class Designer:
         moved += [(found["deleted"], "")] if "deleted" in found else []
         told = []
         for old, new in moved:
-            for each in [each for each in self.windows if each.file == old]:
-                each.file = new
-                told.append(each.tell({"is": "moved", "file": new}))
+            for each in self._on(old):
+                each.files = (each.files - {old}) | ({new} if new else set())
+                told.append(each.tell({"is": "moved", "file": old, "to": new}))
         await asyncio.gather(*told)
         await window.tell({"is": "answer", "id": asked.get("id"), **found})
 
@@ -304,14 +316,14 @@ class Designer:
             if "text" not in message:
                 raise
             shared = self.workspace.revived(name, str(message["text"]))
-        window.file = name
+        window.files.add(name)
         before = shared.version
         if message.get("epoch") == shared.epoch:  # the connection was lost, not the server
             missed = shared.since(int(message["version"]))
             if missed is not None:
-                again = {"is": "reopened", "version": message["version"], "updates": missed}
-                await window.tell({**again, "saved": shared.saved})
-                await window.tell({"is": "status", **shared.status})
+                again = {"is": "reopened", "file": name, "version": message["version"]}
+                await window.tell({**again, "updates": missed, "saved": shared.saved})
+                await window.tell({"is": "status", "file": name, **shared.status})
                 self._check(name, shared)
                 return
         elif "text" in message:
@@ -330,25 +342,26 @@ class Designer:
         self._check(name, shared)
 
     async def _pushed(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
-        version = int(message["version"])
+        version, name = int(message["version"]), str(message["file"])
         if shared.push(version, message["updates"]):
-            await self._changed(window.file, shared, version)
+            await self._changed(name, shared, version)
             return
         missed = shared.since(version)
         if missed is None:
-            await self._opened(window, {"file": window.file})
+            await self._opened(window, {"file": name})
         else:
-            await window.tell({"is": "updates", "version": version, "updates": missed})
+            late = {"is": "updates", "file": name, "version": version, "updates": missed}
+            await window.tell(late)
 
-    async def _saved(self, window: Window, shared: SharedText) -> None:
+    async def _saved(self, window: Window, name: str, shared: SharedText) -> None:
         before, wrong = shared.version, ""
         try:
             shared.save()
         except (FuzzyarmError, OSError) as error:
             wrong = in_words(error)
-        await self._changed(window.file, shared, before, disk=True)
+        await self._changed(name, shared, before, disk=True)
         if wrong:  # last: the state of the file would take its place
-            await window.tell({"is": "failed", "message": f"not saved: {wrong}"})
+            await window.tell({"is": "failed", "file": name, "message": f"not saved: {wrong}"})
 
     async def _changed(
         self, name: str, shared: SharedText, before: int, *, disk: bool = False
@@ -361,9 +374,9 @@ class Designer:
         if updates:
             news.insert(0, {"is": "updates", "version": before, "updates": updates})
         shared.forget()
-        for window in [each for each in self.windows if each.file == name]:
+        for window in self._on(name):
             for each in news:
-                await window.tell(each)
+                await window.tell({**each, "file": name})
         if updates:
             self._check(name, shared)
 
@@ -386,8 +399,8 @@ class Designer:
                 if copy.version != shared.version:
                     break
                 shared.session.adopt(copy)
-                for window in [each for each in self.windows if each.file == name]:
-                    await window.tell(message)
+                for window in self._on(name):
+                    await window.tell({**message, "file": name})
             if copy.version == shared.version:
                 return
 
@@ -395,11 +408,17 @@ class Designer:
         """Look at the open files now and then."""
         while True:
             await asyncio.sleep(LOOK_EVERY)
-            for name in {window.file for window in self.windows if window.file}:
+            for name in {name for window in self.windows for name in window.files}:
                 shared = self.workspace.opened(name)
                 before = shared.version if shared else 0
                 if shared and shared.look():
                     await self._changed(name, shared, before, disk=True)
+
+
+def _of_file(message: Any) -> dict[str, Any]:
+    """Return the beginning of an answer that says what fails, and of which file, if of one."""
+    of_one = isinstance(message, dict) and "file" in message
+    return {"is": "failed", **({"file": message["file"]} if of_one else {})}
 
 
 def _passed_on(window: Window, message: dict[str, Any]) -> None:

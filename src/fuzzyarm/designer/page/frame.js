@@ -17,7 +17,7 @@ export const DESIGN = {
   panes: [termsPane, surfacePane, rulesPane, viewerPane],
 };
 
-/** Build the page around the text; `hand` says what a change in a picture does. */
+/** Build what is around the text; `hand` says what a change in a picture does. `root` is to be shown. */
 export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   const note = el("p", { class: "note" });
   const views = shownViews.map(({ name, drawn, panes }) => {
@@ -32,7 +32,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i),
   }));
   if (tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...tabs));
-  document.body.append(header, main);
+  const root = el("div", { class: "desk" }, header, main);
 
   function turn(to) {
     shown = to;
@@ -55,7 +55,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
     area.classList.add("stale"); // what is drawn is that of the last sound text
   });
-  return { turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
+  return { root, turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
 }
 
 function themeButton(store) {
@@ -65,8 +65,10 @@ function themeButton(store) {
   const button = el("button", { title: S.theme, textContent: dark() ? S.light : S.dark });
   button.addEventListener("click", () => {
     root.dataset.theme = dark() ? "light" : "dark";
-    button.textContent = dark() ? S.light : S.dark;
     store.emit("theme");
+  });
+  store.on("theme", () => {
+    button.textContent = dark() ? S.light : S.dark;
   });
   return button;
 }

@@ -25,7 +25,7 @@ function runView(store, hand) {
   const curves = curvePane(store);
   const gains = gainPane(hand, (values) => state.job?.say({ gains: values }));
   const metrics = metricPane();
-  const form = formPane(changed);
+  const form = formPane(hand, changed);
   const view = el("div", { class: "run" }, form.section, picture.section, curves.section, gains.section, metrics.section);
 
   form.start.addEventListener("click", start);
@@ -34,7 +34,9 @@ function runView(store, hand) {
   form.again.addEventListener("click", again);
   form.stop.addEventListener("click", () => state.job?.stop());
   form.speed.addEventListener("change", () => say({ speed: form.asked().speed }));
-  calm.addEventListener("change", () => say({ calm: calm.matches }));
+  const calmed = () => say({ calm: calm.matches });
+  calm.addEventListener("change", calmed);
+  store.on("closed", () => calm.removeEventListener("change", calmed));
   view.addEventListener("keydown", (event) => {
     if (event.key === " " && event.target === picture.canvas && state.job) {
       event.preventDefault();
@@ -130,6 +132,15 @@ function runView(store, hand) {
     describe();
   });
   store.on("view", describe);
+  let waits = false;
+  store.on("left", () => { // nobody watches it
+    waits = Boolean(state.job) && !state.paused && !state.over;
+    if (waits) say({ pause: true });
+  });
+  store.on("shown", () => {
+    if (waits && state.job) form.note(S.runWaits);
+    waits = false;
+  });
   form.running(state);
   return view;
 }
@@ -138,7 +149,7 @@ export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] }
 
 // --- What is to be run, and the buttons ---
 
-function formPane(changed) {
+function formPane(hand, changed) {
   const { section, bar, body } = pane("run-form", S.run);
   let plants = [];
   let direct = ""; // the controller that asks the text, where it is a rule base
@@ -164,6 +175,7 @@ function formPane(changed) {
     button(S.runAgain, S.runAgainHint), button(S.runStop, S.runStopHint),
   ];
   start.classList.add("main");
+  start.disabled = true; // until it is known which plants there are
   const clock = el("output", { class: "clock", "aria-label": S.runTime });
   const said = el("p", { class: "said", role: "status" });
   const onArm = el("span", { class: "fields" },
@@ -203,6 +215,7 @@ function formPane(changed) {
     const before = JSON.stringify(plants);
     plants = news.plants;
     direct = news.direct;
+    start.disabled = false;
     if (JSON.stringify(plants) === before) return;
     const kept = touched && plants.some((each) => each.name === plant.value) ? plant.value : news.chosen || plants[0].name;
     plant.replaceChildren(...plants.map((each) => el("option", {
@@ -229,8 +242,7 @@ function formPane(changed) {
   function showLine() {
     if (!details.open) return;
     const want = asked();
-    const file = document.querySelector("header select")?.value ?? document.querySelector("header strong")?.textContent ?? "";
-    const words = ["fuzzyarm", "simulate", ...(direct ? [direct, "--rulebase", file] : [file])];
+    const words = ["fuzzyarm", "simulate", ...(direct ? [direct, "--rulebase", hand.file()] : [hand.file()])];
     if (want.plant !== "arm") words.push("--plant", want.plant);
     const add = (option, values) => values.forEach((each) => words.push(option, each));
     if (want.trajectory) words.push("--trajectory", want.trajectory, ...(want.payload ? ["--payload"] : []));
