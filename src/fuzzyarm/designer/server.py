@@ -73,6 +73,9 @@ WORKS: dict[str, Work] = {
 """Long work that a page may start → what does it; `Designer` adds what needs its plants."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
+OWN_PORTS = range(20_000, 30_000)
+"""Of folders: below those that systems give to connections."""
+
 LOOK_EVERY = 0.4
 """Seconds between two looks at the open files."""
 
@@ -510,8 +513,19 @@ def token_for(folder: Path) -> str:
     return hmac.new(secret, str(folder).encode(), hashlib.sha256).hexdigest()[:32]
 
 
+def _bound(listening: socket.socket, port: int | None, token: str) -> None:
+    """Bind to a port; by default to the one of the token, so that open pages find back."""
+    own = OWN_PORTS.start + int(hashlib.sha256(token.encode()).hexdigest(), 16) % len(OWN_PORTS)
+    try:
+        listening.bind(("127.0.0.1", own if port is None else port))
+    except OSError as error:
+        if port is not None:
+            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+        listening.bind(("127.0.0.1", 0))
+
+
 def serve(
-    path: Path, port: int, announce: Callable[[str], None], plants: Sequence[str] = ()
+    path: Path, port: int | None, announce: Callable[[str], None], plants: Sequence[str] = ()
 ) -> None:
     """Serve a folder or a file until it is interrupted.
 
@@ -519,8 +533,8 @@ def serve(
     ----------
     path : Path
         The folder or the file.
-    port : int
-        Where; 0 for any that is free.
+    port : int or None
+        Where; 0 for any that is free, None for the folder's own or, where that is taken, any.
     announce : callable
         Takes the address with its token, when it can be opened.
     plants : sequence of str, optional
@@ -544,10 +558,7 @@ def serve(
     token = token_for(path.resolve())
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            listening.bind(("127.0.0.1", port))
-        except OSError as error:
-            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+        _bound(listening, port, token)
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
             Designer(workspace, token, known).app(),

@@ -141,7 +141,7 @@ window.addEventListener("beforeunload", (event) => {
 window.addEventListener("keydown", (event) => {
   if (!event.ctrlKey && !event.metaKey) return;
   const key = event.key.toLowerCase();
-  const writing = event.target.closest?.(".cm-editor, input[type='text']"); // has its own steps back
+  const writing = event.target.closest?.(".cm-editor, textarea, input[type='text'], input[type='number']"); // has its own steps back
   const act = key === "s" ? shown.save
     : writing ? null
     : key === "y" || (key === "z" && event.shiftKey) ? shown.redo
