@@ -176,7 +176,8 @@ def test_what_cannot_learn_is_said(page):
         ("servo-soc.frb", {"rate": 11}, "out of range"),
         ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
         ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
-        ("servo-soc.frb", {"passes": [1]}, "not understood"),
+        ("servo-soc.frb", {"passes": [1]}, "passes: '[1]' is not a number"),
+        ("servo-soc.frb", {"rate": "<b>"}, "the rate: '<b>' is not a number"),
     ):
         assert words in page.message("learn", file, **asked), (file, asked)
 

@@ -98,9 +98,9 @@ def references_of(words: str) -> dict[str, Signal] | None:
 
 def seconds_of(value: Any, what: str = "the time") -> float | None:
     """Return a time of a page, s; None where it says nothing."""
-    if value in (None, ""):
+    seconds = number_of(value, what)
+    if seconds is None:
         return None
-    seconds = float(value)
     if not 0.0 < seconds <= LONGEST or not math.isfinite(seconds):
         raise GroundsError(f"{what} of {value} s is out of range", hint=f"up to {LONGEST:g} s")
     return seconds
@@ -115,14 +115,30 @@ def whole_of(asked: Mapping[str, Any], name: str, default: int, most: int) -> in
         If it is out of range.
     """
     value = asked.get(name)
-    if value in (None, ""):
+    number = number_of(value, name)
+    if number is None:
         return default
-    number = float(value)
     if not number.is_integer() or not 0 <= number <= most:
         raise GroundsError(
             f"{name} of {value} is out of range", hint=f"a whole number up to {most}"
         )
     return int(number)
+
+
+def number_of(value: Any, what: str) -> float | None:
+    """Return a number of a page; None where it says nothing.
+
+    Raises
+    ------
+    GroundsError
+        If it says something else.
+    """
+    if value in (None, ""):
+        return None
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise GroundsError(f"{what}: '{str(value)[:40]}' is not a number") from None
 
 
 def trajectory_named(name: str) -> Trajectory:

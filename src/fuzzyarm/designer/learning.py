@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.designer.grounds import (
     GroundsError,
     fitting_plants,
+    number_of,
     plant_named,
     references_of,
     seconds_of,
@@ -127,7 +128,7 @@ class Training:
         from fuzzyarm.learning.self_organizing import Trainee
 
         asked = self.asked
-        rate = None if asked.get("rate") in (None, "") else float(asked["rate"])
+        rate = number_of(asked.get("rate"), "the rate")
         if rate is not None and not 0.0 <= rate <= LARGEST_RATE:
             raise GroundsError(f"a rate of {rate:g} is out of range", hint=f"0 to {LARGEST_RATE:g}")
         name = str(asked.get("controller") or "")
