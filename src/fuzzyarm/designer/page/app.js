@@ -3,6 +3,7 @@
 import { COMPARE } from "./compare.js";
 import { connect } from "./connection.js";
 import { makeDesk } from "./desk.js";
+import { clean } from "./draw.js";
 import { FILES, dropped } from "./files.js";
 import { DESIGN } from "./frame.js";
 import { LEARN } from "./learn.js";
@@ -41,7 +42,7 @@ const page = {
   turnTo: (name) => turnTo(name),
   listed,
   marked() {
-    if (shown) document.title = `${shown.isDirty() ? "● " : ""}${shown.file()} – ${S.designer}`;
+    if (shown) document.title = clean(`${shown.isDirty() ? "● " : ""}${shown.file()} – ${S.designer}`);
   },
 };
 
