@@ -149,12 +149,17 @@ class Designer:
     # --- Runs ---
 
     @cached_property
-    def _runs(self) -> Running:
-        """What runs controllers; it brings the loop and all plants, which a page may not need."""
-        from fuzzyarm.designer.run import Running
+    def plants(self) -> Plants:
+        """What may be run; it brings the loop and all plants, which a page may not need."""
         from fuzzyarm.designer.stage import Plants
 
-        return Running(self._plants or Plants())
+        return self._plants or Plants()
+
+    @cached_property
+    def _runs(self) -> Running:
+        from fuzzyarm.designer.run import Running
+
+        return Running(self.plants)
 
     def _run(self, session: Session, asked: dict[str, Any], job: Job) -> None:
         self._runs(session, asked, job)
@@ -258,7 +263,7 @@ class Designer:
     def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
         work, number = {**WORKS, **self.works}[message["what"]], int(message["id"])
-        job = Job(number, window.tell, self.workspace, self.downloads)
+        job = Job(number, window.tell, self.workspace, self.downloads, lambda: self.plants)
         window.jobs[number] = job
 
         async def run() -> None:

@@ -334,6 +334,20 @@ export const S = {
   samples: "Samples",
   scenarios: "Scenarios",
   scenariosHint: "Tune on so many: the named ones, then drawn ones",
+  vary: "Vary",
+  varyHint: "NAME=A..B: what differs from drawn scenario to drawn scenario, as in J=0.005..0.03; several with blanks between",
+  needsConnect: (name) => `${name} (other axes)`,
+  asTheStudy: "both of the study",
+  testedOn: "Judged by",
+  testedOnHint: "Samples to judge by; without them a fifth of the others",
+  fifth: "a fifth of them",
+  target: "Column",
+  targetHint: "The column that the output is to give",
+  longest: "At most",
+  longestHint: "Search at most so long, as in 90s or 10min",
+  noLimit: "no limit",
+  digits: "Digits",
+  digitsHint: "Of the numbers that are written",
   overScenarios: "Over them",
   mean: "mean",
   worst: "worst",
@@ -353,7 +367,7 @@ export const S = {
   whatMoves: ({ says, parameters, why, loop, plants, samples }) => {
     if (why) return `${why[0].toUpperCase()}${why.slice(1)}.`;
     const names = parameters.length > 6 ? `${parameters.length} numbers` : parameters.join(", ");
-    const where = loop && !plants.length ? " No shipped plant has its axes."
+    const where = loop && !plants.some((each) => each.fits) ? " No plant here has its axes; names can be joined to ports."
       : !loop && !samples.length ? " A rule base alone is fitted to samples: there is no .csv file in this folder." : "";
     return `${says ? `What may move, as the text says: ${names}.`
       : `The text has no tune block and no gain with a range, so all peaks move that can: ${names}.`}${where}`;
