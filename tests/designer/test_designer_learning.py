@@ -177,6 +177,8 @@ def test_what_cannot_learn_is_said(page):
     assert facts["texts"][0]["plants"] == [
         {"name": "motor", "reference": "position=step:1", "fits": True}
     ]
+    room = page.do("tunable", "heater.frb")[0]["plants"][0]
+    assert room["reference"] == "temperature=step:21"  # as Run offers it
     assert not page.do("learnable", "thesis-6.1.lut")[0]["own"]
     for file, asked, words in (
         ("heater.frb", {}, "has no table that learns"),

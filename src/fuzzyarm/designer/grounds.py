@@ -66,6 +66,7 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     place; the arm follows trajectories and has none. The likeliest is the first.
     """
     from fuzzyarm.controller.findings import site_by_axes
+    from fuzzyarm.designer.stage import step_of
     from fuzzyarm.plant import Arm
     from fuzzyarm.plant.plant import interface_of
 
@@ -74,7 +75,7 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     for name, plant in plants.known.items():
         interface = interface_of(plant)
         label = interface.label(next(iter(interface.outputs)))
-        example = "" if isinstance(plant, Arm) else f"{label}=step:1"
+        example = "" if isinstance(plant, Arm) else step_of(name, label)
         fits = set(model.axis_names) <= set(interface.axes)
         found.append({"name": name, "reference": example, "fits": fits})
     is_likeliest = likeliest.name if likeliest is not None else ""

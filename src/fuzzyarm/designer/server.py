@@ -268,7 +268,7 @@ class Designer:
 
         async def run() -> None:
             await job.run(work, shared.session.copy(), message)
-            del window.jobs[number]
+            window.jobs.pop(number, None)
 
         self._hold(run())
 
