@@ -412,7 +412,8 @@ def test_a_table_finds_its_rules_in_the_folder(folder, monkeypatch):
     (folder / "pd7.frb").unlink()
     found = told(table_error, session(folder / "pd7.lut"), {}, folder)
     assert found["end"] == "failed"
-    assert "not a file of this folder" in found["message"]
+    words = "the table says that it comes from 'pd7.frb', which is not in this folder"
+    assert found["message"] == words
     outside = (folder / "pd7.lut").read_text().replace('"pd7.frb"', '"../outside.frb"')
     (folder / "pd7.lut").write_text(outside)
     assert told(table_error, session(folder / "pd7.lut"), {}, folder)["end"] == "failed"
@@ -555,7 +556,8 @@ def test_a_controller_uses_no_file_outside_the_folder(client, folder, file):
         works = {"plants": {}, "run": {"plant": "motor"}, "learn": {}, "tune": {},
                  "export": {"suffix": ".h"}, "compare": {"other": "pd7.frb"}}  # fmt: skip
         for what, more in works.items():
-            socket.send_text(json.dumps({"do": "start", "what": what, "id": 3, **more}))
+            start = {"do": "start", "file": "servo.frb", "what": what, "id": 3}
+            socket.send_text(json.dumps({**start, **more}))
             end = heard(socket, lambda each: "end" in each)
             assert end["end"] == "failed", what
             assert reason in end["message"], what

@@ -177,6 +177,8 @@ def test_what_cannot_learn_is_said(page):
     assert facts["texts"][0]["plants"] == [
         {"name": "motor", "reference": "position=step:1", "fits": True}
     ]
+    room = page.do("tunable", "heater.frb")[0]["plants"][0]
+    assert room["reference"] == "temperature=step:21"  # as Run offers it
     assert not page.do("learnable", "thesis-6.1.lut")[0]["own"]
     for file, asked, words in (
         ("heater.frb", {}, "has no table that learns"),
@@ -189,7 +191,8 @@ def test_what_cannot_learn_is_said(page):
         ("servo-soc.frb", {"rate": 11}, "out of range"),
         ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
         ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
-        ("servo-soc.frb", {"passes": [1]}, "not understood"),
+        ("servo-soc.frb", {"passes": [1]}, "passes: '[1]' is not a number"),
+        ("servo-soc.frb", {"rate": "<b>"}, "the rate: '<b>' is not a number"),
     ):
         assert words in page.message("learn", file, **asked), (file, asked)
 

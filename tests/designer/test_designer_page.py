@@ -173,6 +173,22 @@ def test_corners_move_by_keyboard_with_their_neighbours(served, window):
     ]
 
 
+def test_the_keyboard_goes_from_pane_to_pane_and_fields_keep_their_steps_back(served, window):
+    page = window(put(served, "panes.frb")[1])
+    pane = "document.activeElement.className"
+    for key, name in (("F6", "text"), ("F6", "terms"), ("Shift+F6", "text"), ("F6", "terms")):
+        page.keyboard.press(key)
+        assert page.evaluate(pane) == f"pane {name}"
+    page.evaluate("designer.text.goTo([0, 0])")
+    page.keyboard.type("# typed\n")
+    page.get_by_role("tab", name="Tune").click()
+    lines = page.get_by_label("What may move")
+    lines.fill("move e ZE")
+    lines.press("Control+z")
+    until(lambda: lines.input_value() == "", "the field is as it was")
+    assert text_of(page).startswith("# typed\n")
+
+
 def test_while_a_corner_is_held_the_surface_is_that_of_the_new_term(served, window):
     page = window(put(served, "held.frb")[1])
     for variable, term in (("e", "PS"), ("u", "PS")):
@@ -423,6 +439,16 @@ def test_other_writers_are_merged_or_shown(served, window):
     page.get_by_text("changed on disk").wait_for(state="hidden")
     page.keyboard.press("Control+s")
     until(lambda: path.read_text().startswith("# mine\n"), "saved")
+    path.write_bytes(b"# caf\xe9\n")
+    page.get_by_text("not UTF-8: byte 0xe9").wait_for()
+    page.keyboard.press("Control+s")
+    page.get_by_text("not saved: the file has changed on disk").wait_for()
+    assert path.read_bytes() == b"# caf\xe9\n"
+    path.unlink()
+    page.get_by_text("The file is gone").wait_for()
+    page.keyboard.press("Control+s")
+    until(path.exists, "written anew")
+    page.get_by_text("The file is gone").wait_for(state="hidden")
 
 
 def test_nothing_is_lost_with_the_connection(served, window):
@@ -697,3 +723,9 @@ def test_a_written_page_needs_nothing(window, tmp_path):
     expected = fuzzyarm.infer(changed, e=1.3, ce=-2.2)["u"]
     assert value_at(page, 1.3, -2.2) == pytest.approx(expected, abs=1e-12)
     assert requests == []
+    maxima = shipped("pd7.frb").read_text().replace("centroid exact", "mean-of-maximum")
+    (tmp_path / "pd7.frb").write_text(maxima)
+    (tmp_path / "maxima.html").write_text(page_of(tmp_path / "pd7.frb"))
+    page = window((tmp_path / "maxima.html").as_uri())
+    page.get_by_text("does not compute the mean-of-maximum").wait_for()
+    assert not page.locator(".fired.head").is_visible()

@@ -214,6 +214,8 @@ def test_what_cannot_be_run_is_said(open_page, folder):
         ({"noise": ["position"]}, "takes NAME=VALUE"),
         ({"plant": "tanks"}, "the tanks has no reference value 'position'"),
         ({"speed": -1}, "not understood"),
+        ({"seed": "-1"}, "seed of -1 is out of range"),
+        ({"seed": "one"}, "seed: 'one' is not a number"),
     ):
         page.start("run", **{**FAST, **change})
         end = page.hear(lambda news: False)[-1]

@@ -4,13 +4,14 @@ import json
 import math
 import re
 import shutil
+import socket
 import subprocess
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.designer.assets import asset
+from fuzzyarm.designer.assets import PAGE, asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_source
@@ -262,7 +263,7 @@ def test_after_a_restart_windows_that_disagree_are_asked_and_the_file_stays(shar
     one, two = ("# one\n" + disk, "# two\n" + disk)
     shared.resume(one, disk, "resumed")
     shared.resume(two, disk, "resumed")
-    assert shared.status["conflict"]
+    assert shared.status["elsewhere"]
     shared.settle(mine=False)
     assert shared.text == one
     assert shared.saved == disk  # and not what the other window has had
@@ -511,8 +512,23 @@ def test_the_modules_of_a_page_are_one_script():
     assert MODULES[-1] == "exported"
 
 
-def test_every_word_of_the_page_has_a_name_of_its_own():
-    words = asset("strings.js")[0].decode()
-    names = re.findall(r"^  (\w+):", words, re.MULTILINE)
-    assert len(names) > 100
-    assert sorted(names) == sorted(set(names))
+def test_every_word_that_the_page_says_is_there_and_said():
+    names = set(re.findall(r"^  (\w+):", asset("strings.js")[0].decode(), re.MULTILINE))
+    modules = [asset(path.name)[0].decode() for path in PAGE.glob("*.js")]
+    said = {name for text in modules for name in re.findall(r"\bS\.(\w+)", text)}
+    assert said == names
+
+
+def test_a_folder_has_a_port_of_its_own_where_that_is_free(monkeypatch):
+    from fuzzyarm.designer import server
+
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        own = found.getsockname()[1]
+    monkeypatch.setattr(server, "OWN_PORTS", range(own, own + 1))
+    with socket.socket() as one, socket.socket() as two, socket.socket() as three:
+        server._bound(one, None, TOKEN)
+        server._bound(two, None, TOKEN)
+        assert one.getsockname()[1] == own != two.getsockname()[1]
+        with pytest.raises(server.PortError, match=f"port {own} cannot be used"):
+            server._bound(three, own, TOKEN)

@@ -26,6 +26,9 @@ LONGEST = 24.0 * 3600.0
 """Of a run that a page asks for, s."""
 
 
+MOST_SEED = 2**32 - 1
+
+
 class GroundsError(FuzzyarmError, ValueError):
     """A plant, a reference or a time that a page may not ask for."""
 
@@ -63,6 +66,7 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     place; the arm follows trajectories and has none. The likeliest is the first.
     """
     from fuzzyarm.controller.findings import site_by_axes
+    from fuzzyarm.designer.stage import step_of
     from fuzzyarm.plant import Arm
     from fuzzyarm.plant.plant import interface_of
 
@@ -71,7 +75,7 @@ def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
     for name, plant in plants.known.items():
         interface = interface_of(plant)
         label = interface.label(next(iter(interface.outputs)))
-        example = "" if isinstance(plant, Arm) else f"{label}=step:1"
+        example = "" if isinstance(plant, Arm) else step_of(name, label)
         fits = set(model.axis_names) <= set(interface.axes)
         found.append({"name": name, "reference": example, "fits": fits})
     is_likeliest = likeliest.name if likeliest is not None else ""
@@ -136,8 +140,7 @@ def words_of(asked: Mapping[str, Any], folder: Path) -> PlantWords:
             given[name] = [_signal_of(folder, word) for word in given[name]]
     if asked.get("duration"):
         given["duration"] = str(asked["duration"])
-    if asked.get("seed") not in (None, ""):
-        given["seed"] = int(asked["seed"])
+    given["seed"] = whole_of(asked, "seed", PlantWords.seed, MOST_SEED)
     return PlantWords(interpolate=bool(asked.get("interpolate")), **given)
 
 
@@ -185,9 +188,9 @@ def check_words(words: PlantWords, plant: Plant) -> None:
 
 def seconds_of(value: Any, what: str = "the time") -> float | None:
     """Return a time of a page, s; None where it says nothing."""
-    if value in (None, ""):
+    seconds = number_of(value, what)
+    if seconds is None:
         return None
-    seconds = float(value)
     if not 0.0 < seconds <= LONGEST or not math.isfinite(seconds):
         raise GroundsError(f"{what} of {value} s is out of range", hint=f"up to {LONGEST:g} s")
     return seconds
@@ -202,14 +205,30 @@ def whole_of(asked: Mapping[str, Any], name: str, default: int, most: int) -> in
         If it is out of range.
     """
     value = asked.get(name)
-    if value in (None, ""):
+    number = number_of(value, name)
+    if number is None:
         return default
-    number = float(value)
     if not number.is_integer() or not 0 <= number <= most:
         raise GroundsError(
             f"{name} of {value} is out of range", hint=f"a whole number up to {most}"
         )
     return int(number)
+
+
+def number_of(value: Any, what: str) -> float | None:
+    """Return a number of a page; None where it says nothing.
+
+    Raises
+    ------
+    GroundsError
+        If it says something else.
+    """
+    if value in (None, ""):
+        return None
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise GroundsError(f"{what}: '{str(value)[:40]}' is not a number") from None
 
 
 def trajectory_named(name: str) -> Trajectory:

@@ -16,6 +16,7 @@ from fuzzyarm.designer.grounds import (
     GroundsError,
     check_words,
     list_of,
+    number_of,
     plant_named,
     plants_for,
     seconds_of,
@@ -132,7 +133,7 @@ class Training:
         from fuzzyarm.learning.self_organizing import Trainee
 
         asked = self.asked
-        rate = None if asked.get("rate") in (None, "") else float(asked["rate"])
+        rate = number_of(asked.get("rate"), "the rate")
         if rate is not None and not 0.0 <= rate <= LARGEST_RATE:
             raise GroundsError(f"a rate of {rate:g} is out of range", hint=f"0 to {LARGEST_RATE:g}")
         name = str(asked.get("controller") or "")

@@ -73,6 +73,9 @@ WORKS: dict[str, Work] = {
 """Long work that a page may start → what does it; `Designer` adds what needs its plants."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
+OWN_PORTS = range(20_000, 30_000)
+"""Of folders: below those that systems give to connections."""
+
 LOOK_EVERY = 0.4
 """Seconds between two looks at the open files."""
 
@@ -224,8 +227,7 @@ class Designer:
             wrong = "a message is not understood"
         except Exception as error:
             wrong = fault_words(error)
-        told = {"file": message["file"]} if isinstance(message, dict) and "file" in message else {}
-        await window.tell({"is": "failed", **told, "message": wrong})
+        await window.tell({**_of_file(message), "message": wrong})
 
     async def _take(self, window: Window, message: dict[str, Any]) -> None:
         """Do what a window says."""
@@ -266,7 +268,7 @@ class Designer:
 
         async def run() -> None:
             await job.run(work, shared.session.copy(), message)
-            del window.jobs[number]
+            window.jobs.pop(number, None)
 
         self._hold(run())
 
@@ -367,8 +369,7 @@ class Designer:
             wrong = in_words(error)
         await self._changed(name, shared, before, disk=True)
         if wrong:  # last: the state of the file would take its place
-            said = {"is": "failed", "file": name, "message": f"not saved: {wrong}"}
-            await window.tell(said)
+            await window.tell({"is": "failed", "file": name, "message": f"not saved: {wrong}"})
 
     async def _changed(
         self, name: str, shared: SharedText, before: int, *, disk: bool = False
@@ -420,6 +421,12 @@ class Designer:
                 before = shared.version if shared else 0
                 if shared and shared.look():
                     await self._changed(name, shared, before, disk=True)
+
+
+def _of_file(message: Any) -> dict[str, Any]:
+    """Return the beginning of an answer that says what fails, and of which file, if of one."""
+    of_one = isinstance(message, dict) and "file" in message
+    return {"is": "failed", **({"file": message["file"]} if of_one else {})}
 
 
 def _passed_on(window: Window, message: dict[str, Any]) -> None:
@@ -511,8 +518,19 @@ def token_for(folder: Path) -> str:
     return hmac.new(secret, str(folder).encode(), hashlib.sha256).hexdigest()[:32]
 
 
+def _bound(listening: socket.socket, port: int | None, token: str) -> None:
+    """Bind to a port; by default to the one of the token, so that open pages find back."""
+    own = OWN_PORTS.start + int(hashlib.sha256(token.encode()).hexdigest(), 16) % len(OWN_PORTS)
+    try:
+        listening.bind(("127.0.0.1", own if port is None else port))
+    except OSError as error:
+        if port is not None:
+            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+        listening.bind(("127.0.0.1", 0))
+
+
 def serve(
-    path: Path, port: int, announce: Callable[[str], None], plants: Sequence[str] = ()
+    path: Path, port: int | None, announce: Callable[[str], None], plants: Sequence[str] = ()
 ) -> None:
     """Serve a folder or a file until it is interrupted.
 
@@ -520,8 +538,8 @@ def serve(
     ----------
     path : Path
         The folder or the file.
-    port : int
-        Where; 0 for any that is free.
+    port : int or None
+        Where; 0 for any that is free, None for the folder's own or, where that is taken, any.
     announce : callable
         Takes the address with its token, when it can be opened.
     plants : sequence of str, optional
@@ -545,10 +563,7 @@ def serve(
     token = token_for(path.resolve())
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            listening.bind(("127.0.0.1", port))
-        except OSError as error:
-            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+        _bound(listening, port, token)
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
             Designer(workspace, token, known).app(),

@@ -129,10 +129,11 @@ class SharedText:
     def status(self) -> dict[str, Any]:
         """Whether it is saved, and whether the file says something else, or is gone."""
         return {
-            "dirty": not self.is_there or self.text != self.saved,
+            "dirty": not self.is_there or self.conflict is not None or self.text != self.saved,
             "gone": not self.is_there,
             "conflict": self.conflict is not None,
             "unreadable": self.conflict.why if self.conflict else "",
+            "elsewhere": self.conflict is not None and not self.conflict.on_disk,
             "version": self.version,
         }
 

@@ -66,6 +66,11 @@ class Plants:
         ]
 
 
+def step_of(plant: str, port: str) -> str:
+    """Return the reference that a page offers for a port of a plant."""
+    return f"{port}=step:{STEPS.get(plant, 1):g}"
+
+
 def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     site = site_of(plant)
     try:
@@ -74,7 +79,7 @@ def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     except SourceError as error:
         return {"why": str(error), "reference": "", "ports": []}
     label = site.interface.label
-    reference = "" if isinstance(plant, Arm) else f"{label(followed)}=step:{STEPS.get(name, 1):g}"
+    reference = "" if isinstance(plant, Arm) else step_of(name, label(followed))
     ports = [label(each) for each in (*site.interface.outputs, *site.interface.inputs)]
     return {"why": "", "reference": reference, "ports": ports}
 

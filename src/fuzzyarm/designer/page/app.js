@@ -3,6 +3,7 @@
 import { COMPARE } from "./compare.js";
 import { connect } from "./connection.js";
 import { makeDesk } from "./desk.js";
+import { clean } from "./draw.js";
 import { FILES, dropped } from "./files.js";
 import { DESIGN } from "./frame.js";
 import { LEARN } from "./learn.js";
@@ -41,7 +42,7 @@ const page = {
   turnTo: (name) => turnTo(name),
   listed,
   marked() {
-    if (shown) document.title = `${shown.isDirty() ? "● " : ""}${shown.file()} – ${S.designer}`;
+    if (shown) document.title = clean(`${shown.isDirty() ? "● " : ""}${shown.file()} – ${S.designer}`);
   },
 };
 
@@ -141,7 +142,7 @@ window.addEventListener("beforeunload", (event) => {
 window.addEventListener("keydown", (event) => {
   if (!event.ctrlKey && !event.metaKey) return;
   const key = event.key.toLowerCase();
-  const writing = event.target.closest?.(".cm-editor, input[type='text']"); // has its own steps back
+  const writing = event.target.closest?.(".cm-editor, textarea, input[type='text'], input[type='number']"); // has its own steps back
   const act = key === "s" ? shown.save
     : writing ? null
     : key === "y" || (key === "z" && event.shiftKey) ? shown.redo

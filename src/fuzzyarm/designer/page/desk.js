@@ -19,7 +19,7 @@ export function makeDesk(file, page, views) {
   const save = el("button", { textContent: S.save, title: "Ctrl+S", disabled: true, onclick: () => link.save() });
   const files = el("select", { "aria-label": S.file, onchange: () => page.turnTo(files.value) });
   let saved = null; // the text on disk, as the server knows it
-  let gone = false; // whether the file is
+  let apart = false; // whether the file says something else than what was saved, or is gone
   let dirty = false;
   let lost = !connection.isOpen();
   let latest = null; // findings, which come in front of the picture of the same text
@@ -44,7 +44,7 @@ export function makeDesk(file, page, views) {
       status.textContent = clean(words);
     },
     edited(now) {
-      mark(saved !== null && (gone || now !== saved));
+      mark(saved !== null && (apart || now !== saved));
     },
   };
 
@@ -142,16 +142,17 @@ export function makeDesk(file, page, views) {
     },
     status(message) {
       saved = message.saved ?? saved;
-      gone = message.gone;
-      mark(gone || text.state().text !== saved);
+      apart = message.gone || message.conflict;
+      mark(apart || text.state().text !== saved);
       if (!message.conflict) {
-        tell(gone ? S.fileGone : "");
+        tell(message.gone ? S.fileGone : "");
         return;
       }
       const settle = (words, mine) => el("button", {
         textContent: words, onclick: () => send({ do: "settle", mine }),
       });
       if (message.unreadable) tell(S.unreadable(message.unreadable), settle(S.keepMine, true));
+      else if (message.elsewhere) tell(S.otherWindow, settle(S.keepThis, true), settle(S.takeOther, false));
       else tell(S.conflict, settle(S.keepMine, true), settle(S.takeTheirs, false));
     },
     failed(message) {

@@ -226,7 +226,7 @@ function formPane(hand, changed) {
     const found = { plant: plant.value, speed: speed.value === "" ? null : Number(speed.value), ...more.asked() };
     if (plant.value === "arm") Object.assign(found, { trajectory: trajectory.value, payload: payload.checked });
     else Object.assign(found, { reference: wordsOf(reference.field.value), duration: duration.field.value.trim() });
-    if (seed.field.value.trim()) found.seed = Number(seed.field.value);
+    if (seed.field.value.trim()) found.seed = seed.field.value.trim();
     return found;
   }
 
