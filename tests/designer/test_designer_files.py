@@ -23,6 +23,7 @@ from fuzzyarm.lsp.session import Session
 from fuzzyarm.proof.tables import cell_errors
 from fuzzyarm.shipped_files import shipped
 from fuzzyarm.table import compile_table, read_table, write_table
+from fuzzyarm.text.files import confined
 from fuzzyarm.text.numbers import outward_text
 
 pytest.importorskip("starlette", reason="the extra designer is not installed")
@@ -255,7 +256,8 @@ def test_what_cannot_be_exported_is_refused_in_words(folder):
     wide += f"rule if {' and '.join(f'{n} is A' for n in inputs)} then y is A\n"
     assert "cells; at most" in refused(wide, ".h")
     servo = (folder / "servo.frb").read_text()
-    assert "not a file of this folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
+    with confined(folder):
+        assert "outside the folder" in refused(servo.replace("pd7.frb", "../outside.frb"), ".h")
     assert kinds_of(Session("x.frb", servo)) == [".h", ".c", ".st", ".fmu"]
 
 
@@ -410,7 +412,8 @@ def test_a_table_finds_its_rules_in_the_folder(folder, monkeypatch):
     (folder / "pd7.frb").unlink()
     found = told(table_error, session(folder / "pd7.lut"), {}, folder)
     assert found["end"] == "failed"
-    assert "not a file of this folder" in found["message"]
+    words = "the table says that it comes from 'pd7.frb', which is not in this folder"
+    assert found["message"] == words
     outside = (folder / "pd7.lut").read_text().replace('"pd7.frb"', '"../outside.frb"')
     (folder / "pd7.lut").write_text(outside)
     assert told(table_error, session(folder / "pd7.lut"), {}, folder)["end"] == "failed"
@@ -473,7 +476,8 @@ def test_an_export_is_loaded_by_an_address_with_the_token(client, folder):
     (folder / name).write_text(PD7)
     with socket_of(client) as socket:
         socket.send_text(json.dumps({"do": "open", "file": name}))
-        start = {"do": "start", "what": "export", "id": 1, "suffix": ".csv", "options": {}}
+        start = {"do": "start", "file": name, "what": "export", "id": 1, "suffix": ".csv"}
+        start["options"] = {}
         socket.send_text(json.dumps(start))
         (file,) = heard(socket, lambda each: "files" in each)["files"]
         start = {**start, "id": 2, "suffix": ".fmu"}
@@ -511,9 +515,11 @@ def test_files_are_dropped_and_windows_hear_of_other_names(client, folder):
         assert "error" in ask(socket, what="nothing")
         assert "error" in ask(socket, what="findings", file="../outside.frb")
         ask(socket, what="rename", file="pd7.frb", name="new.frb")
-        assert heard(other, lambda each: each["is"] == "moved")["file"] == "new.frb"
+        moved = heard(other, lambda each: each["is"] == "moved")
+        assert (moved["file"], moved["to"]) == ("pd7.frb", "new.frb")
         ask(socket, what="delete", file="new.frb")
-        assert heard(other, lambda each: each["is"] == "moved")["file"] == ""
+        moved = heard(other, lambda each: each["is"] == "moved")
+        assert (moved["file"], moved["to"]) == ("new.frb", "")
     assert sorted(each.name for each in folder.iterdir()) == [
         "link.frb", "servo.frb", "slide7-2.frb", "slide7.frb",
     ]  # fmt: skip
@@ -535,3 +541,23 @@ def test_a_page_says_what_it_was_opened_for(folder):
     assert answer["only"]
     assert answer["text"] == (folder / "slide7.frb").read_text()
     assert not (folder / "s.frb").exists()
+
+
+@pytest.mark.parametrize("file", ["../outside.frb", "link.frb", "{parent}/outside.frb"])
+def test_a_controller_uses_no_file_outside_the_folder(client, folder, file):
+    text = (folder / "servo.frb").read_text()
+    named = file.format(parent=folder.parent)
+    (folder / "servo.frb").write_text(text.replace('"pd7.frb"', f'"{named}"'))
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "servo.frb"}))
+        found = heard(socket, lambda each: each["is"] == "findings")["findings"]
+        reason = f"cannot read '{named}': it is outside the folder that is open"
+        assert [each["message"] for each in found] == [reason]
+        works = {"plants": {}, "run": {"plant": "motor"}, "learn": {}, "tune": {},
+                 "export": {"suffix": ".h"}, "compare": {"other": "pd7.frb"}}  # fmt: skip
+        for what, more in works.items():
+            start = {"do": "start", "file": "servo.frb", "what": what, "id": 3}
+            socket.send_text(json.dumps({**start, **more}))
+            end = heard(socket, lambda each: "end" in each)
+            assert end["end"] == "failed", what
+            assert reason in end["message"], what

@@ -21,6 +21,7 @@ pytest.importorskip("starlette", reason="the extra designer is not installed")
 
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.designer.server import WORKS, Workspace
+from fuzzyarm.designer.stage import Plants
 
 SOC = """\
 controller servo-soc "self-organising control of a shaft"
@@ -45,11 +46,21 @@ SINE = "position=sine:0.5,1"
 ROOM = {"reference": "temperature=step:20", "seconds": 900, "unseen": 2, "linear": False}
 
 
+OWN = """\
+from fuzzyarm.plant import Parameter
+from fuzzyarm.plant.library import Motor
+
+class Shaft(Motor):
+    name = "heavy"
+    parameters = {**Motor.parameters, "J": Parameter(0.02, "kg m²", "inertia")}
+"""
+
+
 class Page:
     """What a window would be: it hears work, and answers."""
 
     def __init__(self, folder):
-        self.folder = folder
+        self.folder, self.own = folder, ()
         self.heard = []
 
     def do(self, what, file, answer=lambda _news: None, **asked):
@@ -71,7 +82,7 @@ class Page:
 
         async def begin():
             nonlocal job
-            job = Job(1, tell, Workspace(self.folder))
+            job = Job(1, tell, Workspace(self.folder), plants=lambda: Plants(self.own))
             await run()
 
         job = None
@@ -163,20 +174,25 @@ def test_shipped_soc_runs_on_the_arm_and_saving_asks(page, monkeypatch, capsys):
 def test_what_cannot_learn_is_said(page):
     facts = page.do("learnable", "servo-soc.frb")[0]
     assert facts["own"]
-    assert facts["texts"][0]["plants"] == [{"name": "motor", "reference": "position=step:1"}]
+    assert facts["texts"][0]["plants"] == [
+        {"name": "motor", "reference": "position=step:1", "fits": True}
+    ]
+    room = page.do("tunable", "heater.frb")[0]["plants"][0]
+    assert room["reference"] == "temperature=step:21"  # as Run offers it
     assert not page.do("learnable", "thesis-6.1.lut")[0]["own"]
     for file, asked, words in (
         ("heater.frb", {}, "has no table that learns"),
         ("thesis-6.1.lut", {}, "a table does not learn by itself"),
         ("broken.frb", {}, "axes"),
-        ("servo-soc.frb", {"plant": "own.py:Plant"}, "is not a shipped plant"),
+        ("servo-soc.frb", {"plant": "own.py:Plant"}, "runs no plant 'own.py:Plant'"),
         ("servo-soc.frb", {"plant": "room"}, "the room has no reference value"),
-        ("servo-soc.frb", {"reference": "position=/etc/x.csv"}, "run on the command line"),
+        ("servo-soc.frb", {"reference": "position=/etc/x.csv"}, "is not a file of this folder"),
         ("servo-soc.frb", {"passes": 1e9}, "out of range"),
         ("servo-soc.frb", {"rate": 11}, "out of range"),
         ("servo-soc.frb", {"start": "../x.lut"}, "is not a table of this folder"),
         ("servo-soc.frb", {"controller": "ct"}, "is not a shipped controller"),
-        ("servo-soc.frb", {"passes": [1]}, "not understood"),
+        ("servo-soc.frb", {"passes": [1]}, "passes: '[1]' is not a number"),
+        ("servo-soc.frb", {"rate": "<b>"}, "the rate: '<b>' is not a number"),
     ):
         assert words in page.message("learn", file, **asked), (file, asked)
 
@@ -190,12 +206,17 @@ def test_tuned_in_a_page_the_text_is_that_of_the_command(page, monkeypatch, caps
     def answer(news):
         return {"take": True} if "report" in news else "close" if "taken" in news else None
 
-    given = {"cost": "rms + overshoot", "evals": 12, "seed": 3}
+    given = {"cost": "rms + overshoot", "evals": 12, "seed": 3, "scenarios": 2, "digits": 4}
+    given |= {"noise": ["temperature=0.02"], "vary": "P=1500..2500 outside=-5..5"}
+    given |= {"connect": ["temperature=room.temperature"], "quantise": ["temperature=0.01"]}
     heard = page.do("tune", "heater.frb", answer, **given, **ROOM)
     report = next(news["report"] for news in heard if "report" in news)
     taken = next(news["taken"] for news in heard if "taken" in news)
     words = ["tune", "heater.frb", "--reference", "temperature=step:20", "--for", "900s"]
     words += ["--cost", "rms + overshoot", "--evals", "12", "--seed", "3", "--unseen", "2"]
+    words += ["--scenarios", "2", "--digits", "4", "--noise", "temperature=0.02"]
+    words += ["--vary", "P=1500..2500", "--vary", "outside=-5..5"]
+    words += ["--connect", "temperature=room.temperature", "--quantise", "temperature=0.01"]
     assert main([*words, "--no-linear", "-o", "command.frb"]) == 0
     assert report["claim"] in capsys.readouterr().out
     assert taken["new"] == (page.folder / "command.frb").read_text()
@@ -267,6 +288,56 @@ def test_rule_bases_of_other_files_are_written_beside(page):
     assert (page.folder / "pd7.frb").read_text() == shipped("pd7.frb").read_text()
 
 
+def test_a_plant_that_was_named_is_learned_and_tuned_on(page, monkeypatch, capsys):
+    monkeypatch.chdir(page.folder)
+    (page.folder / "own.py").write_text(OWN)
+    asked = {"plant": "own.py:Shaft", "reference": SINE}
+    assert "runs no plant" in page.message("tune", "servo.frb", **asked)
+    page.own = ("own.py:Shaft",)
+    for what in ("learnable", "tunable"):
+        facts = page.do(what, "servo-soc.frb")[0]
+        offered = facts["plants"] if what == "tunable" else facts["texts"][0]["plants"]
+        assert [each["name"] for each in offered if each["fits"]] == ["motor", "own.py:Shaft"]
+
+    def answer(news):
+        if news.get("mode") == "pause":
+            return {"save": "page.lut"}
+        return "close" if "saved" in news else None
+
+    page.do("learn", "servo-soc.frb", answer, **asked, passes=1, speed="fast")
+    words = ["--plant", "own.py:Shaft", "--reference", SINE]
+    assert main(["learn", "servo-soc.frb", *words, "--passes", "1", "-o", "command.lut"]) == 0
+    assert (page.folder / "page.lut").read_bytes() == (page.folder / "command.lut").read_bytes()
+
+    def take(news):
+        return {"take": True} if "report" in news else "close" if "taken" in news else None
+
+    tuned = {"lines": "gain G_e 0.5 .. 2 times", "seconds": 0.3, "evals": 3, "unseen": 1}
+    heard = page.do("tune", "servo-soc.frb", take, **asked, **tuned, linear=False)
+    taken = next(news["taken"] for news in heard if "taken" in news)
+    words += ["--tune", "gain G_e 0.5 .. 2 times", "--for", "300ms", "--evals", "3"]
+    words += ["--unseen", "1", "--no-linear", "-o", "command.frb"]
+    assert main(["tune", "servo-soc.frb", *words]) == 0
+    capsys.readouterr()
+    assert taken["new"] == (page.folder / "command.frb").read_text()
+
+
+def test_a_mistake_is_said_at_its_field(page):
+    for asked, field in (
+        ({"noise": "temperature"}, "noise"),
+        ({"noise": "foo=1"}, "noise"),
+        ({"actuator": ["power=1"]}, "actuator"),
+        ({"disturb": "power=/x.csv"}, "disturb"),
+        ({"vary": "P"}, "vary"),
+        ({"cost": "nothing +"}, "cost"),
+        ({"lines": "peaks"}, "lines"),
+        ({"time": "10"}, "time"),
+        ({"plant": "none"}, ""),
+    ):
+        last = page.do("tune", "heater.frb", **asked)[-1]
+        assert (last["end"], last["field"]) == ("failed", field), (asked, last)
+
+
 def test_what_cannot_be_tuned_is_said(page):
     for file, asked, words in (
         ("thesis-6.1.lut", {}, "a table is not tuned"),
@@ -274,8 +345,9 @@ def test_what_cannot_be_tuned_is_said(page):
         ("pd7.frb", {}, "nothing says what is good"),
         ("pd7.frb", {"data": "../x.csv"}, "is not a file of samples"),
         ("heater.frb", {"cost": "x.py:f"}, "on the command line alone"),
-        ("heater.frb", {"plant": "x.fmu"}, "is not a shipped plant"),
-        ("heater.frb", {"reference": "20"}, "is not a reference"),
+        ("heater.frb", {"plant": "x.fmu"}, "runs no plant 'x.fmu'"),
+        ("heater.frb", {"reference": "20"}, "--reference takes NAME=VALUE, not '20'"),
+        ("heater.frb", {"reference": "temperature=x"}, "'x' is not a reference"),
         ("heater.frb", {"evals": 1.5}, "out of range"),
         ("heater.frb", {"lines": "peaks"}, "expected the name of a variable"),
     ):

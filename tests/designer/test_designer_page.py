@@ -173,6 +173,22 @@ def test_corners_move_by_keyboard_with_their_neighbours(served, window):
     ]
 
 
+def test_the_keyboard_goes_from_pane_to_pane_and_fields_keep_their_steps_back(served, window):
+    page = window(put(served, "panes.frb")[1])
+    pane = "document.activeElement.className"
+    for key, name in (("F6", "text"), ("F6", "terms"), ("Shift+F6", "text"), ("F6", "terms")):
+        page.keyboard.press(key)
+        assert page.evaluate(pane) == f"pane {name}"
+    page.evaluate("designer.text.goTo([0, 0])")
+    page.keyboard.type("# typed\n")
+    page.get_by_role("tab", name="Tune").click()
+    lines = page.get_by_label("What may move")
+    lines.fill("move e ZE")
+    lines.press("Control+z")
+    until(lambda: lines.input_value() == "", "the field is as it was")
+    assert text_of(page).startswith("# typed\n")
+
+
 def test_while_a_corner_is_held_the_surface_is_that_of_the_new_term(served, window):
     page = window(put(served, "held.frb")[1])
     for variable, term in (("e", "PS"), ("u", "PS")):
@@ -220,6 +236,20 @@ def test_widths_have_handles_and_numbers(served, window):
     drag(page, 'path.width[aria-label="x high: width"]', -12)
     until(lambda: "bell 8 1 3\n" not in text_of(page), "the width")
     assert 0.3 < float(text_of(page).split("bell 8 ")[1].split()[0]) < 1
+
+
+def test_the_kind_of_a_shape_is_chosen_and_undone(served, window):
+    page = window(put(served, "kind.frb")[1])
+    before = text_of(page)
+    page.locator('text[data-variable="e"][data-term="PS"]').focus()
+    kind = page.get_by_label("e PS: kind of its shape")
+    kind.focus()
+    kind.select_option("gaussian")
+    until(lambda: "term e PS: gaussian 2 " in text_of(page), "the kind")
+    until(lambda: page.get_by_label("e PS, deviation").count() == 1, "its numbers")
+    assert page.evaluate("document.activeElement.className") == "kind"
+    page.get_by_role("button", name="Undo").click()
+    until(lambda: text_of(page) == before, "one step back")
 
 
 def test_a_lower_function_stays_below_the_upper_one(served, window):
@@ -409,6 +439,16 @@ def test_other_writers_are_merged_or_shown(served, window):
     page.get_by_text("changed on disk").wait_for(state="hidden")
     page.keyboard.press("Control+s")
     until(lambda: path.read_text().startswith("# mine\n"), "saved")
+    path.write_bytes(b"# caf\xe9\n")
+    page.get_by_text("not UTF-8: byte 0xe9").wait_for()
+    page.keyboard.press("Control+s")
+    page.get_by_text("not saved: the file has changed on disk").wait_for()
+    assert path.read_bytes() == b"# caf\xe9\n"
+    path.unlink()
+    page.get_by_text("The file is gone").wait_for()
+    page.keyboard.press("Control+s")
+    until(path.exists, "written anew")
+    page.get_by_text("The file is gone").wait_for(state="hidden")
 
 
 def test_nothing_is_lost_with_the_connection(served, window):
@@ -461,10 +501,10 @@ DROP = """([name, text]) => {
 }"""
 
 
-def opened(page, name):
-    """Wait until another file is shown: the page is loaded anew for it."""
-    shown = "name => document.title.includes(name) && !!window.designer?.store.scene"
-    page.wait_for_function(shown, arg=name, timeout=30_000)
+def turned(page, name):
+    """Wait until another file is shown."""
+    until(lambda: page.title().removeprefix("● ").startswith(f"{name} – "), f"turned to {name}")
+    until(lambda: page.evaluate("!!designer.store.scene"), "a picture")
 
 
 def test_files_are_dropped_exported_made_and_compared(served, window):
@@ -497,7 +537,7 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     page.evaluate(DROP, ["imported.fis", text])
     page.get_by_text("read with the defaults of fuzzylite").wait_for()
     page.get_by_role("button", name="Close").click()
-    opened(page, "imported.frb")
+    turned(page, "imported.frb")
     dropped = served.folder / "imported.frb"
     assert dropped.read_text() == converted_file("imported.fis", text.encode())["text"]
     assert value_at(page, 1.0, 0.0) == fuzzyarm.infer(fuzzyarm.load(dropped), e=1.0, ce=0.0)["u"]
@@ -515,10 +555,93 @@ def test_files_are_dropped_exported_made_and_compared(served, window):
     page.get_by_text("not every system takes").wait_for()
     page.locator("dialog input[name=name]").fill("made")
     page.get_by_role("button", name="Create").click()
-    opened(page, "made.frb")
+    turned(page, "made.frb")
     page.locator("header select").select_option("base.frb")
-    opened(page, "base.frb")
+    turned(page, "base.frb")
     until(lambda: text_of(page).startswith("# mine\n"), "what was not saved")
+
+
+def test_turning_to_another_file_keeps_all_that_belongs_to_each(served, window):
+    (_, address), (_, far) = put(served, "one.frb"), put(served, "two.frb")
+    page, other = window(address), window(far)
+    page.evaluate("window.kept = 1")  # a page that is loaded anew does not have it
+    typed = "# mine\n" * 40
+    page.evaluate("designer.text.goTo([3, 0])")
+    page.keyboard.insert_text(typed)
+    page.evaluate("designer.store.setPoint(0, 1.25)")
+    page.evaluate("document.querySelector('.cm-scroller').scrollTop = 200")
+    page.get_by_role("tab", name="Files").click()
+    page.get_by_role("button", name="two.frb", exact=True).click()
+    turned(page, "two.frb")
+    assert page.evaluate("location.hash") == "#file=two.frb"
+    assert "# mine" not in text_of(page)
+    assert page.evaluate("designer.store.point[0]") != 1.25
+    page.keyboard.press("Control+z")  # nothing was done here
+    page.keyboard.type("# two\n")
+    until(lambda: text_of(other).startswith("# two\n"), "the other window has it")
+
+    # What others do with a file that is not shown is heard.
+    other.locator("header select").select_option("one.frb")
+    turned(other, "one.frb")
+    until(lambda: text_of(other).count("# mine\n") == 40, "what is not saved")
+    other.evaluate("designer.text.goTo([0, 0])")
+    other.keyboard.type("# theirs\n")
+    page.go_back()
+    turned(page, "one.frb")
+    assert page.evaluate("designer.store.view") == "files"  # where the page was
+    page.get_by_role("tab", name="Design").click()
+    assert page.evaluate("designer.store.point[0]") == 1.25
+    until(lambda: text_of(page).startswith("# theirs\n"), "merged meanwhile")
+    until(
+        lambda: abs(page.evaluate("document.querySelector('.cm-scroller').scrollTop") - 200) < 60,
+        "the place",
+    )
+    page.locator(".cm-content").focus()
+    page.keyboard.press("Control+z")
+    until(lambda: "# mine" not in text_of(page), "one step back, of this file")
+    assert text_of(page).startswith("# theirs\n")
+    page.go_forward()
+    turned(page, "two.frb")
+    assert text_of(page).startswith("# two\n")
+
+    # Another name, and none.
+    other.get_by_role("tab", name="Files").click()
+    other.get_by_role("button", name="Rename two.frb").click()
+    other.locator("dialog input").fill("three.frb")
+    other.keyboard.press("Enter")
+    turned(page, "three.frb")
+    assert page.evaluate("location.hash") == "#file=three.frb"
+    assert text_of(page).startswith("# two\n")
+    assert "three.frb" in page.locator("header select").inner_text()
+    other.get_by_role("button", name="Delete three.frb").click()
+    other.locator("dialog").get_by_role("button", name="Delete").click()
+    until(lambda: "three.frb" not in page.title(), "another file is shown")
+    page.evaluate("location.hash = '#file=never.frb'")
+    page.get_by_text("never.frb is not in this folder").wait_for()
+    assert page.evaluate("window.kept") == 1
+
+
+def test_the_files_of_late_have_their_desks_and_a_run_waits(served, window):
+    names = [f"late{i}.frb" for i in range(10)]
+    for name in names:
+        put(served, name)
+    page = window(f"{served.address}#file={names[0]}")
+    page.get_by_role("tab", name="Run").click()
+    page.get_by_role("button", name="Start").click()
+    page.get_by_role("button", name="Pause").wait_for()
+    until(lambda: page.get_by_role("button", name="Pause").is_enabled(), "it runs")
+    for name in names[1:]:
+        page.locator("header select").select_option(name)
+        turned(page, name)
+        assert page.evaluate("designer.store.view") == "run"
+        until(lambda: page.evaluate("designer.text.settled()"), "open")
+    # A desk that works is kept, the others are those of late.
+    assert page.evaluate("[...designer.desks.keys()]") == [names[0], *names[3:]]
+    page.locator("header select").select_option(names[0])
+    turned(page, names[0])
+    page.get_by_text("It has waited").wait_for()
+    page.get_by_role("button", name="Go on").click()
+    page.get_by_role("button", name="Pause").wait_for()
 
 
 AXE = Path(__file__).parents[2] / "editors/designer/node_modules/axe-core/axe.min.js"
@@ -600,3 +723,9 @@ def test_a_written_page_needs_nothing(window, tmp_path):
     expected = fuzzyarm.infer(changed, e=1.3, ce=-2.2)["u"]
     assert value_at(page, 1.3, -2.2) == pytest.approx(expected, abs=1e-12)
     assert requests == []
+    maxima = shipped("pd7.frb").read_text().replace("centroid exact", "mean-of-maximum")
+    (tmp_path / "pd7.frb").write_text(maxima)
+    (tmp_path / "maxima.html").write_text(page_of(tmp_path / "pd7.frb"))
+    page = window((tmp_path / "maxima.html").as_uri())
+    page.get_by_text("does not compute the mean-of-maximum").wait_for()
+    assert not page.locator(".fired.head").is_visible()

@@ -4,6 +4,7 @@ import json
 import shutil
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -76,7 +77,7 @@ class Page:
     """A window on a file."""
 
     def __init__(self, socket, file):
-        self.socket, self.number = socket, 0
+        self.socket, self.file, self.number = socket, file, 0
         self.send(do="open", file=file)
 
     def send(self, **message):
@@ -84,7 +85,7 @@ class Page:
 
     def start(self, what, **asked):
         self.number += 1
-        self.send(do="start", id=self.number, what=what, **asked)
+        self.send(do="start", file=self.file, id=self.number, what=what, **asked)
 
     def say(self, **words):
         self.send(do="say", id=self.number, **words)
@@ -213,6 +214,8 @@ def test_what_cannot_be_run_is_said(open_page, folder):
         ({"noise": ["position"]}, "takes NAME=VALUE"),
         ({"plant": "tanks"}, "the tanks has no reference value 'position'"),
         ({"speed": -1}, "not understood"),
+        ({"seed": "-1"}, "seed of -1 is out of range"),
+        ({"seed": "one"}, "seed: 'one' is not a number"),
     ):
         page.start("run", **{**FAST, **change})
         end = page.hear(lambda news: False)[-1]
@@ -351,9 +354,11 @@ def test_a_pull_in_the_wind_is_no_load():
 
 
 def test_signals_of_a_page_are_those_of_simulate():
-    from fuzzyarm.designer.stage import words_of
+    from fuzzyarm.designer.grounds import words_of
 
-    words = words_of({"reference": ["position=step:2"], "duration": "1s", "seed": 3, "plant": "x"})
+    words = words_of(
+        {"reference": ["position=step:2"], "duration": "1s", "seed": 3, "plant": "x"}, Path()
+    )
     motion = words.motion(find_controller(str(shipped("servo.frb"))), find_plant("motor"))
     assert motion.references[0][0] == 2.0
     assert words.options(find_plant("motor")).seed == 3

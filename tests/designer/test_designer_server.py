@@ -4,13 +4,14 @@ import json
 import math
 import re
 import shutil
+import socket
 import subprocess
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.designer.assets import asset
+from fuzzyarm.designer.assets import PAGE, asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
 from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_source
@@ -197,9 +198,88 @@ def test_saving_keeps_line_ends_and_heeds_other_writers(shared):
     assert shared.path.read_bytes().startswith(b"# changed\r\n")
 
 
+def test_a_file_that_is_no_text_any_more_is_not_written_over(shared):
+    shared.replace("# mine\n" + shared.text, "me")
+    theirs = b"# caf\xe9\n"
+    shared.path.write_bytes(theirs)
+    assert shared.look()
+    assert not shared.look()  # said once
+    assert shared.status["unreadable"] == "line 1: not UTF-8: byte 0xe9"
+    with pytest.raises(ConflictError, match="0xe9"):
+        shared.save()
+    shared.settle(mine=False)  # nothing can be taken
+    assert shared.path.read_bytes() == theirs
+    shared.settle(mine=True)
+    assert shared.path.read_bytes().startswith(b"# mine\r\n")
+    assert not shared.status["dirty"]
+    assert not shared.status["conflict"]
+
+
+def test_a_file_that_is_gone_is_said_and_written_anew(shared):
+    text = shared.text
+    shared.path.unlink()
+    assert shared.look()
+    assert not shared.look()
+    assert shared.status["gone"]
+    assert shared.status["dirty"]
+    shared.path.write_text(text + "# theirs\n")  # somebody saves by removing and writing
+    assert shared.look()
+    assert not shared.status["dirty"]
+    assert shared.text == text + "# theirs\n"
+    shared.path.unlink()
+    shared.save()
+    assert shared.path.read_text() == shared.text
+    assert not shared.status["gone"]
+
+
+def test_a_link_out_of_the_folder_is_neither_read_nor_written(shared, tmp_path_factory):
+    outside = tmp_path_factory.mktemp("elsewhere") / "outside.frb"
+    outside.write_text("# secret\n")
+    shared.path.unlink()
+    shared.path.symlink_to(outside)
+    assert shared.look()
+    assert "secret" not in shared.text
+    for act in (shared.save, lambda: shared.settle(mine=True)):
+        with pytest.raises(ValueError, match="link out of the folder"):
+            act()
+    assert outside.read_text() == "# secret\n"
+
+
+def test_a_byte_order_mark_stays_and_half_a_character_is_not_saved(tmp_path):
+    path = tmp_path / "x.frb"
+    path.write_bytes(b"\xef\xbb\xbf# a\n")
+    shared = SharedText(path)
+    assert shared.text == "# a\n"
+    shared.replace("# b\n", "me")
+    shared.save()
+    assert path.read_bytes() == b"\xef\xbb\xbf# b\n"
+    shared.push(shared.version, [{"clientID": "me", "changes": [4, [0, "\ud800"]]}])
+    with pytest.raises(ChangeError, match="line 2 has half of a character"):
+        shared.save()
+
+
+def test_after_a_restart_windows_that_disagree_are_asked_and_the_file_stays(shared):
+    disk = shared.text
+    one, two = ("# one\n" + disk, "# two\n" + disk)
+    shared.resume(one, disk, "resumed")
+    shared.resume(two, disk, "resumed")
+    assert shared.status["elsewhere"]
+    shared.settle(mine=False)
+    assert shared.text == one
+    assert shared.saved == disk  # and not what the other window has had
+    assert shared.status["dirty"]
+
+
+def test_a_long_text_is_merged_at_once():
+    base = "".join(f"row {k % 7}\n" for k in range(20_000))  # comparing all with all takes minutes
+    mine, theirs = f"# mine\n{base}", f"{base}# theirs\n"
+    assert merged(base, mine, theirs) == f"# mine\n{base}# theirs\n"
+
+
 def test_a_question_that_is_not_understood_is_answered(shared):
     for asked in ({}, {"what": "hover"}, {"what": "shapes", "shapes": [{}]}, {"what": "cell"},
                   {"what": "cell", "cell": [1, 1], "term": "<b>"}, {"what": "complete", "at": "x"},
+                  {"what": "hover", "at": [math.inf, 0]},
                   {"what": "shapes", "shapes": [{"kind": "none", "parameters": []}]}):  # fmt: skip
         assert "error" in shared.answer(asked), asked
 
@@ -238,7 +318,8 @@ def test_only_who_knows_the_token_is_let_in(client):
     for path in ("/", "/page/app.js", f"/{TOKEN[:-1]}/", f"/{TOKEN}x/", "//", f"/x/{TOKEN}/"):
         assert client.get(path).status_code == 403, path
     for headers in ({"host": "evil.example"}, {"origin": "http://evil.example"},
-                    {"host": "127.0.0.1.evil.example"}, {"host": ""}):  # fmt: skip
+                    {"host": "127.0.0.1.evil.example"}, {"host": ""},
+                    {"host": "[::1"}):  # fmt: skip
         assert client.get(f"/{TOKEN}/", headers=headers).status_code == 403, headers
     assert client.post(f"/{TOKEN}/").status_code == 403
     for path, origin in (("/socket", "http://127.0.0.1:8000"), (f"/{TOKEN}/socket", None),
@@ -260,11 +341,52 @@ def test_only_files_of_the_folder_are_opened(client, tmp_path):
         for name in ("../outside.frb", str(tmp_path / "outside.frb"), "link.frb", "x\0.frb", ""):
             socket.send_text(json.dumps({"do": "open", "file": name}))
             assert json.loads(socket.receive_text())["is"] == "failed", name
-        for message in ("", "[]", "{}", '{"do": "push"}', '{"do": 3, "file": 1}'):
+        socket.send_bytes(b"x")
+        assert json.loads(socket.receive_text())["is"] == "failed"
+        for message in ("", "[]", "{}", '{"do": "push"}', '{"do": 3, "file": 1}', "[" * 9999,
+                        '{"do": "stop", "id": Infinity}'):  # fmt: skip
             socket.send_text(message)
-            assert json.loads(socket.receive_text())["is"] == "failed", message
+            assert json.loads(socket.receive_text())["is"] == "failed", message[:40]
         socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
         assert json.loads(socket.receive_text())["text"] == PD7
+
+
+def test_what_the_system_says_has_no_path(client, tmp_path):
+    (tmp_path / "inside" / "latin.frb").write_bytes(b"# caf\xe9\n")
+    with socket_of(client) as socket:
+        socket.send_text(json.dumps({"do": "open", "file": "latin.frb"}))
+        said = json.loads(socket.receive_text())["message"]
+        assert said == "'latin.frb' is not opened: line 1: not UTF-8: byte 0xe9"
+        socket.send_text(json.dumps({"do": "open", "file": "pd7.frb"}))
+        assert json.loads(socket.receive_text())["is"] == "opened"
+        shutil.rmtree(tmp_path / "inside")
+        socket.send_text(json.dumps({"do": "save", "file": "pd7.frb"}))
+        while (told := json.loads(socket.receive_text()))["is"] != "failed":
+            pass
+        assert told["message"] == "not saved: pd7.frb: No such file or directory"
+
+
+def test_a_window_whose_file_has_gone_with_the_server_keeps_its_text(client, tmp_path):
+    known = {
+        "do": "open",
+        "epoch": "another",
+        "version": 3,
+        "saved": PD7,
+        "text": "# typed\n" + PD7,
+    }
+    with socket_of(client) as socket:
+        for name in ("link.frb", "../outside.frb", "x.txt", "pd7.frb/x.frb"):
+            socket.send_text(json.dumps({**known, "file": name}))
+            assert json.loads(socket.receive_text())["is"] == "failed", name
+        socket.send_text(json.dumps({**known, "file": "gone.frb"}))
+        opened, status = (json.loads(socket.receive_text()) for _ in range(2))
+        assert opened["text"] == known["text"]
+        assert status["gone"]
+        socket.send_text(json.dumps({"do": "save", "file": "gone.frb"}))
+        while not (told := json.loads(socket.receive_text())).get("saved"):
+            pass
+    assert (tmp_path / "inside" / "gone.frb").read_text() == known["text"]
+    assert not told["gone"]
 
 
 def test_a_text_is_checked_and_drawn(client):
@@ -274,7 +396,8 @@ def test_a_text_is_checked_and_drawn(client):
         assert [each["is"] for each in heard] == ["opened", "status", "findings", "scene"]
         assert len(heard[3]["scene"]["rules"]) == 49
         change = difference(PD7, PD7.replace("terms", "tern"))
-        push = {"do": "push", "version": 0, "updates": [{"clientID": "x", "changes": change}]}
+        push = {"do": "push", "file": "pd7.frb", "version": 0}
+        push["updates"] = [{"clientID": "x", "changes": change}]
         socket.send_text(json.dumps(push))
         heard = [json.loads(socket.receive_text()) for _ in range(4)]
         assert heard[0]["updates"][0]["changes"] == change
@@ -306,8 +429,8 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         for message in (
             {"do": "open", "file": "pd7.frb"},
             {"do": "say", "id": 99, "enough": True},  # of work that does not run
-            {"do": "start", "what": "count", "id": 1, "from": 3},
-            {"do": "start", "what": "count", "id": 2, "from": 5},
+            {"do": "start", "file": "pd7.frb", "what": "count", "id": 1, "from": 3},
+            {"do": "start", "file": "pd7.frb", "what": "count", "id": 2, "from": 5},
         ):
             socket.send_text(json.dumps(message))
         heard = []
@@ -320,11 +443,13 @@ def test_long_work_tells_hears_and_is_stopped(client, monkeypatch):
         assert end(socket, 1)["end"] == "done"
         socket.send_text(json.dumps({"do": "stop", "id": 2}))
         assert end(socket, 2)["end"] == "stopped"
-        socket.send_text(json.dumps({"do": "start", "what": "count", "id": 3, "bad": 1}))
+        socket.send_text(
+            json.dumps({"do": "start", "file": "pd7.frb", "what": "count", "id": 3, "bad": 1})
+        )
         assert end(socket, 3)["message"] == "a sentence"
-        socket.send_text(json.dumps({"do": "start", "what": "count", "id": 4}))
+        socket.send_text(json.dumps({"do": "start", "file": "pd7.frb", "what": "count", "id": 4}))
         assert end(socket, 4)["end"] == "failed"
-        socket.send_text(json.dumps({"do": "start", "what": "none", "id": 5}))
+        socket.send_text(json.dumps({"do": "start", "file": "pd7.frb", "what": "none", "id": 5}))
         assert json.loads(socket.receive_text())["is"] == "failed"
 
 
@@ -339,7 +464,8 @@ def test_a_surface_is_computed_beside_and_its_question_is_not_trusted(client, tm
         socket.send_text(json.dumps({"do": "open", "file": "maxima.frb"}))
 
         def news(**changed):
-            start = {"do": "start", "what": "surface", "id": 7, **asked, **changed}
+            start = {"do": "start", "file": "maxima.frb", "what": "surface", "id": 7}
+            start |= {**asked, **changed}
             socket.send_text(json.dumps(start))
             heard = []
             while not heard or "end" not in heard[-1]:
@@ -386,8 +512,23 @@ def test_the_modules_of_a_page_are_one_script():
     assert MODULES[-1] == "exported"
 
 
-def test_every_word_of_the_page_has_a_name_of_its_own():
-    words = asset("strings.js")[0].decode()
-    names = re.findall(r"^  (\w+):", words, re.MULTILINE)
-    assert len(names) > 100
-    assert sorted(names) == sorted(set(names))
+def test_every_word_that_the_page_says_is_there_and_said():
+    names = set(re.findall(r"^  (\w+):", asset("strings.js")[0].decode(), re.MULTILINE))
+    modules = [asset(path.name)[0].decode() for path in PAGE.glob("*.js")]
+    said = {name for text in modules for name in re.findall(r"\bS\.(\w+)", text)}
+    assert said == names
+
+
+def test_a_folder_has_a_port_of_its_own_where_that_is_free(monkeypatch):
+    from fuzzyarm.designer import server
+
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        own = found.getsockname()[1]
+    monkeypatch.setattr(server, "OWN_PORTS", range(own, own + 1))
+    with socket.socket() as one, socket.socket() as two, socket.socket() as three:
+        server._bound(one, None, TOKEN)
+        server._bound(two, None, TOKEN)
+        assert one.getsockname()[1] == own != two.getsockname()[1]
+        with pytest.raises(server.PortError, match=f"port {own} cannot be used"):
+            server._bound(three, own, TOKEN)

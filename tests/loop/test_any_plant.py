@@ -152,6 +152,8 @@ def test_a_delay_shows_what_was():
     seen, true, _ = sensed({"position": Sensor(delay=0.05)})
     assert (seen[:5] == true[0]).all()
     assert (seen[5:] == true[:-5]).all()
+    seen, true, _ = sensed({"position": Sensor(delay=1e9)})  # without room for a thousand years
+    assert (seen == true[0]).all()
 
 
 def test_noise_is_drawn_by_the_seed():

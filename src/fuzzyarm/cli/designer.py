@@ -43,7 +43,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.designer.folder import SUFFIXES
     from fuzzyarm.designer.server import serve
 
-    if path.is_file() and path.suffix.lower() not in SUFFIXES:
+    if not path.is_dir() and not (path.is_file() and path.suffix.lower() in SUFFIXES):
         raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")
 
     def announce(address: str) -> None:
@@ -83,7 +83,9 @@ COMMANDS = (
         _run,
         argument("file FILE", "a .frb or .lut file, or a folder of them"),
         argument(
-            "--port N", "where to serve; 0, the default: any free port", type=_port, default=0
+            "--port N",
+            "where to serve; 0: any free port (default: the same for a folder, where it is free)",
+            type=_port,
         ),
         flag("--no-browser", "only print the address"),
         argument(

@@ -201,12 +201,12 @@ def _names_a_move(arguments: argparse.Namespace) -> bool:
 
 def _references(arguments: argparse.Namespace, tracked: Any) -> dict[str, Any] | None:
     """Return the references that were given, by port, for scenarios to scale."""
-    from fuzzyarm.loop import Signal, read_signal
+    from fuzzyarm.loop import Signal
+    from fuzzyarm.loop.words import PlantWords
 
     if arguments.step is not None:
         return {tracked[0][1]: Signal("step", (arguments.step,))}
-    found = dict(word.split("=", 1) for word in arguments.reference)
-    return {name.strip(): read_signal(text.strip()) for name, text in found.items()} or None
+    return PlantWords.of(arguments).signals() or None
 
 
 def _duration(arguments: argparse.Namespace) -> float | None:

@@ -40,6 +40,7 @@ from fuzzyarm.plant.setting import (
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import SUFFIXES, LookupTable, read_table
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
+from fuzzyarm.text.files import demand_allowed
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import Shown
 
@@ -181,8 +182,15 @@ def read_sheet(file: str, folder: Path) -> Sheet:
 
 
 def sheet_path(file: str, folder: Path) -> Path:
-    """Return where a rule base or a table is that a controller in a folder names."""
+    """Return where a rule base or a table is that a controller in a folder names.
+
+    Raises
+    ------
+    OutsideFolderError
+        If it may not be used, see `fuzzyarm.text.files.confined`.
+    """
     path = folder / file
+    demand_allowed(path)
     return shipped(file) if not path.exists() and file in shipped_names() else path
 
 

@@ -61,13 +61,7 @@ def _units(text: str) -> int:
 
 def difference(old: str, new: str) -> Changes:
     """Return the change set from one text to another: what is between their common ends."""
-    start = 0
-    most = min(len(old), len(new))
-    while start < most and old[start] == new[start]:
-        start += 1
-    end = 0
-    while end < most - start and old[-1 - end] == new[-1 - end]:
-        end += 1
+    start, end = _common_ends(old, new)
     removed, added = old[start : len(old) - end], new[start : len(new) - end]
     changes: Changes = [_units(old[:start])] if start else []
     if removed or added:
@@ -85,6 +79,10 @@ def merged(base: str, mine: str, theirs: str) -> str | None:
     mine, theirs : str
         The two texts.
     """
+    if mine in (base, theirs):
+        return theirs
+    if theirs == base:
+        return mine
     lines = base.splitlines(keepends=True)
     edits = [*_edits(lines, mine), *_edits(lines, theirs)]
     edits.sort(key=lambda each: each[:2])
@@ -102,9 +100,24 @@ def merged(base: str, mine: str, theirs: str) -> str | None:
 
 def _edits(base: Sequence[str], text: str) -> list[tuple[int, int, tuple[str, ...]]]:
     lines = text.splitlines(keepends=True)
-    matcher = SequenceMatcher(None, base, lines, autojunk=False)
+    # Comparing takes the square of what is compared: most of a long text has not changed.
+    start, end = _common_ends(base, lines)
+    old, new = base[start : len(base) - end], lines[start : len(lines) - end]
+    matcher = SequenceMatcher(None, old, new, autojunk=False)
     return [
-        (i1, i2, tuple(lines[j1:j2]))
+        (start + i1, start + i2, tuple(new[j1:j2]))
         for tag, i1, i2, j1, j2 in matcher.get_opcodes()
         if tag != "equal"
     ]
+
+
+def _common_ends(old: Sequence[str], new: Sequence[str]) -> tuple[int, int]:
+    """Return how many items are the same at the start, and at the end of the rest."""
+    most = min(len(old), len(new))
+    start = 0
+    while start < most and old[start] == new[start]:
+        start += 1
+    end = 0
+    while end < most - start and old[-1 - end] == new[-1 - end]:
+        end += 1
+    return start, end

@@ -81,16 +81,11 @@ def model_of(session: Session) -> Any:
 
 
 def _controller(session: Session) -> ControllerText:
-    """Return a controller with the files that it uses, which stand in its folder."""
-    from fuzzyarm.controller.text import sheet_path, with_files
-    from fuzzyarm.shipped_files import shipped_folder
+    """Return a controller with the files that it uses."""
+    from fuzzyarm.controller.text import with_files
 
-    model, path = session.reading.parsed.controller, Path(session.path)
-    homes = {path.parent.resolve(), shipped_folder().resolve()}
-    for file in (file for use in model.uses for file in use.files):
-        if sheet_path(file, path.parent).resolve().parent not in homes:
-            raise ExportRefusedError(f"'{file}' is not a file of this folder")
-    text, faults = with_files(model, path.parent, session.path)
+    model = session.reading.parsed.controller
+    text, faults = with_files(model, Path(session.path).parent, session.path)
     if faults:
         raise ExportRefusedError(in_words(RuleBaseError(faults)))
     return text

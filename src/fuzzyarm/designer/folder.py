@@ -20,6 +20,7 @@ from fuzzyarm.designer.names import (
     demand_name,
     finding_words,
     in_words,
+    is_inside,
     with_suffix,
 )
 from fuzzyarm.designer.shared import SharedText
@@ -77,7 +78,9 @@ class Workspace:
         if self.only is not None:
             return []
         found = (each for each in self.folder.iterdir() if each.suffix.lower() in suffixes)
-        return sorted(each.name for each in found if each.is_file() and self._is_inside(each))
+        return sorted(
+            each.name for each in found if each.is_file() and is_inside(each, self.folder)
+        )
 
     def files(self) -> list[str]:
         """Return the names of the files that can be opened."""
@@ -93,15 +96,11 @@ class Workspace:
         """
         self._demand_folder()
         path = self.folder / demand_name(name)
-        if not self._is_inside(path):
+        if not is_inside(path, self.folder):
             raise OutsideError(f"'{printable(name)}' is not a file of this folder")
         if path.suffix.lower() != suffix:
             raise OutsideError(f"the name must end with {suffix}, as in {path.stem}{suffix}")
         return path
-
-    def _is_inside(self, path: Path) -> bool:
-        """Whether a path leads to a file of the folder; a link may lead out of it."""
-        return path.resolve().parent == self.folder
 
     def text(self, name: str) -> SharedText:
         """Return the open file of a name.
@@ -109,11 +108,35 @@ class Workspace:
         Raises
         ------
         OutsideError
-            If it is not one of the folder's.
+            If it is not one of the folder's, or not a text.
         """
         if name not in self._open:
-            self._open[name] = SharedText(self._path(name))
+            try:
+                self._open[name] = SharedText(self._path(name))
+            except RuleBaseError as error:
+                raise OutsideError(
+                    f"'{printable(name)}' is not opened: {in_words(error)}"
+                ) from None
         return self._open[name]
+
+    def revived(self, name: str, text: str) -> SharedText:
+        """Return the text of a window whose file has gone while the server was not there.
+
+        Raises
+        ------
+        OutsideError
+            If there is no such file but a link, or it could not be one of the folder's.
+        """
+        path = self.folder / demand_name(name)
+        known = name == self.only if self.only is not None else path.suffix.lower() in SUFFIXES
+        if not known or path.is_symlink() or path.exists():
+            raise OutsideError(f"'{printable(name)}' is not a file of this folder")
+        self._open[name] = SharedText(path, text)
+        return self._open[name]
+
+    def opened(self, name: str) -> SharedText | None:
+        """Return the text of a file that a window shows; None of any other."""
+        return self._open.get(name)
 
     def session(self, name: str) -> Session:
         """Return a file of the folder as it is now, in its window or else on disk.
@@ -128,7 +151,7 @@ class Workspace:
 
     def _path(self, name: str) -> Path:
         path = self.folder / name
-        if name not in self.files() or not self._is_inside(path):
+        if name not in self.files() or not is_inside(path, self.folder):
             raise OutsideError(f"'{printable(name)}' is not a file of this folder")
         return path
 

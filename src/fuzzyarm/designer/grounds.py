@@ -1,19 +1,23 @@
-"""Where a controller of a page runs: shipped plants, references, trajectories of the arm.
+"""Where a controller of a page runs: plants, references, sensors, trajectories of the arm.
 
-A page names plants that come with the package; a file of Python is named on the command line.
+A page names plants that come with the package, and those that were named on the command line,
+where a file of Python is executed. What is said of a run are the words of the command line.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.plant.trajectory import TRAJECTORIES
 
 if TYPE_CHECKING:
-    from fuzzyarm.loop import Signal
+    from fuzzyarm.designer.stage import Plants
+    from fuzzyarm.loop.words import PlantWords
     from fuzzyarm.model.controller import ControllerModel
     from fuzzyarm.plant import Plant
     from fuzzyarm.plant.trajectory import Trajectory
@@ -22,85 +26,171 @@ LONGEST = 24.0 * 3600.0
 """Of a run that a page asks for, s."""
 
 
+MOST_SEED = 2**32 - 1
+
+
 class GroundsError(FuzzyarmError, ValueError):
     """A plant, a reference or a time that a page may not ask for."""
 
 
-def fitting_plants(model: ControllerModel) -> list[dict[str, str]]:
-    """Return the shipped plants that have the axes of a controller, the likeliest first.
+class FieldError(GroundsError):
+    """A mistake in a field of the page.
 
-    Each with the reference that a page offers to write in another's place; the arm follows
-    trajectories and has none.
+    Attributes
+    ----------
+    field : str
+        Its name in the question.
+    """
+
+    def __init__(self, message: str, *, field: str, hint: str = "") -> None:
+        super().__init__(message, hint=hint)
+        self.field = field
+
+
+@contextlib.contextmanager
+def at_field(name: str) -> Iterator[None]:
+    """Say of what is refused here that it stands in a field."""
+    try:
+        yield
+    except FuzzyarmError as error:
+        raise FieldError(error.message, field=name, hint=error.hint) from error
+
+
+# --- Plants ---
+
+
+def plants_for(model: ControllerModel, plants: Plants) -> list[dict[str, Any]]:
+    """Return the plants of a designer, those first that have the axes of a controller.
+
+    Each with whether it has them, and with the reference that a page offers to write in another's
+    place; the arm follows trajectories and has none. The likeliest is the first.
     """
     from fuzzyarm.controller.findings import site_by_axes
+    from fuzzyarm.designer.stage import step_of
     from fuzzyarm.plant import Arm
-    from fuzzyarm.plant.own import PLANTS
     from fuzzyarm.plant.plant import interface_of
 
     likeliest = site_by_axes(model)
     found = []
-    for name, plant in PLANTS.items():
-        interface = interface_of(plant())
-        if set(model.axis_names) <= set(interface.axes):
-            label = interface.label(next(iter(interface.outputs)))
-            example = "" if plant is Arm else f"{label}=step:1"
-            found.append({"name": name, "reference": example})
-    found.sort(key=lambda each: likeliest is None or each["name"] != likeliest.name)
+    for name, plant in plants.known.items():
+        interface = interface_of(plant)
+        label = interface.label(next(iter(interface.outputs)))
+        example = "" if isinstance(plant, Arm) else step_of(name, label)
+        fits = set(model.axis_names) <= set(interface.axes)
+        found.append({"name": name, "reference": example, "fits": fits})
+    is_likeliest = likeliest.name if likeliest is not None else ""
+    found.sort(key=lambda each: (not each["fits"], each["name"] != is_likeliest))
     return found
 
 
-def plant_named(word: str, model: ControllerModel) -> Plant:
-    """Return a shipped plant, by default the likeliest for a controller.
+def plant_named(word: str, model: ControllerModel, plants: Plants) -> Plant:
+    """Return a plant of a designer, made anew; by default the likeliest for a controller.
 
     Raises
     ------
-    GroundsError
-        If it is not a shipped one, or none has the axes.
-    """
-    from fuzzyarm.plant.own import PLANTS
-
-    if not word:
-        fitting = fitting_plants(model)
-        if not fitting:
-            axes = ", ".join(model.axis_names)
-            raise GroundsError(f"no shipped plant has the axes of {model.name} ({axes})")
-        word = fitting[0]["name"]
-    if word not in PLANTS:
-        hint = f"there are {', '.join(PLANTS)}; others run on the command line"
-        raise GroundsError(f"'{word}' is not a shipped plant", hint=hint)
-    return PLANTS[word]()
-
-
-def references_of(words: str) -> dict[str, Signal] | None:
-    """Read references with blanks between, as in ``position=sine:0.5,1``; None without any.
-
-    Raises
-    ------
-    GroundsError
-        If one is not a reference, or is to be read from a file.
     PlantError
-        If there is no such signal.
+        If it is neither shipped nor was named on the command line.
+    GroundsError
+        If none has the axes.
     """
-    from fuzzyarm.loop import read_signal
+    if not word:
+        likeliest = plants_for(model, plants)[0]
+        if not likeliest["fits"]:
+            axes = ", ".join(model.axis_names)
+            raise GroundsError(f"no plant here has the axes of {model.name} ({axes})")
+        word = likeliest["name"]
+    return plants.new(word)
 
-    found = {}
-    for word in words.split():
-        name, equals, text = word.partition("=")
-        if not equals or not name or not text:
-            hint = "as in position=step:1 or position=sine:0.5,1"
-            raise GroundsError(f"'{word}' is not a reference", hint=hint)
-        signal = read_signal(text)
-        if signal.kind == "file":
-            raise GroundsError(f"'{word}': references of files run on the command line")
-        found[name] = signal
-    return found or None
+
+# --- The words of an experiment ---
+
+MANY = (
+    "reference",
+    "connect",
+    "noise",
+    "quantise",
+    "sensor_delay",
+    "difference",
+    "actuator",
+    "disturb",
+)
+"""Words that may be given several times: a list, or one text with blanks between."""
+
+
+def words_of(asked: Mapping[str, Any], folder: Path) -> PlantWords:
+    """Return the words of an experiment that a page asks for; what it does not know is left out.
+
+    Parameters
+    ----------
+    asked : mapping
+        By the names of the options of ``fuzzyarm simulate``.
+    folder : Path
+        Where files of references and disturbances must stand.
+
+    Raises
+    ------
+    FieldError
+        If a file does not stand there.
+    """
+    from fuzzyarm.loop.words import PlantWords
+
+    given: dict[str, Any] = {name: list_of(asked.get(name)) for name in MANY}
+    for name in ("reference", "disturb"):
+        with at_field(name):
+            given[name] = [_signal_of(folder, word) for word in given[name]]
+    if asked.get("duration"):
+        given["duration"] = str(asked["duration"])
+    given["seed"] = whole_of(asked, "seed", PlantWords.seed, MOST_SEED)
+    return PlantWords(interpolate=bool(asked.get("interpolate")), **given)
+
+
+def list_of(value: Any) -> list[str]:
+    """Return the words of a field."""
+    return value.split() if isinstance(value, str) else [str(word) for word in value or ()]
+
+
+def _signal_of(folder: Path, word: str) -> str:
+    """Return ``PORT=SIGNAL``; a file of times and values must be one of the folder."""
+    port, equals, signal = word.partition("=")
+    if not signal.strip().endswith(".csv"):
+        return word
+    path = folder / signal.strip()
+    if path.resolve().parent != folder.resolve():
+        raise WordError(f"'{signal.strip()}' is not a file of this folder")
+    return f"{port}{equals}{path}"
+
+
+def check_words(words: PlantWords, plant: Plant) -> None:
+    """Read each of the words by itself, so that a mistake is said at its field.
+
+    Raises
+    ------
+    FieldError
+        If one is not understood, or names a port that the plant does not have.
+    """
+    from fuzzyarm.loop.words import PlantWords
+    from fuzzyarm.plant.plant import interface_of
+
+    interface = interface_of(plant)
+    for name in MANY:
+        alone = PlantWords(**{name: getattr(words, name)})
+        with at_field(name):
+            alone.driven(plant)
+            alone.connections()
+            alone.signals()
+            options = alone.options(plant)
+            for port in (*options.sensors, *options.loads):
+                interface.every_port(port)
+
+
+# --- Numbers, trajectories ---
 
 
 def seconds_of(value: Any, what: str = "the time") -> float | None:
     """Return a time of a page, s; None where it says nothing."""
-    if value in (None, ""):
+    seconds = number_of(value, what)
+    if seconds is None:
         return None
-    seconds = float(value)
     if not 0.0 < seconds <= LONGEST or not math.isfinite(seconds):
         raise GroundsError(f"{what} of {value} s is out of range", hint=f"up to {LONGEST:g} s")
     return seconds
@@ -115,14 +205,30 @@ def whole_of(asked: Mapping[str, Any], name: str, default: int, most: int) -> in
         If it is out of range.
     """
     value = asked.get(name)
-    if value in (None, ""):
+    number = number_of(value, name)
+    if number is None:
         return default
-    number = float(value)
     if not number.is_integer() or not 0 <= number <= most:
         raise GroundsError(
             f"{name} of {value} is out of range", hint=f"a whole number up to {most}"
         )
     return int(number)
+
+
+def number_of(value: Any, what: str) -> float | None:
+    """Return a number of a page; None where it says nothing.
+
+    Raises
+    ------
+    GroundsError
+        If it says something else.
+    """
+    if value in (None, ""):
+        return None
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise GroundsError(f"{what}: '{str(value)[:40]}' is not a number") from None
 
 
 def trajectory_named(name: str) -> Trajectory:

@@ -16,12 +16,17 @@ import threading
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 from urllib.parse import quote
 
+from fuzzyarm.designer.names import fault_words, in_words
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.lsp.session import Session
+
+if TYPE_CHECKING:
+    from fuzzyarm.designer.stage import Plants
 
 Tell = Callable[[dict[str, Any]], Awaitable[None]]
 
@@ -93,18 +98,35 @@ class Job:
         Whose files it may read and write.
     downloads : Downloads, optional
         Where it puts what the page is to load.
+    plants : callable, optional
+        Returns what may be run; the shipped plants by default.
     """
 
     def __init__(
-        self, number: int, tell: Tell, folder: Folder, downloads: Downloads | None = None
+        self,
+        number: int,
+        tell: Tell,
+        folder: Folder,
+        downloads: Downloads | None = None,
+        plants: Callable[[], Plants] | None = None,
     ) -> None:
         self.number = number
         self.folder = folder
+        self._plants = plants
         self._downloads = downloads or Downloads()
         self._tell = tell
         self._loop = asyncio.get_running_loop()
         self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self.stopped = False
+
+    @cached_property
+    def plants(self) -> Plants:
+        """What may be run; it brings the loop and all plants, which few works need."""
+        if self._plants is not None:
+            return self._plants()
+        from fuzzyarm.designer.stage import Plants
+
+        return Plants()
 
     # --- From the server ---
 
@@ -124,11 +146,12 @@ class Job:
         except StoppedError:
             return {"end": "stopped"}
         except (FuzzyarmError, OSError) as error:
-            return {"end": "failed", "message": str(error)}
+            field = getattr(error, "field", "")  # of the page, in which the mistake stands
+            return {"end": "failed", "message": in_words(error), "field": field}
         except (KeyError, TypeError, ValueError, IndexError):
             return {"end": "failed", "message": "a question that is not understood"}
         except Exception as error:  # the window must hear that nothing more comes
-            return {"end": "failed", "message": f"a fault of the program: {error!r}"}
+            return {"end": "failed", "message": fault_words(error)}
         return {"end": "done"}
 
     def hear(self, said: dict[str, Any]) -> None:

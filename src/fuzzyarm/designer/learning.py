@@ -14,12 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.designer.grounds import (
     GroundsError,
-    fitting_plants,
+    check_words,
+    list_of,
+    number_of,
     plant_named,
-    references_of,
+    plants_for,
     seconds_of,
     trajectory_named,
     whole_of,
+    words_of,
 )
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.errors import FuzzyarmError
@@ -57,17 +60,20 @@ def learnable(session: Session, asked: dict[str, Any], job: Job) -> None:
     from fuzzyarm.language.reading import read_text
     from fuzzyarm.model.controller import Learn
 
+    def fitting(model: ControllerModel) -> list[dict[str, Any]]:
+        return [each for each in plants_for(model, job.plants) if each["fits"]]
+
     def teaches(model: ControllerModel | None) -> bool:
         return model is not None and any(isinstance(line, Learn) for _, line in model.lines())
 
     found = []
     own = controller_model(session)
     if own is not None and teaches(own):
-        found.append({"name": "", "plants": fitting_plants(own)})
+        found.append({"name": "", "plants": fitting(own)})
     for entry in TEXTS:
         model = parse(read_text(entry.file())).controller
         if model is not None and teaches(model):
-            found.append({"name": entry.name, "plants": fitting_plants(model)})
+            found.append({"name": entry.name, "plants": fitting(model)})
     job.tell({
         "texts": found,
         "own": teaches(own),
@@ -100,7 +106,7 @@ class Training:
     def __init__(self, session: Session, asked: dict[str, Any], job: Job) -> None:
         from fuzzyarm.learning.self_organizing import MOST_PASSES
 
-        self.asked, self.job = asked, job
+        self.asked, self.job, self.folder = asked, job, Path(session.path).parent
         self.passes = max(1, whole_of(asked, "passes", DEFAULT_PASSES, MOST_PASSES))
         self.limit = self.passes
         self.name, self.trainee = self._trainee(session)
@@ -127,7 +133,7 @@ class Training:
         from fuzzyarm.learning.self_organizing import Trainee
 
         asked = self.asked
-        rate = None if asked.get("rate") in (None, "") else float(asked["rate"])
+        rate = number_of(asked.get("rate"), "the rate")
         if rate is not None and not 0.0 <= rate <= LARGEST_RATE:
             raise GroundsError(f"a rate of {rate:g} is out of range", hint=f"0 to {LARGEST_RATE:g}")
         name = str(asked.get("controller") or "")
@@ -144,7 +150,7 @@ class Training:
         title = name or Path(path).name
         model = parse(source, path).controller
         assert model is not None
-        plant = plant_named(str(asked.get("plant") or ""), model)
+        plant = plant_named(str(asked.get("plant") or ""), model, self.job.plants)
         return title, Trainee(made, plant, name=title)
 
     def _start(self) -> Any:
@@ -173,10 +179,12 @@ class Training:
             return arm_motion(way, arms, PLAIN, Options()), trajectory_words(
                 way.name, payload=payload
             )
-        words = str(asked.get("reference") or "")
+        words = words_of({"reference": asked.get("reference")}, self.folder)
+        check_words(words, plant)
         seconds = seconds_of(asked.get("seconds"))
-        motion = plant_motion(self.trainee.controller, plant, references_of(words), seconds)
-        return motion, reference_words(plant.name, words.split())
+        motion = plant_motion(self.trainee.controller, plant, words.signals() or None, seconds)
+        named = Path(str(asked.get("plant") or plant.name)).name  # as the command says it
+        return motion, reference_words(named, list_of(asked.get("reference")))
 
     # --- The training ---
 

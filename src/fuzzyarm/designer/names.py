@@ -10,7 +10,16 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import NOWHERE, Diagnostic, RuleBaseError, Severity
 from fuzzyarm.text.names import printable
 
-__all__ = ["OutsideError", "clean_name", "demand_name", "finding_words", "in_words", "with_suffix"]
+__all__ = [
+    "OutsideError",
+    "clean_name",
+    "demand_name",
+    "fault_words",
+    "finding_words",
+    "in_words",
+    "is_inside",
+    "with_suffix",
+]
 
 LONGEST_NAME = 120
 """Bytes of a file name, which leaves room for the names of temporary files."""
@@ -49,6 +58,11 @@ def demand_name(name: str) -> str:
     return name
 
 
+def is_inside(path: Path, folder: Path) -> bool:
+    """Whether a path leads to a file of a folder; a link may lead out of it."""
+    return path.resolve().parent == folder.resolve()
+
+
 def clean_name(name: str, suffix: str) -> str:
     """Return a sound name with a suffix that is as near to somebody's `name` as can be."""
     name = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
@@ -81,3 +95,8 @@ def in_words(error: Exception) -> str:
         name = Path(str(error.filename)).name if error.filename else ""
         return f"{name}: {error.strerror}" if name else error.strerror
     return str(error)
+
+
+def fault_words(error: Exception) -> str:
+    """Return an error that nobody has foreseen: a person can pass it on."""
+    return f"a fault of the program: {error!r}"

@@ -27,9 +27,9 @@ from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.law import Gain
 from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText, sheet_path
-from fuzzyarm.designer.grounds import trajectory_named
+from fuzzyarm.designer.grounds import check_words, trajectory_named, words_of
 from fuzzyarm.designer.jobs import Job
-from fuzzyarm.designer.stage import Painter, Plants, loads_of, short, words_of
+from fuzzyarm.designer.stage import Painter, Plants, loads_of, short
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.loop.course import Motion, Options, arm_motion
 from fuzzyarm.loop.open_run import OpenRun, StructureError
@@ -158,7 +158,8 @@ class LiveRun:
         self.controller = _controller_of(self.text, self.path)
         self.used = self._used()
         self._forget_written()
-        words = words_of(self._within_folder())
+        words = words_of(self.asked, Path(self.path).parent)
+        check_words(words, self.plants.new(str(self.asked["plant"])))
         plant = words.driven(self.plants.new(str(self.asked["plant"])))
         motion, options = self._experiment(words, plant)
         chosen = self.controller.with_gains(self.gains)
@@ -192,14 +193,6 @@ class LiveRun:
         elif read_time(words.duration, "the duration") > MOST_POINTS * period:
             raise WordError(f"the page runs up to {MOST_POINTS:,} set points, here of {period:g} s")
         return words.motion(self.controller, plant), options
-
-    def _within_folder(self) -> dict[str, Any]:
-        """Return what is asked for with the files of signals made those of the folder."""
-        folder = Path(self.path).parent
-        asked = dict(self.asked)
-        for name in ("reference", "disturb"):
-            asked[name] = [_signal_of(folder, str(word)) for word in asked.get(name, ())]
-        return asked
 
     # --- Going on ---
 
@@ -499,17 +492,6 @@ def _speed(said: Mapping[str, Any]) -> float:
 
 def _lasting(words: PlantWords, seconds: float) -> PlantWords:
     return replace(words, duration=f"{seconds!r}s")
-
-
-def _signal_of(folder: Path, word: str) -> str:
-    """Return ``PORT=SIGNAL``; a file of times and values must be one of the folder."""
-    port, equals, signal = word.partition("=")
-    if not signal.strip().endswith(".csv"):
-        return word
-    path = folder / signal.strip()
-    if path.resolve().parent != folder.resolve():
-        raise WordError(f"'{signal.strip()}' is not a file of this folder")
-    return f"{port}{equals}{path}"
 
 
 def _range(gain: Gain, tune: Any) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from fuzzyarm.inference.trace import sentence
 from fuzzyarm.language.queries import Reading
 from fuzzyarm.language.rules import GridNode, RuleNode
 from fuzzyarm.lsp.session import UTF16, to_position
+from fuzzyarm.model.alike import KINDS
 from fuzzyarm.model.rulebase import (
     KARNIK_MENDEL,
     Input,
@@ -96,6 +97,7 @@ def scene_of(rulebase: RuleBase, reading: Reading) -> dict[str, Any]:
         "rules": _rules(rulebase, made, reading, positions),
         "grids": _grids(rulebase, reading, positions),
         "numbers": numbers,
+        "kinds": KINDS,
         "functions": functions.described,  # those of the curves to be drawn among them
         "reason": reason,
     }

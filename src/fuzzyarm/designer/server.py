@@ -5,14 +5,15 @@ the answer is 403. The names in `Host` and `Origin` are checked, against pages o
 that reach this machine through the browser. The content policy lets nothing be loaded from
 elsewhere and runs no text.
 
-The socket speaks JSON, an object each way. A window sends ``{"do": "open", "file": …}``, then
-``push`` (changes and the version that they are for), ``ask`` (a question with an ``id``),
-``save`` and ``settle``; ``folder`` (a question with an ``id`` about the files, or what is to be
-done with one: `Workspace.answer`); for long work ``start`` (``what``, and an ``id`` of the page's
-own), ``say`` and ``stop`` with that ``id``. It hears ``opened`` or ``reopened``, ``updates``,
-``findings``, ``scene``, ``answer``, ``status``, ``moved`` (its file has another name, or none),
-``job`` (news of long work; the last has ``end``)
-and ``failed``, each under ``is``.
+The socket speaks JSON, an object each way. A window may have several files open: what is said of
+one names it, under ``file``. It sends ``{"do": "open", "file": …}``, then ``push`` (changes and the
+version that they are for), ``ask`` (a question with an ``id``), ``save`` and ``settle``, at last
+``close``; for long work on a file ``start`` (``what``, and an ``id`` of the page's own). Without a
+file it sends ``say`` and ``stop`` with the ``id`` of such work, and ``folder`` (a question with an
+``id`` about the files, or what is to be done with one: `Workspace.answer`). It hears, of its files,
+``opened`` or ``reopened``, ``updates``, ``findings``, ``scene``, ``status`` and ``moved`` (``to``
+another name, or none); besides ``answer``, ``job`` (news of long work; the last has ``end``) and
+``failed``, each under ``is``.
 """
 
 from __future__ import annotations
@@ -46,11 +47,13 @@ from fuzzyarm.designer.exports import export
 from fuzzyarm.designer.folder import LARGEST_IMPORT, Workspace, converted_file
 from fuzzyarm.designer.jobs import Downloads, Job, Work
 from fuzzyarm.designer.learning import learn, learnable
-from fuzzyarm.designer.names import in_words
-from fuzzyarm.designer.shared import ConflictError, SharedText
+from fuzzyarm.designer.names import OutsideError, fault_words, in_words
+from fuzzyarm.designer.shared import SharedText
 from fuzzyarm.designer.tables import table_error
 from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.shipped_files import shipped_folder
+from fuzzyarm.text.files import confined
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.run import Running
@@ -70,6 +73,9 @@ WORKS: dict[str, Work] = {
 """Long work that a page may start → what does it; `Designer` adds what needs its plants."""
 
 LARGEST_MESSAGE = 32 * 1024 * 1024
+OWN_PORTS = range(20_000, 30_000)
+"""Of folders: below those that systems give to connections."""
+
 LOOK_EVERY = 0.4
 """Seconds between two looks at the open files."""
 
@@ -83,7 +89,8 @@ class Window:
 
     def __init__(self, socket: WebSocket) -> None:
         self.socket = socket
-        self.file = ""
+        self.files: set[str] = set()
+        """Those that it has open."""
         self.jobs: dict[int, Job] = {}
 
     def stop(self) -> None:
@@ -133,7 +140,8 @@ class Designer:
     @contextlib.asynccontextmanager
     async def _lifespan(self, _app: Starlette) -> Any:
         task = asyncio.create_task(self._watch())
-        yield
+        with confined(self.workspace.folder, shipped_folder()):
+            yield
         task.cancel()
         for window in self.windows:
             window.stop()
@@ -141,12 +149,17 @@ class Designer:
     # --- Runs ---
 
     @cached_property
-    def _runs(self) -> Running:
-        """What runs controllers; it brings the loop and all plants, which a page may not need."""
-        from fuzzyarm.designer.run import Running
+    def plants(self) -> Plants:
+        """What may be run; it brings the loop and all plants, which a page may not need."""
         from fuzzyarm.designer.stage import Plants
 
-        return Running(self._plants or Plants())
+        return self._plants or Plants()
+
+    @cached_property
+    def _runs(self) -> Running:
+        from fuzzyarm.designer.run import Running
+
+        return Running(self.plants)
 
     def _run(self, session: Session, asked: dict[str, Any], job: Job) -> None:
         self._runs(session, asked, job)
@@ -195,19 +208,26 @@ class Designer:
         window = Window(socket)
         self.windows.append(window)
         try:
-            while True:
-                try:
-                    message = json.loads(await socket.receive_text())
-                    await self._take(window, message)
-                except (FuzzyarmError, OSError) as error:
-                    await window.tell({"is": "failed", "message": str(error)})
-                except (KeyError, TypeError, ValueError, AttributeError):
-                    await window.tell({"is": "failed", "message": "a message is not understood"})
-        except (WebSocketDisconnect, RuntimeError):
-            pass
+            while (said := await socket.receive())["type"] == "websocket.receive":
+                await self._hear(window, said.get("text"))
         finally:
             window.stop()
             self.windows.remove(window)
+
+    async def _hear(self, window: Window, said: str | None) -> None:
+        """Do what a window says; whatever is wrong with it is answered, and ends nothing."""
+        message: Any = None
+        try:
+            message = json.loads(said or "")
+            await self._take(window, message)
+            return
+        except (FuzzyarmError, OSError) as error:
+            wrong = in_words(error)
+        except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError):
+            wrong = "a message is not understood"
+        except Exception as error:
+            wrong = fault_words(error)
+        await window.tell({**_of_file(message), "message": wrong})
 
     async def _take(self, window: Window, message: dict[str, Any]) -> None:
         """Do what a window says."""
@@ -221,32 +241,40 @@ class Designer:
         if wanted == "folder":
             self._hold(self._foldered(window, message))
             return
-        shared = self.workspace.text(window.file)
+        name = str(message["file"])
+        if wanted == "close":
+            window.files.discard(name)
+            return
+        shared = self.workspace.text(name)
         if wanted == "push":
             await self._pushed(window, shared, message)
         elif wanted == "ask":
             answer = {"is": "answer", "id": message["id"], **shared.answer(message)}
             await window.tell(answer)
         elif wanted == "save":
-            await self._saved(window, shared)
+            await self._saved(window, name, shared)
         elif wanted == "settle":
             before = shared.version
             shared.settle(mine=bool(message["mine"]))
-            await self._changed(window.file, shared, before, disk=True)
+            await self._changed(name, shared, before, disk=True)
         elif wanted == "start":
             self._started(window, shared, message)
 
     def _started(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
         """Begin long work beside the answering; the text is the one of now."""
         work, number = {**WORKS, **self.works}[message["what"]], int(message["id"])
-        job = Job(number, window.tell, self.workspace, self.downloads)
+        job = Job(number, window.tell, self.workspace, self.downloads, lambda: self.plants)
         window.jobs[number] = job
 
         async def run() -> None:
             await job.run(work, shared.session.copy(), message)
-            del window.jobs[number]
+            window.jobs.pop(number, None)
 
         self._hold(run())
+
+    def _on(self, name: str) -> list[Window]:
+        """Return the windows that have a file open."""
+        return [each for each in self.windows if name in each.files]
 
     def _hold(self, work: Coroutine[Any, Any, None]) -> None:
         """Run something beside the answering; a task that nobody holds may be dropped."""
@@ -266,15 +294,17 @@ class Designer:
                 found = self.workspace.answer(asked)
         except (FuzzyarmError, OSError) as error:
             found = {"error": in_words(error)}
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, ArithmeticError):
             found = {"error": "a question that is not understood"}
+        except Exception as error:  # the page waits for an answer
+            found = {"error": fault_words(error)}
         moved = [(old, new) for old, new in [found.get("renamed", ("", ""))] if old]
         moved += [(found["deleted"], "")] if "deleted" in found else []
         told = []
         for old, new in moved:
-            for each in [each for each in self.windows if each.file == old]:
-                each.file = new
-                told.append(each.tell({"is": "moved", "file": new}))
+            for each in self._on(old):
+                each.files = (each.files - {old}) | ({new} if new else set())
+                told.append(each.tell({"is": "moved", "file": old, "to": new}))
         await asyncio.gather(*told)
         await window.tell({"is": "answer", "id": asked.get("id"), **found})
 
@@ -288,14 +318,20 @@ class Designer:
 
     async def _opened(self, window: Window, message: dict[str, Any]) -> None:
         name = str(message["file"])
-        shared = self.workspace.text(name)
-        window.file = name
+        try:
+            shared = self.workspace.text(name)
+        except OutsideError:
+            if "text" not in message:
+                raise
+            shared = self.workspace.revived(name, str(message["text"]))
+        window.files.add(name)
         before = shared.version
         if message.get("epoch") == shared.epoch:  # the connection was lost, not the server
             missed = shared.since(int(message["version"]))
             if missed is not None:
-                again = {"is": "reopened", "version": message["version"], "updates": missed}
-                await window.tell({**again, "saved": shared.saved})
+                again = {"is": "reopened", "file": name, "version": message["version"]}
+                await window.tell({**again, "updates": missed, "saved": shared.saved})
+                await window.tell({"is": "status", "file": name, **shared.status})
                 self._check(name, shared)
                 return
         elif "text" in message:
@@ -314,23 +350,26 @@ class Designer:
         self._check(name, shared)
 
     async def _pushed(self, window: Window, shared: SharedText, message: dict[str, Any]) -> None:
-        version = int(message["version"])
+        version, name = int(message["version"]), str(message["file"])
         if shared.push(version, message["updates"]):
-            await self._changed(window.file, shared, version)
+            await self._changed(name, shared, version)
             return
         missed = shared.since(version)
         if missed is None:
-            await self._opened(window, {"file": window.file})
+            await self._opened(window, {"file": name})
         else:
-            await window.tell({"is": "updates", "version": version, "updates": missed})
+            late = {"is": "updates", "file": name, "version": version, "updates": missed}
+            await window.tell(late)
 
-    async def _saved(self, window: Window, shared: SharedText) -> None:
-        before = shared.version
+    async def _saved(self, window: Window, name: str, shared: SharedText) -> None:
+        before, wrong = shared.version, ""
         try:
             shared.save()
-        except ConflictError as error:
-            await window.tell({"is": "failed", "message": str(error)})
-        await self._changed(window.file, shared, before, disk=True)
+        except (FuzzyarmError, OSError) as error:
+            wrong = in_words(error)
+        await self._changed(name, shared, before, disk=True)
+        if wrong:  # last: the state of the file would take its place
+            await window.tell({"is": "failed", "file": name, "message": f"not saved: {wrong}"})
 
     async def _changed(
         self, name: str, shared: SharedText, before: int, *, disk: bool = False
@@ -343,9 +382,9 @@ class Designer:
         if updates:
             news.insert(0, {"is": "updates", "version": before, "updates": updates})
         shared.forget()
-        for window in [each for each in self.windows if each.file == name]:
+        for window in self._on(name):
             for each in news:
-                await window.tell(each)
+                await window.tell({**each, "file": name})
         if updates:
             self._check(name, shared)
 
@@ -361,12 +400,15 @@ class Designer:
             copy = shared.session.copy()
             copy.version = shared.version
             for question in (shared.findings, shared.scene):
-                message = await asyncio.to_thread(question, copy)
+                try:
+                    message = await asyncio.to_thread(question, copy)
+                except Exception as error:  # nobody else would say why nothing is drawn
+                    message = {"is": "failed", "message": fault_words(error)}
                 if copy.version != shared.version:
                     break
                 shared.session.adopt(copy)
-                for window in [each for each in self.windows if each.file == name]:
-                    await window.tell(message)
+                for window in self._on(name):
+                    await window.tell({**message, "file": name})
             if copy.version == shared.version:
                 return
 
@@ -374,11 +416,17 @@ class Designer:
         """Look at the open files now and then."""
         while True:
             await asyncio.sleep(LOOK_EVERY)
-            for name in {window.file for window in self.windows if window.file}:
-                shared = self.workspace.text(name)
-                before = shared.version
-                if shared.look():
+            for name in {name for window in self.windows for name in window.files}:
+                shared = self.workspace.opened(name)
+                before = shared.version if shared else 0
+                if shared and shared.look():
                     await self._changed(name, shared, before, disk=True)
+
+
+def _of_file(message: Any) -> dict[str, Any]:
+    """Return the beginning of an answer that says what fails, and of which file, if of one."""
+    of_one = isinstance(message, dict) and "file" in message
+    return {"is": "failed", **({"file": message["file"]} if of_one else {})}
 
 
 def _passed_on(window: Window, message: dict[str, Any]) -> None:
@@ -413,8 +461,7 @@ class Guarded:
         host = headers.get(b"host", b"").decode("latin-1")
         token = scope["path"].split("/")[1] if "/" in scope["path"] else ""
         names = {"127.0.0.1", "localhost", "::1"}
-        parts = urlsplit(f"//{host}")
-        if parts.hostname not in names or not secrets.compare_digest(
+        if _host_name(host) not in names or not secrets.compare_digest(
             token.encode(), self.token.encode()
         ):
             return False
@@ -422,6 +469,14 @@ class Guarded:
         if origin is None:
             return bool(scope["type"] == "http" and scope["method"] in {"GET", "HEAD"})
         return bool(origin.decode("latin-1") == f"http://{host}")
+
+
+def _host_name(host: str) -> str | None:
+    """Return the name in a `Host`; None where it is not one."""
+    try:
+        return urlsplit(f"//{host}").hostname
+    except ValueError:
+        return None
 
 
 def _with_headers(send: Send) -> Send:
@@ -463,8 +518,19 @@ def token_for(folder: Path) -> str:
     return hmac.new(secret, str(folder).encode(), hashlib.sha256).hexdigest()[:32]
 
 
+def _bound(listening: socket.socket, port: int | None, token: str) -> None:
+    """Bind to a port; by default to the one of the token, so that open pages find back."""
+    own = OWN_PORTS.start + int(hashlib.sha256(token.encode()).hexdigest(), 16) % len(OWN_PORTS)
+    try:
+        listening.bind(("127.0.0.1", own if port is None else port))
+    except OSError as error:
+        if port is not None:
+            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+        listening.bind(("127.0.0.1", 0))
+
+
 def serve(
-    path: Path, port: int, announce: Callable[[str], None], plants: Sequence[str] = ()
+    path: Path, port: int | None, announce: Callable[[str], None], plants: Sequence[str] = ()
 ) -> None:
     """Serve a folder or a file until it is interrupted.
 
@@ -472,8 +538,8 @@ def serve(
     ----------
     path : Path
         The folder or the file.
-    port : int
-        Where; 0 for any that is free.
+    port : int or None
+        Where; 0 for any that is free, None for the folder's own or, where that is taken, any.
     announce : callable
         Takes the address with its token, when it can be opened.
     plants : sequence of str, optional
@@ -497,16 +563,15 @@ def serve(
     token = token_for(path.resolve())
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as listening:
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            listening.bind(("127.0.0.1", port))
-        except OSError as error:
-            raise PortError(f"port {port} cannot be used: {error.strerror}") from None
+        _bound(listening, port, token)
         address = f"http://127.0.0.1:{listening.getsockname()[1]}/{token}/"
         config = uvicorn.Config(
             Designer(workspace, token, known).app(),
             log_level="error",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,
+            proxy_headers=False,  # nobody stands between
+            server_header=False,
             timeout_graceful_shutdown=1,
         )
         server = uvicorn.Server(config)

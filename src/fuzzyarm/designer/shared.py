@@ -2,36 +2,39 @@
 
 The text here is the one that counts. A window sends its changes with the version that they are
 made for; what is late is not taken, and the window puts it on top of what it missed. The file on
-disk is read again when somebody else has written it: other lines are merged, the same lines are
-a conflict, which is shown until a person decides. Nothing is overwritten in silence.
+disk is read again when somebody else has written it: other lines are merged; the same lines, or
+what cannot be read, are a conflict, which is shown until a person decides. A file that is gone is
+said to be. Nothing is overwritten in silence.
 """
 
 from __future__ import annotations
 
 import math
 import secrets
+from codecs import BOM_UTF8
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
+from fuzzyarm.designer.names import OutsideError, fault_words, in_words, is_inside
 from fuzzyarm.designer.scene import Positions, held_numbers, scene_of
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.language import read_text
 from fuzzyarm.language.queries import (
-    COLOURS,
+    Coloured,
     Edit,
     Reading,
-    RenameError,
     Reshaped,
-    ReshapeError,
     add_term,
     add_tuning,
     remove_term,
     rename_term,
     set_cell,
     set_gain,
+    set_kind,
     set_ranges,
     set_rule,
     set_shapes,
@@ -39,8 +42,10 @@ from fuzzyarm.language.queries import (
 )
 from fuzzyarm.lsp.session import UTF16, Session, to_place
 from fuzzyarm.model.rulebase import Shape
-from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.diagnostic import Span
 from fuzzyarm.text.files import stamp_of, write_atomically
+
+__all__ = ["ConflictError", "SharedText"]
 
 LONGEST_HISTORY = 2_000
 """Changes that are kept for windows that fell behind; an older window gets the whole text."""
@@ -50,7 +55,26 @@ DISK = "disk"
 
 
 class ConflictError(FuzzyarmError, ValueError):
-    """The file has changed on disk, in the same lines."""
+    """The file has changed on disk, in the same lines, or into something else than a text."""
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """What stands against the text here until a person decides.
+
+    Attributes
+    ----------
+    text : str or None
+        The other text; None where the file on disk cannot be read.
+    why : str
+        Why it cannot.
+    on_disk : bool
+        Whether it is what is on disk, and not what another window has had since a restart.
+    """
+
+    text: str | None
+    why: str = ""
+    on_disk: bool = True
 
 
 class SharedText:
@@ -60,6 +84,8 @@ class SharedText:
     ----------
     path : Path
         The file.
+    text : str, optional
+        What a window has of a file that is gone; else it is read.
 
     Attributes
     ----------
@@ -71,20 +97,27 @@ class SharedText:
         Which opening this is: versions of another one mean nothing.
     saved : str
         The text that is on disk, as far as is known.
-    conflict : str or None
-        What is on disk where it cannot be merged.
+    is_there : bool
+        Whether there is a file.
+    conflict : Conflict or None
+        What cannot be merged.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, text: str | None = None) -> None:
         self.path = path
         self.epoch = secrets.token_hex(8)
         self.version = 0
         self.updates: list[dict[str, Any]] = []
         self.stamp = stamp_of(path)
-        text = read_text(path)
+        self.mark = b""
+        self.is_there = text is None
+        if text is None:
+            text = read_text(path)
+            with path.open("rb") as file:
+                self.mark = BOM_UTF8 if file.read(3) == BOM_UTF8 else b""
         self.newline = "\r\n" if "\r\n" in text else "\n"
         self.saved = _unix(text)
-        self.conflict: str | None = None
+        self.conflict: Conflict | None = None
         self.session = Session(str(path), self.saved, 0)
 
     @property
@@ -94,10 +127,13 @@ class SharedText:
 
     @property
     def status(self) -> dict[str, Any]:
-        """Whether it is saved, and whether the file says something else."""
+        """Whether it is saved, and whether the file says something else, or is gone."""
         return {
-            "dirty": self.text != self.saved,
+            "dirty": not self.is_there or self.conflict is not None or self.text != self.saved,
+            "gone": not self.is_there,
             "conflict": self.conflict is not None,
+            "unreadable": self.conflict.why if self.conflict else "",
+            "elsewhere": self.conflict is not None and not self.conflict.on_disk,
             "version": self.version,
         }
 
@@ -139,7 +175,7 @@ class SharedText:
         if both is not None:
             self.replace(both, who)
         elif text != self.text:
-            self.conflict = self.text
+            self.conflict = Conflict(self.text, on_disk=self.text == self.saved)
             self.replace(text, who)
 
     # --- The file ---
@@ -147,39 +183,75 @@ class SharedText:
     def look(self) -> bool:
         """Read the file again if it has changed; return whether anything is to be told."""
         stamp = stamp_of(self.path)
-        if stamp is None or stamp == self.stamp:
+        if stamp == self.stamp:
             return False
-        try:
-            disk = _unix(read_text(self.path))
-        except (OSError, RuleBaseError):
-            return False
-        self.stamp = stamp
-        if disk == self.saved:
-            return False
-        both = merged(self.saved, self.text, disk)
+        before = self.is_there, self.conflict, self.saved, self.version
+        self.is_there = stamp is not None
+        if not self.is_there:
+            self.stamp = None
+            self._agree()
+        else:
+            try:
+                disk = self._on_disk()
+            except (OSError, FuzzyarmError) as error:  # and is looked at again
+                self.conflict = Conflict(None, in_words(error))
+            else:
+                self.stamp = stamp
+                self._take(disk)
+        return before != (self.is_there, self.conflict, self.saved, self.version)
+
+    def _on_disk(self) -> str:
+        """Read the file, unless it has become a link out of its folder."""
+        self._demand_inside()
+        return _unix(read_text(self.path))
+
+    def _demand_inside(self) -> None:
+        if not is_inside(self.path, self.path.parent):
+            raise OutsideError(f"'{self.path.name}' is a link out of the folder by now")
+
+    def _take(self, disk: str) -> None:
+        """Merge what is on disk now, or note the conflict."""
+        both = self.text if disk == self.saved else merged(self.saved, self.text, disk)
         if both is None:
-            self.conflict = disk
-            return True
-        self.saved, self.conflict = disk, None
+            self.conflict = Conflict(disk)
+            return
+        self.saved = disk
+        self._agree()
         self.replace(both, DISK)
-        return True
+
+    def _agree(self) -> None:
+        """Drop a conflict with the file, which has none any more."""
+        if self.conflict is not None and self.conflict.on_disk:
+            self.conflict = None
 
     def save(self) -> None:
-        """Write the file.
+        """Write the file; one that is gone is written anew.
 
         Raises
         ------
         ConflictError
-            If somebody else has written it, in the same lines.
+            If somebody else has written it, in the same lines, or it cannot be read.
+        OutsideError
+            If it has become a link out of its folder.
         OSError
             If it cannot be written.
         """
         self.look()
         if self.conflict is not None:
-            raise ConflictError("the file has changed on disk in the same lines")
+            why = self.conflict.why or "in the same lines"
+            raise ConflictError(f"the file has changed on disk: {why}")
+        self._write()
+
+    def _write(self) -> None:
+        self._demand_inside()
         content = self.text.replace("\n", self.newline)
-        write_atomically(self.path, content.encode("utf-8"))
-        self.saved, self.stamp = self.text, stamp_of(self.path)
+        try:
+            data = self.mark + content.encode("utf-8")
+        except UnicodeEncodeError as error:
+            line = content.count("\n", 0, error.start) + 1
+            raise ChangeError(f"line {line} has half of a character, which no file can") from None
+        write_atomically(self.path, data)
+        self.saved, self.stamp, self.is_there = self.text, stamp_of(self.path), True
 
     def move(self, path: Path) -> None:
         """Belong to another file from now on, to which this one has been renamed."""
@@ -187,12 +259,20 @@ class SharedText:
         self.session = Session(str(path), self.text, self.version)
 
     def settle(self, *, mine: bool) -> None:
-        """End a conflict: with the text here (the next save writes it), or with that on disk."""
-        disk, self.conflict = self.conflict, None
-        if disk is not None:
-            self.saved = disk
-            if not mine:
-                self.replace(disk, DISK)
+        """End a conflict with the text here, which the next save writes, or with the other.
+
+        A file that cannot be read has nothing to be taken: it is written over at once.
+        """
+        conflict = self.conflict
+        if conflict is None or (conflict.text is None and not mine):
+            return
+        if conflict.text is None:
+            self._write()
+        elif conflict.on_disk:
+            self.saved = conflict.text
+        self.conflict = None
+        if not mine and conflict.text is not None:
+            self.replace(conflict.text, DISK)
 
     # --- What a page is told ---
 
@@ -239,10 +319,12 @@ class SharedText:
             return {"error": "unknown question"}
         try:
             return question(self, asked)
-        except (RenameError, ReshapeError, ChangeError) as error:
+        except FuzzyarmError as error:
             return {"error": str(error)}
-        except (KeyError, TypeError, ValueError, IndexError):
+        except (KeyError, TypeError, ValueError, IndexError, ArithmeticError):
             return {"error": "a question that is not understood"}
+        except Exception as error:  # the page waits for an answer
+            return {"error": fault_words(error)}
 
     def _at(self, asked: dict[str, Any]) -> tuple[int, int]:
         line, unit = asked["at"]
@@ -316,8 +398,10 @@ class SharedText:
         return self._edits(set_shapes(self.session.reading, shapes))
 
     def _term(self, asked: dict[str, Any]) -> dict[str, Any]:
-        """Add a term, remove one, or give it another name."""
+        """Add a term, remove one, or give it another name or kind."""
         reading, variable, term = self.session.reading, str(asked["variable"]), str(asked["term"])
+        if "kind" in asked:
+            return self._edits(set_kind(reading, variable, term, str(asked["kind"])))
         if "shape" in asked:
             return self._edits(add_term(reading, variable, term, _shape(asked["shape"])))
         if "name" in asked:
@@ -428,10 +512,5 @@ def _unix(text: str) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _span(word: Any) -> Any:
-    from fuzzyarm.text.diagnostic import Span
-
+def _span(word: Coloured) -> Span:
     return Span(word.line, word.column, word.line, word.end)
-
-
-__all__ = ["COLOURS", "ConflictError", "SharedText"]

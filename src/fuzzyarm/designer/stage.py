@@ -10,7 +10,6 @@ from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import controller_on, site_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.loop.run import first_error, text_of
-from fuzzyarm.loop.words import PlantWords
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Address, Interface, Plant, PlantError, parameter
@@ -37,6 +36,7 @@ class Plants:
     """
 
     def __init__(self, own: tuple[str, ...] = ()) -> None:
+        self.own = own
         self.known: dict[str, Plant] = {name: made() for name, made in PLANTS.items()}
         self.known |= {name: find_plant(name) for name in own}
 
@@ -66,6 +66,11 @@ class Plants:
         ]
 
 
+def step_of(plant: str, port: str) -> str:
+    """Return the reference that a page offers for a port of a plant."""
+    return f"{port}=step:{STEPS.get(plant, 1):g}"
+
+
 def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     site = site_of(plant)
     try:
@@ -74,7 +79,7 @@ def _fit(controller: Controller, name: str, plant: Plant) -> dict[str, Any]:
     except SourceError as error:
         return {"why": str(error), "reference": "", "ports": []}
     label = site.interface.label
-    reference = "" if isinstance(plant, Arm) else f"{label(followed)}=step:{STEPS.get(name, 1):g}"
+    reference = "" if isinstance(plant, Arm) else step_of(name, label(followed))
     ports = [label(each) for each in (*site.interface.outputs, *site.interface.inputs)]
     return {"why": "", "reference": reference, "ports": ports}
 
@@ -260,28 +265,3 @@ PULLS: Mapping[str, Callable[[Scene, Interface, float, float], Loads]] = {
     "room": lambda _scene, interface, _x, y: _first(interface, y),
 }
 """What a pull does to each shipped plant."""
-
-
-def words_of(asked: Mapping[str, Any]) -> PlantWords:
-    """Return the words of an experiment that a page asks for; what it does not know is left out."""
-    given: dict[str, Any] = {}
-    for name in MANY:
-        given[name] = [str(word) for word in asked.get(name, ())]
-    if asked.get("duration"):
-        given["duration"] = str(asked["duration"])
-    if asked.get("seed") is not None:
-        given["seed"] = int(asked["seed"])
-    return PlantWords(interpolate=bool(asked.get("interpolate")), **given)
-
-
-MANY = (
-    "reference",
-    "connect",
-    "noise",
-    "quantise",
-    "sensor_delay",
-    "difference",
-    "actuator",
-    "disturb",
-)
-"""Words that may be given several times."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fuzzyarm.designer.exports import ExportRefusedError, making_of, model_of
+from fuzzyarm.designer.names import OutsideError
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import write
 from fuzzyarm.lsp.session import Session
@@ -23,6 +24,7 @@ from fuzzyarm.proof.tables import cell_errors, table_proof
 from fuzzyarm.show.compiled import fidelity_line, report_lines
 from fuzzyarm.table import Fidelity, LookupTable, measure_fidelity
 from fuzzyarm.table.compiler import evaluate
+from fuzzyarm.text.names import printable
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.jobs import Job
@@ -150,7 +152,12 @@ def _source_of(table: LookupTable, job: Job) -> tuple[RuleBase, str]:
     if not name:
         raise ExportRefusedError("the table does not say which file it was compiled from")
     try:
-        model = model_of(job.folder.session(name))
+        source = job.folder.session(name)
+    except OutsideError:
+        said = f"the table says that it comes from '{printable(name)}', which is not in this folder"
+        raise ExportRefusedError(said) from None
+    try:
+        model = model_of(source)
     except FuzzyarmError as error:
         raise ExportRefusedError(f"{name}, which it was compiled from: {error}") from None
     if not isinstance(model, RuleBase):

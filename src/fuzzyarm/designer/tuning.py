@@ -12,22 +12,31 @@ import math
 import os
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.designer.grounds import (
+    FieldError,
     GroundsError,
-    fitting_plants,
+    at_field,
+    check_words,
+    list_of,
     plant_named,
-    references_of,
+    plants_for,
     seconds_of,
+    trajectory_named,
     whole_of,
+    words_of,
 )
 from fuzzyarm.designer.jobs import Job
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
+from fuzzyarm.plant.trajectory import TRAJECTORIES
+from fuzzyarm.shipped_files import shipped_folder
 from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.files import confined
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -35,6 +44,7 @@ if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.tuning.design import Design
+    from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
 
 TELL_EVERY = 0.1
@@ -93,12 +103,14 @@ def tunable(session: Session, asked: dict[str, Any], job: Job) -> None:
         parameters, why = [each.name for each in Design(subject).parameters], ""
     except TuneError as error:
         parameters, why = [], str(error)
+    plants = plants_for(subject.model, job.plants) if isinstance(subject, ControllerText) else []
     job.tell({
         "loop": loop,
         "says": says_what_moves(subject),
         "parameters": parameters,
         "why": why,
-        "plants": fitting_plants(subject.model) if isinstance(subject, ControllerText) else [],
+        "plants": plants,
+        "trajectories": list(TRAJECTORIES),
         "samples": [] if loop else job.folder.listed(*SAMPLES),
         "methods": list(OPTIMISERS),
         "defaults": {**DEFAULTS, "cost": "rms" if loop else "rmse"},
@@ -110,10 +122,12 @@ class Order(NamedTuple):
 
     path: str
     text: str
-    plant: str
-    reference: str
-    seconds: float | None
-    data: str
+    words: dict[str, Any]
+    """Of the experiment: what the page said, by the names of the options."""
+    own: tuple[str, ...]
+    """Plants that were named on the command line."""
+    samples: dict[str, str]
+    """``data``, ``test`` and ``target`` for a rule base alone, where they are given."""
     given: dict[str, Any]
     """Arguments of `fuzzyarm.tuning.tune` as they are."""
 
@@ -126,35 +140,61 @@ def order_of(session: Session, asked: dict[str, Any], job: Job) -> Order:
     GroundsError
         If something is out of range, or would run a file.
     """
+    from fuzzyarm.tuning.cost import read_cost
+    from fuzzyarm.tuning.tune import read_tuning
+
     cost = str(asked.get("cost") or "").strip()
-    if ".py" in cost:
-        raise GroundsError("functions of files are a cost on the command line alone")
+    with at_field("cost"):
+        if ".py" in cost:
+            raise GroundsError("functions of files are a cost on the command line alone")
+        if cost and not asked.get("data"):
+            read_cost(cost)
     counts = {name: whole_of(asked, name, DEFAULTS[name], MOST_EVALS) for name in DEFAULTS}
     scenarios = whole_of(asked, "scenarios", 0, MOST_SCENARIOS) or None
     if counts["unseen"] > MOST_SCENARIOS:
         raise GroundsError(f"{counts['unseen']} unseen scenarios are out of range")
-    data = str(asked.get("data") or "")
-    if data:
-        if data not in job.folder.listed(*SAMPLES):
-            raise GroundsError(f"'{data}' is not a file of samples in this folder")
-        data = str(job.folder.beside(data, Path(data).suffix.lower()))
     lines = [line for line in str(asked.get("lines") or "").splitlines() if line.strip()]
+    with at_field("lines"):
+        read_tuning(lines)
+    with at_field("time"):
+        longest = _search_time(str(asked.get("time") or "").strip())
     given: dict[str, Any] = {
         "cost": cost or None,
         "scenarios": scenarios,
         "tuning": lines or None,
         "method": str(asked.get("method") or "nelder-mead"),
         "evals": counts["evals"],
-        "seconds": seconds_of(asked.get("time"), "a time") or math.inf,
+        "seconds": longest,
         "seed": counts["seed"],
         "digits": counts["digits"],
         "unseen": counts["unseen"],
         "linear": bool(asked.get("linear", True)),
         "over": "worst" if asked.get("over") == "worst" else "mean",
     }
-    seconds = seconds_of(asked.get("seconds"))
-    plant, reference = str(asked.get("plant") or ""), str(asked.get("reference") or "")
-    return Order(session.path, session.text, plant, reference, seconds, data, given)
+    words = {**asked, "seed": counts["seed"]}
+    own = job.plants.own
+    return Order(session.path, session.text, words, own, _samples_of(asked, job), given)
+
+
+def _search_time(text: str) -> float:
+    """Return how long may be searched, s."""
+    from fuzzyarm.loop.words import read_time
+
+    return read_time(text, "--time") if text else math.inf
+
+
+def _samples_of(asked: dict[str, Any], job: Job) -> dict[str, str]:
+    """Return the files of samples as they stand in the folder, and the column that is met."""
+    found = {}
+    for name in ("data", "test"):
+        file = str(asked.get(name) or "")
+        if not file:
+            continue
+        if file not in job.folder.listed(*SAMPLES):
+            raise GroundsError(f"'{file}' is not a file of samples in this folder")
+        found[name] = str(job.folder.beside(file, Path(file).suffix.lower()))
+    target = str(asked.get("target") or "").strip()
+    return {**found, "target": target} if target else found
 
 
 # --- Here: what a page hears ---
@@ -193,7 +233,7 @@ def _searched(order: Order, job: Job) -> dict[str, Any]:
             if "done" in said:
                 return said["done"]  # type: ignore[no-any-return]
             if "failed" in said:
-                raise TextError(said["failed"])
+                raise _failure(said["failed"], said.get("field", ""))
             job.tell(said)
     except (EOFError, OSError):
         raise TextError("the search has ended unexpectedly") from None
@@ -202,6 +242,10 @@ def _searched(order: Order, job: Job) -> dict[str, Any]:
         process.join(2.0)
         if process.is_alive():
             process.kill()
+
+
+def _failure(message: str, field: str) -> FuzzyarmError:
+    return FieldError(message, field=field) if field else TextError(message)
 
 
 def _take(files: list[dict[str, str]], session: Session, job: Job, *, replace: bool) -> None:
@@ -242,10 +286,15 @@ def search(pipe: Connection, order: Order) -> None:
     enough = threading.Event()
     threading.Thread(target=_listen, args=(pipe, enough), daemon=True).start()
     try:
-        pipe.send({"done": _tuned(pipe, order, enough)})
+        with confined(Path(order.path).parent, shipped_folder()):
+            pipe.send({"done": _tuned(pipe, order, enough)})
     except (FuzzyarmError, OSError) as error:
+        from fuzzyarm.loop.many import SweepError
+
+        # Whether a name varies is known when the first runs are drawn.
+        field = "vary" if isinstance(error, SweepError) else ""
         with contextlib.suppress(OSError):
-            pipe.send({"failed": str(error)})
+            pipe.send({"failed": str(error), "field": field})
     except Exception as error:
         with contextlib.suppress(OSError):
             pipe.send({"failed": f"a fault of the program: {error!r}"})
@@ -269,21 +318,48 @@ def prepared(order: Order) -> tuple[ControllerText | RuleBase, dict[str, Any]]:
         If something does not fit.
     """
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.loop.course import Options
-    from fuzzyarm.tuning.tune import read_tuning, stage_of
+    from fuzzyarm.tuning.tune import read_tuning
 
     subject = subject_of(order.path, order.text)
     given = dict(order.given)
     if isinstance(subject, ControllerText):
-        plant = plant_named(order.plant, subject.model)
-        references = references_of(order.reference)
-        options = Options(seed=given["seed"])
-        given["stage"] = stage_of(subject, plant, options, references, order.seconds)
+        given["stage"] = _stage(order, subject)
     else:
         given |= _samples(order, subject)
     lines = given["tuning"]
     given["tuning"] = None if lines is None else read_tuning(lines)
     return subject, given
+
+
+def _stage(order: Order, text: ControllerText) -> Stage:
+    """Return where a controller runs, in the words of the page."""
+    from fuzzyarm.designer.stage import Plants
+    from fuzzyarm.loop.sweep import read_range
+    from fuzzyarm.plant.driven_arm import Arm
+    from fuzzyarm.tuning.scenarios import Scenario
+    from fuzzyarm.tuning.tune import stage_of
+
+    asked = order.words
+    words = words_of(asked, Path(order.path).parent)
+    plant = plant_named(str(asked.get("plant") or ""), text.model, Plants(order.own))
+    check_words(words, plant)
+    with at_field("vary"):
+        vary = tuple(map(read_range, list_of(asked.get("vary"))))
+    plant = words.driven(plant)
+    stage = stage_of(
+        text,
+        plant,
+        words.options(plant),
+        words.signals() or None,
+        seconds_of(asked.get("seconds")),
+        words.connections(),
+        vary,
+        payload=float(bool(asked.get("payload", True))),
+    )
+    if not isinstance(plant, Arm) or not asked.get("trajectory"):
+        return stage
+    way = trajectory_named(str(asked["trajectory"]))
+    return replace(stage, first=(Scenario(way.name, way, stage.first[0].changes),))
 
 
 def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str, Any]:
@@ -304,16 +380,18 @@ def _samples(order: Order, rulebase: RuleBase) -> dict[str, Any]:
     """Return the samples for a rule base alone, its only output being what is to be met."""
     from fuzzyarm.learning.data import Columns, column_names, read_samples
 
-    if not order.data:
+    samples = order.samples
+    if "data" not in samples:
         raise TextError(
             f"'{rulebase.name}' is a rule base alone: nothing says what is good",
             hint="put samples into the folder, or tune the controller that uses it",
         )
     outputs = [each.name for each in rulebase.outputs]
-    known = len(outputs) == 1 and outputs[0] in column_names(order.data)
+    known = len(outputs) == 1 and outputs[0] in column_names(samples["data"])
     inputs = tuple(each.name for each in rulebase.inputs)
-    columns = Columns(outputs[0] if known else None, inputs)
-    return {"data": read_samples(order.data, columns), "scenarios": None}
+    columns = Columns(samples.get("target", outputs[0] if known else None), inputs)
+    read = {name: read_samples(samples[name], columns) for name in samples if name != "target"}
+    return {**read, "scenarios": None}
 
 
 class Teller:

@@ -433,7 +433,8 @@ class Course:
         noisy: list[float] = []
         for port, output in interface.outputs.items():
             sensor = known.get(port, Sensor())
-            delay = round(sensor.delay / self.motion.period)
+            # Beyond the end of the run it makes no difference, but takes room.
+            delay = min(round(sensor.delay / self.motion.period), self.steps)
             source = -1
             if sensor.difference is not None:
                 if not output.rate_of:

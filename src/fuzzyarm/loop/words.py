@@ -94,6 +94,18 @@ class PlantWords:
         """Return which names of the controller mean which ports of the plant."""
         return read_pairs(self.connect, "--connect", str)
 
+    def signals(self) -> dict[str, Signal]:
+        """Return the references that are said, by port.
+
+        Raises
+        ------
+        WordError
+            If a word is not understood.
+        PlantError
+            If there is no such signal.
+        """
+        return read_pairs(self.reference, "--reference", read_signal)
+
     def options(self, plant: Plant) -> Options:
         """Return sensors, disturbances and the rest of how to run.
 
@@ -132,7 +144,7 @@ class PlantWords:
             If there is no such port, signal or duration.
         """
         duration = read_time(self.duration, "--for") if self.duration is not None else None
-        references: dict[str, Signal] = read_pairs(self.reference, "--reference", read_signal)
+        references = self.signals()
         connect = self.connections()
         if self.step is not None:
             if references:

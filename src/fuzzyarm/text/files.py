@@ -1,12 +1,44 @@
-"""Files are replaced whole or not at all; whether one has changed on disk."""
+"""Files are replaced whole or not at all; whether one has changed on disk; which may be used."""
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import stat
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+
+from fuzzyarm.errors import FuzzyarmError
+
+_roots: list[Path] = []
+"""Folders of which this process may use files; all, where there are none here."""
+
+
+class OutsideFolderError(FuzzyarmError, ValueError):
+    """A text names a file that it may not use."""
+
+
+@contextlib.contextmanager
+def confined(*folders: str | Path) -> Iterator[None]:
+    """Have texts use only files below some folders, in all threads, as long as this lasts.
+
+    A process that takes texts from elsewhere is confined as a whole: what a text uses is read in
+    many places (checked, hovered over, run, tuned, exported), and none of them can forget it.
+    """
+    _roots[:] = [Path(folder).resolve() for folder in folders]
+    try:
+        yield
+    finally:
+        _roots.clear()
+
+
+def demand_allowed(path: str | Path) -> None:
+    """Raise `OutsideFolderError` where a file, or what a link leads to, may not be used."""
+    found = Path(path).resolve()
+    if _roots and not any(found.is_relative_to(root) for root in _roots):
+        raise OutsideFolderError("it is outside the folder that is open")
 
 
 def write_atomically(path: str | Path, content: str | bytes) -> None:

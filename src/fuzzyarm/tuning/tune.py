@@ -21,6 +21,7 @@ from fuzzyarm.learning.fit import linear_outputs
 from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import plant_motion
+from fuzzyarm.loop.sweep import Range
 from fuzzyarm.model.rulebase import RuleBase, Tuning
 from fuzzyarm.plant import find_plant
 from fuzzyarm.plant.driven_arm import Arm
@@ -249,8 +250,26 @@ def stage_of(
     references: Mapping[str, Signal] | None = None,
     duration: float | None = None,
     connect: Mapping[str, str] | None = None,
+    vary: Sequence[Range] = (),
+    payload: float = 1.0,
 ) -> Stage:
     """Return where a controller runs, if nothing else is said.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The controller.
+    on : Plant, Trajectory or str, optional
+        The plant; by default the shipped one that has its axes. A trajectory is of the arm,
+        which otherwise follows the two of the study.
+    options : Options
+        Sensors, seed and the rest of how to run.
+    references, duration, connect
+        See :func:`fuzzyarm.loop.simulate`; the arm has none of the first two.
+    vary : sequence of Range, optional
+        What differs from drawn scenario to drawn scenario.
+    payload : float, optional
+        What the arm carries, as a share of the load of the study.
 
     Raises
     ------
@@ -258,8 +277,8 @@ def stage_of(
         If no shipped plant has its axes.
     """
     if isinstance(on, Trajectory):
-        first = (Scenario(on.name, on, {"payload": 1.0}),)
-        return Stage(Arm(), first, options)
+        only = Scenario(on.name, on, arm_scenarios(payload)[0].changes)
+        return Stage(Arm(), (only,), options, tuple(vary), connect=connect)
     if on is None:
         site = site_by_axes(text.model)
         if site is None:
@@ -267,10 +286,11 @@ def stage_of(
         on = site.name
     plant = find_plant(on) if isinstance(on, str) else on
     if isinstance(plant, Arm):
-        return Stage(plant, arm_scenarios(), options)
+        first = arm_scenarios(payload)
+        return Stage(plant, first, options, tuple(vary), connect=connect)
     motion = plant_motion(controller_of(text), plant, references, duration, connect)
     first = (Scenario(motion.name, motion),)
-    return Stage(plant, first, options, (), references, duration, connect)
+    return Stage(plant, first, options, tuple(vary), references, duration, connect)
 
 
 class _Job(NamedTuple):

@@ -39,7 +39,7 @@ export function pane(kind, title) {
   const id = `title-${kind}`;
   const bar = el("div", { class: "bar" }, el("h2", { id, textContent: title }));
   const body = el("div", { class: "body" });
-  const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id }, bar, body);
+  const section = el("section", { class: `pane ${kind}`, "aria-labelledby": id, tabIndex: -1 }, bar, body);
   return { section, bar, body };
 }
 

@@ -15,11 +15,12 @@ const actions = {
   setCell: null,
   goTo: null,
 };
-frame(model, actions, listing.section, [
+const { root } = frame(model, actions, listing.section, [
   el("strong", { textContent: given.scene.name }),
   el("span", { id: "status", textContent: given.scene.description }),
   el("span", { class: "space" }),
   el("small", { textContent: S.madeBy(given.version) }),
 ]);
+document.body.append(root);
 model.show(given.scene);
 window.designer = { store: model };

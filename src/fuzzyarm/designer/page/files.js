@@ -140,7 +140,7 @@ function folderPane(store, hand) {
     event.preventDefault();
     names[Math.min(names.length - 1, Math.max(0, at + step))].focus();
   });
-  dropped(bring);
+  hand.onDrop(bring);
   store.on("view", () => {
     if (store.view === "files") ask({ what: "list" });
     else round++;
@@ -157,7 +157,7 @@ async function encoded(file) {
 }
 
 /** Take files that are dropped anywhere on the page. */
-function dropped(bring) {
+export function dropped(bring) {
   const shade = el("div", { class: "shade", hidden: true }, el("strong", { textContent: S.dropHere }));
   document.body.append(shade);
   const carries = (event) => event.dataTransfer?.types.includes("Files");

@@ -17,12 +17,15 @@ export const DESIGN = {
   panes: [termsPane, surfacePane, rulesPane, viewerPane],
 };
 
-/** Build the page around the text; `hand` says what a change in a picture does. */
+const DARK = "(prefers-color-scheme: dark)";
+
+/** Build what is around the text; `hand` says what a change in a picture does. `root` is to be shown. */
 export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
   const note = el("p", { class: "note" });
-  const views = shownViews.map(({ name, drawn, panes }) => {
+  const views = shownViews.map(({ name, title, drawn, panes }) => {
     const made = panes.map((make) => make(store, hand));
-    return el("div", { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true }, ...made);
+    const panel = shownViews.length > 1 ? { role: "tabpanel", "aria-label": title } : {};
+    return el("div", { class: `pictures view-${name}${drawn ? " drawn" : ""}`, id: `view-${name}`, hidden: true, ...panel }, ...made);
   });
   const area = el("div", { class: "area" }, note, ...views);
   const main = el("main", { class: "design" }, text, area);
@@ -32,7 +35,7 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     role: "tab", textContent: title, "aria-controls": `view-${name}`, onclick: () => turn(i),
   }));
   if (tabs.length > 1) header.lastChild.before(el("div", { role: "tablist", class: "tabs" }, ...tabs));
-  document.body.append(header, main);
+  const root = el("div", { class: "desk" }, header, main);
 
   function turn(to) {
     shown = to;
@@ -46,7 +49,23 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     store.emit("view");
   }
 
+  /** Go to the next pane, or with Shift to the one before: there are many stops of Tab between. */
+  function step(event) {
+    if (document.querySelector("dialog[open]")) return;
+    const panes = [...root.querySelectorAll(".pane")].filter((each) => each.offsetParent);
+    const at = panes.findIndex((each) => each.contains(document.activeElement));
+    const next = event.shiftKey ? Math.max(at, 0) - 1 : at + 1;
+    event.preventDefault();
+    panes.at(next % panes.length).focus();
+  }
+
   turn(0);
+  const gone = new AbortController();
+  window.addEventListener("keydown", (event) => {
+    if (event.key === "F6" && root.isConnected) step(event);
+  }, gone);
+  matchMedia(DARK).addEventListener("change", () => store.emit("theme"), gone);
+  store.on("closed", () => gone.abort());
   store.on("scene", () => {
     area.classList.remove("stale");
     turn(shown);
@@ -55,18 +74,20 @@ export function frame(store, hand, text, controls, shownViews = [DESIGN]) {
     note.textContent = store.why === "other" ? S.noRules : S.notDrawn;
     area.classList.add("stale"); // what is drawn is that of the last sound text
   });
-  return { turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
+  return { root, turn: (name) => turn(shownViews.findIndex((view) => view.name === name)) };
 }
 
 function themeButton(store) {
   const root = document.documentElement;
   const dark = () => (root.dataset.theme
-    ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches);
+    ? root.dataset.theme === "dark" : matchMedia(DARK).matches);
   const button = el("button", { title: S.theme, textContent: dark() ? S.light : S.dark });
   button.addEventListener("click", () => {
     root.dataset.theme = dark() ? "light" : "dark";
-    button.textContent = dark() ? S.light : S.dark;
     store.emit("theme");
+  });
+  store.on("theme", () => {
+    button.textContent = dark() ? S.light : S.dark;
   });
   return button;
 }

@@ -3,6 +3,7 @@
 import { clean, el, pane, heat, shortNumber, SHADES } from "./draw.js";
 import { drawChart, field, inks, number, refill, stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
+import { markField } from "./experiment.js";
 import { S } from "./strings.js";
 
 const ROOM = { left: 46, right: 10, top: 8, bottom: 34 };
@@ -71,7 +72,7 @@ function learnPanes(store, hand) {
     if (store.view !== LEARN.name || !stale) return;
     stale = false;
     hand.start("learnable", {}, (message) => {
-      if (message.end === "failed") said.textContent = clean(message.message);
+      if (message.end === "failed") said.textContent = clean(message.field ? "" : message.message);
       if (message.end) return;
       facts = message;
       refill(controller, facts.texts.map((each) => [each.name, each.name || S.thisText]));
@@ -102,6 +103,7 @@ function learnPanes(store, hand) {
     begin = news = cell = null;
     errors = [];
     said.textContent = S.preparing;
+    markField({ reference }, "");
     const mine = job = hand.start("learn", {
       controller: controller.value, plant: plant.value, trajectory: trajectory.value,
       payload: payload.checked, reference: reference.value.trim(), seconds: seconds.value,
@@ -115,7 +117,7 @@ function learnPanes(store, hand) {
   function hear(message) {
     if (message.end) {
       job = null;
-      if (message.end === "failed") said.textContent = clean(message.message);
+      if (message.end === "failed") said.textContent = clean(message.field ? "" : message.message);
     } else if (message.begin) {
       begin = message.begin;
       axis = 0;
@@ -127,6 +129,7 @@ function learnPanes(store, hand) {
     else if (message.exists) replace(message.exists);
     else if (message.mode) take(message);
     show();
+    if (message.end === "failed") markField({ reference }, message.field ?? "", message.message);
   }
 
   async function replace(existing) {

@@ -2,16 +2,13 @@
 
 import { stage as canvasStage } from "./charts.js";
 import { el, pane, shortNumber, colourOf, ticks, hue } from "./draw.js";
+import { experimentFields, markField, optionsOf, textField, wordsOf } from "./experiment.js";
 import { S } from "./strings.js";
 
 const SPEEDS = [0.2, 1, 5, 60, 600];
-const MORE = ["connect", "noise", "quantise", "sensor_delay", "difference", "actuator", "disturb"];
 const FIRST = ["rms", "max", "final", "chatter"];
 const LEGEND = 18; // above each panel, px
 const STEPS = 1000; // of a slider
-
-/** Words between blanks. */
-const wordsOf = (text) => text.trim().split(/\s+/).filter(Boolean);
 
 const lasting = (seconds) => (seconds <= 30 ? 1 : seconds <= 1000 ? 60 : 600);
 
@@ -25,7 +22,7 @@ function runView(store, hand) {
   const curves = curvePane(store);
   const gains = gainPane(hand, (values) => state.job?.say({ gains: values }));
   const metrics = metricPane();
-  const form = formPane(changed);
+  const form = formPane(hand, changed);
   const view = el("div", { class: "run" }, form.section, picture.section, curves.section, gains.section, metrics.section);
 
   form.start.addEventListener("click", start);
@@ -34,7 +31,9 @@ function runView(store, hand) {
   form.again.addEventListener("click", again);
   form.stop.addEventListener("click", () => state.job?.stop());
   form.speed.addEventListener("change", () => say({ speed: form.asked().speed }));
-  calm.addEventListener("change", () => say({ calm: calm.matches }));
+  const calmed = () => say({ calm: calm.matches });
+  calm.addEventListener("change", calmed);
+  store.on("closed", () => calm.removeEventListener("change", calmed));
   view.addEventListener("keydown", (event) => {
     if (event.key === " " && event.target === picture.canvas && state.job) {
       event.preventDefault();
@@ -117,6 +116,7 @@ function runView(store, hand) {
       Object.assign(state, { job: null, ready: null, paused: false });
       picture.close();
       if (news.end === "failed") form.note(news.message, true);
+      form.mark(news.field ?? "", news.message);
     } else HEARD[news.news]?.(news);
     if (news.end || news.news === "ready") form.running(state);
   }
@@ -130,6 +130,15 @@ function runView(store, hand) {
     describe();
   });
   store.on("view", describe);
+  let waits = false;
+  store.on("left", () => { // nobody watches it
+    waits = Boolean(state.job) && !state.paused && !state.over;
+    if (waits) say({ pause: true });
+  });
+  store.on("shown", () => {
+    if (waits && state.job) form.note(S.runWaits);
+    waits = false;
+  });
   form.running(state);
   return view;
 }
@@ -138,15 +147,12 @@ export const RUN = { name: "run", title: S.run, drawn: false, panes: [runView] }
 
 // --- What is to be run, and the buttons ---
 
-function formPane(changed) {
+function formPane(hand, changed) {
   const { section, bar, body } = pane("run-form", S.run);
   let plants = [];
   let direct = ""; // the controller that asks the text, where it is a rule base
   let touched = false; // by a hand: what it chose stays
-  const text = (label, hint, size) => {
-    const field = el("input", { type: "text", title: hint, size, spellcheck: false, autocomplete: "off", onchange: changed });
-    return { field, shown: el("label", { class: "small" }, label, field) };
-  };
+  const text = (label, hint, size) => textField(label, hint, size, changed);
   const plant = el("select", { onchange: () => chosen(true) });
   const reference = text(S.runReference, S.runReferenceHint, 22);
   const suggestions = el("datalist", { id: "run-signals" });
@@ -164,18 +170,17 @@ function formPane(changed) {
     button(S.runAgain, S.runAgainHint), button(S.runStop, S.runStopHint),
   ];
   start.classList.add("main");
+  start.disabled = true; // until it is known which plants there are
   const clock = el("output", { class: "clock", "aria-label": S.runTime });
   const said = el("p", { class: "said", role: "status" });
   const onArm = el("span", { class: "fields" },
     el("label", { class: "small" }, S.runTrajectory, trajectory), el("label", { class: "small" }, payload, S.runPayload));
   const elsewhere = el("span", { class: "fields" }, reference.shown, suggestions, duration.shown);
-  const more = Object.fromEntries(MORE.map((name) => [name, text(S.runMore[name], S.runMoreHint[name], 18)]));
+  const more = experimentFields(changed);
   const seed = text(S.runSeed, S.runSeedHint, 5);
-  const smooth = el("input", { type: "checkbox", onchange: changed });
   const line = el("code", { class: "command", tabIndex: 0 });
   const details = el("details", {}, el("summary", { textContent: S.runMoreTitle }),
-    el("div", { class: "fields" }, ...MORE.map((name) => more[name].shown), seed.shown,
-      el("label", { class: "small", title: S.runSmoothHint }, smooth, S.runSmooth)),
+    el("div", { class: "fields" }, ...more.shown, seed.shown),
     el("p", { class: "small" }, `${S.runSame} `, line));
   details.addEventListener("toggle", () => showLine());
   body.addEventListener("change", showLine);
@@ -203,6 +208,7 @@ function formPane(changed) {
     const before = JSON.stringify(plants);
     plants = news.plants;
     direct = news.direct;
+    start.disabled = false;
     if (JSON.stringify(plants) === before) return;
     const kept = touched && plants.some((each) => each.name === plant.value) ? plant.value : news.chosen || plants[0].name;
     plant.replaceChildren(...plants.map((each) => el("option", {
@@ -217,11 +223,10 @@ function formPane(changed) {
   }
 
   function asked() {
-    const found = { plant: plant.value, speed: speed.value === "" ? null : Number(speed.value), interpolate: smooth.checked };
+    const found = { plant: plant.value, speed: speed.value === "" ? null : Number(speed.value), ...more.asked() };
     if (plant.value === "arm") Object.assign(found, { trajectory: trajectory.value, payload: payload.checked });
     else Object.assign(found, { reference: wordsOf(reference.field.value), duration: duration.field.value.trim() });
-    for (const name of MORE) found[name] = wordsOf(more[name].field.value);
-    if (seed.field.value.trim()) found.seed = Number(seed.field.value);
+    if (seed.field.value.trim()) found.seed = seed.field.value.trim();
     return found;
   }
 
@@ -229,16 +234,12 @@ function formPane(changed) {
   function showLine() {
     if (!details.open) return;
     const want = asked();
-    const file = document.querySelector("header select")?.value ?? document.querySelector("header strong")?.textContent ?? "";
-    const words = ["fuzzyarm", "simulate", ...(direct ? [direct, "--rulebase", file] : [file])];
+    const words = ["fuzzyarm", "simulate", ...(direct ? [direct, "--rulebase", hand.file()] : [hand.file()])];
     if (want.plant !== "arm") words.push("--plant", want.plant);
-    const add = (option, values) => values.forEach((each) => words.push(option, each));
     if (want.trajectory) words.push("--trajectory", want.trajectory, ...(want.payload ? ["--payload"] : []));
-    add("--reference", want.reference ?? []);
+    words.push(...optionsOf(want));
     if (want.duration) words.push("--for", want.duration);
-    for (const name of MORE) add(`--${name.replace("_", "-")}`, want[name]);
     if (want.seed !== undefined) words.push("--seed", String(want.seed));
-    if (want.interpolate) words.push("--interpolate");
     line.textContent = words.map(quoted).join(" ");
   }
 
@@ -262,7 +263,8 @@ function formPane(changed) {
   }
 
   note("");
-  return { section, start, pause, step, again, stop, speed, offer, asked, note, running, time };
+  const mark = (name, message) => markField({ reference: reference.field, ...more.inputs }, name, message);
+  return { section, start, pause, step, again, stop, speed, offer, asked, note, mark, running, time };
 }
 
 // --- The plant ---

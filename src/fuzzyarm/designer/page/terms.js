@@ -4,8 +4,8 @@ import { el, svg, pane, hue, shortNumber, ticks, eachFrame } from "./draw.js";
 import { rangeOf, cornersOf, sidesOf, shapeKey, WIDTHS } from "./store.js";
 import { S } from "./strings.js";
 
-const HEIGHT = 98;
-const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 30, 17];
+const HEIGHT = 101;
+const [LEFT, RIGHT, TOP, BOTTOM] = [14, 14, 34, 17];
 const SMOOTH = 161;
 const LEAST_HEIGHT = 0.05;
 const DIAMOND = 5.5;
@@ -128,8 +128,8 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     const at = scale(variable);
     const parts = [];
     const role = v < store.scene.inputs.length ? S.inputs : S.outputs;
-    parts.push(svg("text", { x: 4, y: 12, class: "name" }, variable.name));
-    parts.push(svg("text", { x: at.width - 4, y: 12, "text-anchor": "end" }, role));
+    parts.push(svg("text", { x: 4, y: 10, class: "name" }, variable.name));
+    parts.push(svg("text", { x: at.width - 4, y: 10, "text-anchor": "end" }, role));
     parts.push(svg("line", { class: "axis", x1: LEFT, x2: at.width - RIGHT, y1: at.y(0), y2: at.y(0) }));
     for (const tick of ticks(at.low, at.high, at.width / 80)) {
       parts.push(svg("text", { x: at.x(tick), y: HEIGHT - 4, "text-anchor": "middle" }, shortNumber(tick)));
@@ -263,7 +263,8 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
     const { variable, term } = one;
     const parts = [el("strong", { textContent: `${variable.name} ${term.name}` })];
     for (const shape of sidesOf(term)) {
-      parts.push(el("span", { textContent: shape.side ? `${S.overShape} ${shape.kind}` : shape.kind }));
+      if (change && !shape.side && canChange(term)) parts.push(kindOf(variable, term));
+      else parts.push(el("span", { textContent: shape.side ? `${S.overShape} ${shape.kind}` : shape.kind }));
       if (term.kind !== "formula" && term.kind !== "linear") parts.push(...fieldsOf(variable, term, shape));
     }
     if (change) {
@@ -275,7 +276,26 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
         button(S.range, () => stretch(variable)),
       );
     }
+    const onKind = document.activeElement?.closest(".details .kind");
     details.replaceChildren(...parts);
+    if (onKind) details.querySelector(".kind")?.focus(); // a kind after the other by the arrow keys
+  }
+
+  /** Whether the term has a place that another kind can take: a shape, or a number of an output. */
+  const canChange = (term) => store.scene.kinds && !["formula", "linear"].includes(term.kind);
+
+  /** Choose the kind of the shape; the text keeps place and width as far as the kinds allow. */
+  function kindOf(variable, term) {
+    const kinds = store.scene.kinds.includes(term.kind) ? store.scene.kinds : [term.kind, ...store.scene.kinds];
+    const select = el("select", {
+      class: "kind", title: S.kindHint, "aria-label": S.kindOf(variable.name, term.name),
+      onchange: async () => {
+        const taken = await change("term", { variable: variable.name, term: term.name, kind: select.value });
+        if (!taken) select.value = term.kind; // the status says why
+      },
+    }, ...kinds.map((kind) => el("option", { value: kind, textContent: kind })));
+    select.value = term.kind;
+    return select;
   }
 
   function fieldsOf(variable, term, shape) {

@@ -269,9 +269,7 @@ export function textPane(link, nonce) {
     question,
     sent,
     replace,
-    drop() {
-      epoch = "";
-    },
+    close: () => view.destroy(),
     open,
     receive,
     show,

@@ -3,6 +3,7 @@
 import { clean, el, pane, shortNumber } from "./draw.js";
 import { drawChart, field, number, refill, stage } from "./charts.js";
 import { confirm } from "./dialogs.js";
+import { experimentFields, markField, wordsOf } from "./experiment.js";
 import { S } from "./strings.js";
 
 const MOST_ROWS = 120; // of numbers that move
@@ -38,29 +39,45 @@ function tunePanes(store, hand) {
   const over = el("select");
   refill(over, [["mean", S.mean], ["worst", S.worst]]);
   const linear = el("input", { type: "checkbox", checked: true });
+  const trajectory = el("select");
+  const payload = el("input", { type: "checkbox", checked: true });
+  const test = el("select");
+  const target = el("input", { type: "text", size: 10, spellcheck: false, placeholder: S.usual });
+  const vary = el("input", { type: "text", size: 18, spellcheck: false, autocomplete: "off" });
+  const longest = el("input", { type: "text", size: 7, spellcheck: false, placeholder: S.noLimit });
+  const digits = number(3, 1, 12);
+  const experiment = experimentFields();
   const lines = el("textarea", { rows: 2, cols: 34, spellcheck: false, placeholder: S.linesExample });
+  const onArm = [
+    field(S.trajectory, trajectory), el("label", { class: "check" }, payload, S.payload),
+  ];
+  const elsewhere = [field(S.reference, reference, S.referenceHint), field(S.seconds, seconds)];
   const inLoop = [
-    field(S.plant, plant), field(S.reference, reference, S.referenceHint), field(S.seconds, seconds),
-    field(S.scenarios, scenarios, S.scenariosHint), field(S.overScenarios, over),
+    field(S.plant, plant), ...elsewhere, ...onArm,
+    field(S.scenarios, scenarios, S.scenariosHint), field(S.vary, vary, S.varyHint), field(S.overScenarios, over),
     el("label", { class: "check", title: S.linearHint }, linear, S.linear),
   ];
-  const onSamples = [field(S.samples, data)];
+  const onSamples = [field(S.samples, data), field(S.testedOn, test, S.testedOnHint), field(S.target, target, S.targetHint)];
+  const inputs = { ...experiment.inputs, reference, cost, vary, lines, time: longest };
   const fields = el("div", { class: "fields" },
-    ...inLoop.slice(0, 3), ...onSamples, field(S.cost, cost, S.costHint), ...inLoop.slice(3),
-    field(S.evals, evals), field(S.unseen, unseen, S.unseenHint), field(S.seed, seed), field(S.method, method),
-    field(S.lines, lines, S.linesHint));
+    ...inLoop.slice(0, 5), ...onSamples, field(S.cost, cost, S.costHint), ...inLoop.slice(5),
+    field(S.evals, evals), field(S.longest, longest, S.longestHint), field(S.unseen, unseen, S.unseenHint),
+    field(S.seed, seed), field(S.digits, digits, S.digitsHint), field(S.method, method), field(S.lines, lines, S.linesHint));
+  const more = el("details", { class: "experiment" }, el("summary", { textContent: S.runMoreTitle }),
+    el("div", { class: "fields" }, ...experiment.shown));
   const start = el("button", { class: "main", textContent: S.start, onclick: () => begin() });
   const stop = el("button", { textContent: S.stopAndKeep, disabled: true, onclick: () => enough() });
   const insert = el("button", { textContent: S.insertTune, hidden: true, onclick: () => hand.change("movable", {}) });
   const says = el("span", { class: "says" });
   const said = el("p", { class: "said", role: "status" });
   const actions = el("div", { class: "actions" }, start, stop, says, insert);
-  top.body.append(fields, actions, said);
+  top.body.append(fields, more, actions, said);
 
   function fit() {
     const isArm = facts?.loop && plant.value === "arm";
-    for (const each of inLoop) each.hidden = !facts?.loop;
-    for (const each of inLoop.slice(1, 3)) each.hidden = !facts?.loop || isArm;
+    for (const each of [...inLoop, more]) each.hidden = !facts?.loop;
+    for (const each of elsewhere) each.hidden = !facts?.loop || isArm;
+    for (const each of onArm) each.hidden = !isArm;
     for (const each of onSamples) each.hidden = !facts || facts.loop;
     reference.placeholder = facts?.plants.find((each) => each.name === plant.value)?.reference ?? "";
   }
@@ -78,8 +95,10 @@ function tunePanes(store, hand) {
       if (message.end) return;
       const first = !facts;
       facts = message;
-      refill(plant, facts.plants.map((each) => [each.name, each.name]));
+      refill(plant, facts.plants.map((each) => [each.name, each.fits ? each.name : S.needsConnect(each.name)]));
+      refill(trajectory, [["", S.asTheStudy], ...facts.trajectories.map((each) => [each, each])]);
       refill(data, facts.samples.map((each) => [each, each]));
+      refill(test, [["", S.fifth], ...facts.samples.map((each) => [each, each])]);
       refill(method, facts.methods.map((each) => [each, each]));
       if (first) cost.placeholder = facts.defaults.cost;
       says.textContent = clean(S.whatMoves(facts));
@@ -100,10 +119,14 @@ function tunePanes(store, hand) {
     running = true;
     ending = false;
     said.textContent = S.preparing;
+    markField(inputs, "");
+    const isArm = plant.value === "arm";
+    const where = !facts?.loop ? { data: data.value, test: test.value, target: target.value }
+      : isArm ? { trajectory: trajectory.value, payload: payload.checked }
+      : { reference: wordsOf(reference.value), seconds: seconds.value };
     const mine = job = hand.start("tune", {
-      plant: facts?.loop ? plant.value : "", reference: plant.value === "arm" ? "" : reference.value.trim(),
-      seconds: plant.value === "arm" ? "" : seconds.value, data: facts?.loop ? "" : data.value,
-      cost: cost.value.trim(), scenarios: facts?.loop ? scenarios.value : "", evals: evals.value,
+      ...where, ...(facts?.loop ? { plant: plant.value, vary: wordsOf(vary.value), ...experiment.asked() } : {}),
+      time: longest.value.trim(), digits: digits.value, cost: cost.value.trim(), scenarios: facts?.loop ? scenarios.value : "", evals: evals.value,
       unseen: unseen.value, seed: seed.value, method: method.value, over: over.value,
       linear: linear.checked, lines: lines.value,
     }, (message) => {
@@ -123,7 +146,7 @@ function tunePanes(store, hand) {
     if (message.end) {
       job = null;
       running = false;
-      if (message.end === "failed") said.textContent = clean(message.message);
+      if (message.end === "failed") said.textContent = clean(message.field ? "" : message.message);
       ask();
     } else if (message.moving) moving = message.moving;
     else if (message.phase) take(message);
@@ -136,6 +159,7 @@ function tunePanes(store, hand) {
     else if (message.untaken) said.textContent = clean(message.untaken);
     else if (message.taken) edit(message.taken);
     show();
+    if (message.end === "failed") markField(inputs, message.field ?? "", message.message);
   }
 
   let told = 0;
@@ -165,7 +189,9 @@ function tunePanes(store, hand) {
   function show() {
     start.disabled = running || !facts || (facts.loop ? !facts.plants.length : !facts.samples.length);
     stop.disabled = !running || ending;
-    for (const input of fields.querySelectorAll("input, select, textarea")) input.disabled = running;
+    for (const form of [fields, more]) {
+      for (const input of form.querySelectorAll("input, select, textarea")) input.disabled = running;
+    }
     counted.textContent = clean(state ? S.searchState(costs.search.length, state.best, state.seconds) : "");
     curve.canvas.setAttribute("aria-label", clean(S.costLabel(costs.search.length, state?.best ?? null)));
     curve.redraw();

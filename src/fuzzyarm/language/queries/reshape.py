@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -22,6 +23,7 @@ from fuzzyarm.language.statements import (
 from fuzzyarm.language.tokens import Figure, Word, name_text
 from fuzzyarm.language.tune import TuneItem, TuneNode
 from fuzzyarm.language.writer import tuning_node
+from fuzzyarm.model.alike import UnlikeError, alike
 from fuzzyarm.model.rulebase import PeakTuning, Shape, Tuning
 from fuzzyarm.text.diagnostic import Span
 
@@ -71,6 +73,49 @@ def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Sha
         line = _line_behind_family(reading, variable, term)
         behind.setdefault(line, []).append(_term_text(variable, term, shape, lower))
     edits += [_behind(reading, line, added) for line, added in behind.items()]
+    return edits
+
+
+def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit]:
+    """Return the edits that give a term the kind of another shape, at the same place.
+
+    Parameters
+    ----------
+    reading : Reading
+        The text.
+    variable, term : str
+        Which term; of an interval type-2 one both shapes change.
+    kind : str
+        See :func:`fuzzyarm.model.alike.alike`, which says what of the shape is kept.
+
+    Raises
+    ------
+    ReshapeError
+        If the text declares no such term, the shape has nothing of the kind, or the text would
+        have a mistake with it.
+    """
+    declared = _declaration(reading, variable)
+    model = reading.model.variable(variable)
+    found = model.term(term) if any(each.name == term for each in model.terms) else None
+    if found is None:
+        raise ReshapeError(f"the text declares no term '{term}' of '{variable}'")
+    low, high = model.low, model.high
+    if not math.isfinite(high - low):
+        raise ReshapeError(f"'{variable}' has no range to measure its terms by", hint="give it one")
+    width = (high - low) / (len(model.terms) + 1)
+    sides = [found.shape] if found.lower is None else [found.shape, found.lower]
+    try:
+        made = [alike(each, kind, low, high, width) for each in sides]
+    except UnlikeError as error:
+        raise ReshapeError(error.message, hint=error.hint) from error
+    edits = set_shapes(reading, [Reshaped(variable, term, made[0], made[1] if made[1:] else None)])
+    parsed = read(apply_edits(reading.text, edits), reading.path).parsed
+    before = sum(each.is_error for each in reading.parsed.diagnostics)
+    wrong = [each for each in parsed.diagnostics if each.is_error]
+    if len(wrong) > before:
+        line = declared.span.line
+        first = next((each for each in wrong if each.span.line >= line), wrong[0])
+        raise ReshapeError(f"as '{kind}': {first.message}", hint=first.hint)
     return edits
 
 
