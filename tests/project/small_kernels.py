@@ -1,4 +1,4 @@
-"""The smallest kernels that are kept as programs are: by address, with bindings, by numba itself."""
+"""The smallest kernels that are kept as programs are: by address, bound, by numba itself."""
 
 from __future__ import annotations
 

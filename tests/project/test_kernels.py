@@ -21,7 +21,6 @@ from small_kernels import added, called_by_address, doubled, tripled_all
 from fuzzyarm import kernels, machine_code
 from fuzzyarm.kernels import address_of, build, in_threads, jit_wanted, kernel, routine
 
-
 SMALL_KERNELS = str(Path(__file__).parent)
 """Where a process of its own finds `small_kernels`."""
 
