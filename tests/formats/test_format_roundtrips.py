@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from strategies import input_points, plain_mamdani, rulebases
@@ -38,7 +39,7 @@ FILES = sorted(DATA.glob("*.f??"))
 VALUES = ("singleton", "linear", "formula")
 
 slow_draws = settings(
-    max_examples=60,
+    max_examples=cases(25, 60),
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
 )

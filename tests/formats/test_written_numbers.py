@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from strategies import odd_text, rulebases
@@ -216,7 +217,7 @@ def with_names(
     )
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=cases(15, 40), deadline=None, suppress_health_check=list(HealthCheck))
 @given(oddly_named())
 def test_whatever_is_written_is_read_back(rulebase: RuleBase) -> None:
     for suffix, program in TARGETS:
