@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import budget
 import pytest
 from hypothesis import settings
 
@@ -21,6 +22,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="rewrite golden files with what the code prints now",
     )
+    parser.addoption(
+        "--thorough", action="store_true", help="take all random cases, not the first ones"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Say how many cases are wanted, before modules with settings are imported."""
+    budget.take_all(bool(config.getoption("--thorough")))
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

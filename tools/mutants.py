@@ -34,7 +34,10 @@ _FORMATS = [
     "orders_of_numbers", "format_readers", "fis_of_others", "format_references",
     "format_roundtrips",
 ]  # fmt: skip
+_KERNELS = ["tests/project/test_kernels.py", "tests/project/test_compilers.py"]
 TESTS = {
+    "machine_code.py": _KERNELS,
+    "kernels.py": _KERNELS,
     "expression/norms.py": [f"tests/expression/test_{each}.py" for each in _DEFINITIONS],
     "expression/formulas.py": ["tests/expression/test_formulas.py"],
     "expression/": ["tests/expression"],

@@ -414,7 +414,7 @@ def _environment() -> dict[str, str]:
 
 
 def _read_tail(stream: IO[bytes], tail: bytearray) -> None:
-    with suppress(OSError, ValueError):
+    with suppress(OSError, ValueError), stream:
         while part := stream.read1(65536):  # type: ignore[attr-defined]
             tail += part
             del tail[:-_LAST_WORDS]

@@ -124,7 +124,8 @@ def run_all(monkeypatch, make_stdout, make_stderr=None):
             try:
                 status = main(words)
             finally:
-                for stream in streams.values():
+                # Where there was no stream, the program has opened one for itself.
+                for stream in (*streams.values(), sys.stdout, sys.stderr):
                     if stream is not None:
                         forget(stream)
             statuses[tuple(words)] = status

@@ -308,10 +308,10 @@ def test_scripts_large_files_and_other_things_are_not_imported():
         ("x", b"", "not converted"),
         ("x.fis", b"[System]\n" + b" " * LARGEST_IMPORT, "at most"),
         ("x.fis", b"\0\1\2", "not a text file"),
-        ("x.fll", b"nothing of the kind", ""),
-        ("x.json", b"[]", ""),
-        ("x.npz", b"PK\3\4", ""),
-        ("x.frb", b"\xff\xfe\xfa", ""),
+        ("x.fll", b"nothing of the kind", "not of the form 'key: value'"),
+        ("x.json", b"[]", "not a lookup table"),
+        ("x.npz", b"PK\3\4", "not an archive"),
+        ("x.frb", b"\xff\xfe\xfa", "not UTF-8"),
     ):
         with pytest.raises(fuzzyarm.FuzzyarmError, match=words):
             converted_file(name, data)

@@ -1,6 +1,8 @@
-"""Run what a page shows, in one process for each page: `python run_page.py` with steps on stdin.
+"""Run what pages show: `python run_page.py`, with a line of JSON for each page on stdin.
 
-A page of ten commands would otherwise start Python, NumPy and numba ten times.
+A line has the steps, the folder and the file for the results; a line of status answers it. Each
+page has a process of its own, forked from this one, which has imported what takes long: every
+page, and every command of it, would otherwise import NumPy, numba and matplotlib anew.
 """
 
 from __future__ import annotations
@@ -11,9 +13,11 @@ import io
 import json
 import os
 import shlex
+import subprocess
 import sys
 import time
 import traceback
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -61,12 +65,49 @@ def run_session(text: str, names: dict[str, Any]) -> tuple[int, str, str]:
     return int(failed > 0), "", out.getvalue()
 
 
+HEAVY = ("numba", "scipy.optimize", "matplotlib.figure", "rich.console", "fuzzyarm.cli.main")
+
+
 def main() -> None:
-    """Run the steps on the standard input; write what came of each to the standard output."""
-    sys.path.insert(0, os.getcwd())
+    """Run each page that the standard input names."""
+    if hasattr(os, "fork"):
+        for name in HEAVY:
+            import_module(name)
+    for line in sys.stdin:
+        steps, folder, target = json.loads(line)
+        sys.stdout.write(f"{run_apart(steps, folder, target)}\n")
+        sys.stdout.flush()
+
+
+def run_apart(steps: list[list[str]], folder: str, target: str) -> int:
+    """Run a page in a process of its own; return its exit status."""
+    if not hasattr(os, "fork"):
+        code = f"import run_page; run_page.run_page({steps!r}, {folder!r}, {target!r})"
+        path = os.pathsep.join([os.path.dirname(__file__), os.environ.get("PYTHONPATH", "")])
+        environment = {**os.environ, "PYTHONPATH": path}
+        return subprocess.run([sys.executable, "-c", code], env=environment, check=False).returncode
+    child = os.fork()
+    if child:
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    status = 1
+    try:
+        os.dup2(2, 1)  # whatever writes past the streams of Python is no answer
+        run_page(steps, folder, target)
+        status = 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stderr.flush()
+        os._exit(status)
+
+
+def run_page(steps: list[list[str]], folder: str, target: str) -> None:
+    """Run the steps of a page in a folder; write what came of each to a file."""
+    os.chdir(folder)
+    sys.path.insert(0, folder)
     session: dict[str, Any] = {"__name__": "__main__"}
     results = []
-    for kind, text, path in json.load(sys.stdin):
+    for kind, text, path in steps:
         began = time.perf_counter()
         if kind == "file":
             Path(path).parent.mkdir(parents=True, exist_ok=True)
@@ -79,7 +120,7 @@ def main() -> None:
         else:
             result = run_python(text)
         results.append([*result, time.perf_counter() - began])
-    json.dump(results, sys.stdout)
+    Path(target).write_text(json.dumps(results), "utf-8")
 
 
 if __name__ == "__main__":

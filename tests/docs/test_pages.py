@@ -110,16 +110,27 @@ def workplace(tmp_path):
     return tmp_path
 
 
-def run_all(steps, cwd):
-    """Return (status, output, errors, seconds) of each step."""
+@pytest.fixture(scope="module")
+def runner(tmp_path_factory):
+    """What runs pages, and the file of what they say past the streams of Python."""
     environment = {**os.environ, "COLUMNS": "80", "NO_COLOR": "1"}
-    done = subprocess.run(
-        [sys.executable, str(RUNNER)],
-        input=json.dumps([step[:3] for step in steps]),
-        cwd=cwd, env=environment, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    said = tmp_path_factory.mktemp("pages") / "said.txt"
+    with said.open("w", encoding="utf-8") as errors:
+        process = subprocess.Popen(
+            [sys.executable, str(RUNNER)], env=environment, text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors,
+        )  # fmt: skip
+        yield process, said
+        process.communicate()
+
+
+def run_all(runner, steps, folder, target):
+    """Return (status, output, errors, seconds) of each step."""
+    process, said = runner
+    process.stdin.write(json.dumps([[step[:3] for step in steps], str(folder), str(target)]) + "\n")
+    process.stdin.flush()
+    assert process.stdout.readline() == "0\n", said.read_text("utf-8")
+    return json.loads(target.read_text("utf-8"))
 
 
 def faults(steps, results):
@@ -141,7 +152,7 @@ def test_pages_that_are_run_elsewhere_are():
 
 
 @pytest.mark.parametrize("page", [p for p in PAGES if p.name not in ELSEWHERE], ids=page_id)
-def test_every_block_does_what_the_page_shows(page, workplace, update_golden):
+def test_every_block_does_what_the_page_shows(page, workplace, runner, update_golden):
     steps = steps_of(page)
     targets = re.findall(r"(?m)^(\w+):", (ROOT / "Makefile").read_text("utf-8"))
     made = [step for step in steps if step.text.startswith("make ")]
@@ -150,7 +161,7 @@ def test_every_block_does_what_the_page_shows(page, workplace, update_golden):
     assert all(step.text.startswith("fuzzyarm ") for step in steps if step.kind == "command")
     if all(step.kind == "file" for step in steps):
         return
-    results = run_all(steps, workplace)
+    results = run_all(runner, steps, workplace, workplace.with_suffix(".json"))
     if os.environ.get("PAGE_TIMES"):
         for step, result in zip(steps, results, strict=True):
             sys.stderr.write(f"{result[-1]:8.2f} s  {step.text.splitlines()[0]}\n")

@@ -7,6 +7,7 @@ import random
 from pathlib import Path
 
 import pytest
+from budget import cases
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mutation import mutated
@@ -38,8 +39,8 @@ def check(text: str, suffix: str) -> bool:
 @pytest.mark.parametrize("path", OWN, ids=lambda path: path.name)
 def test_damage_to_our_files(path: Path) -> None:
     others = list(OWN.values())
-    survived = 0
-    for seed in range(2_500):
+    survived, count = 0, cases(400, 2_500)
+    for seed in range(count):
         random_ = random.Random(f"{path.name} {seed}")
         text = mutated(OWN[path], others, random_)
         if check(text, path.suffix):
@@ -49,7 +50,7 @@ def test_damage_to_our_files(path: Path) -> None:
                 assert rulebase is not None
                 for suffix in FOREIGN:
                     write(rulebase, suffix, lossy=True)
-    assert survived > 50  # or the damage would never get behind the first check
+    assert survived > count // 50  # or the damage would never get behind the first check
 
 
 @pytest.mark.slow
@@ -61,7 +62,7 @@ def test_damage_to_other_peoples_files() -> None:
         if path.suffix in FOREIGN and path.stat().st_size < 4_000
     }
     paths, others = list(texts), list(texts.values())
-    for seed in range(3_000):
+    for seed in range(cases(600, 3_000)):
         random_ = random.Random(seed)
         path = paths[seed % len(paths)]
         check(mutated(texts[path], others, random_), path.suffix)

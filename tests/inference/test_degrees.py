@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -166,7 +167,7 @@ def test_a_hyperbola_ends_at_one() -> None:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=100)
+@settings(slow_draws, max_examples=cases(40, 100))
 @given(st.data())
 def test_a_value_does_not_depend_on_the_other_points(data: st.DataObject) -> None:
     rulebase = data.draw(st.one_of(rulebases(), plain_mamdani(kinds=STRAIGHT + SMOOTH)))

@@ -10,6 +10,7 @@ import sys
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -34,7 +35,7 @@ def tolerance(output: Output) -> float:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=120)
+@settings(slow_draws, max_examples=cases(40, 120))
 @given(st.data())
 def test_one_point_at_a_time_equals_arrays(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())
@@ -61,7 +62,7 @@ def test_one_point_at_a_time_equals_arrays(data: st.DataObject) -> None:
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=60)
+@settings(slow_draws, max_examples=cases(25, 60))
 @given(st.data())
 def test_outputs_of_sets_stay_in_their_range(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())
@@ -79,7 +80,7 @@ def test_outputs_of_sets_stay_in_their_range(data: st.DataObject) -> None:
         assert (values <= output.high).all()
 
 
-@settings(slow_draws, max_examples=60)
+@settings(slow_draws, max_examples=cases(25, 60))
 @given(st.data())
 def test_the_order_of_rules_changes_nothing(data: st.DataObject) -> None:
     rulebase = data.draw(
@@ -299,7 +300,7 @@ rule if a is not S and a is G then u is L
 
 
 @pytest.mark.slow
-@settings(slow_draws, max_examples=60)
+@settings(slow_draws, max_examples=cases(25, 60))
 @given(st.data())
 def test_an_open_mesh_equals_its_full_grid(data: st.DataObject) -> None:
     """Rules on some of the inputs have strengths of smaller shapes than the mesh."""

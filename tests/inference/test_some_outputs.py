@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from budget import cases
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -68,7 +69,7 @@ def test_what_is_missing_or_unknown_is_named() -> None:
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=80, suppress_health_check=list(HealthCheck))
+@settings(deadline=None, max_examples=cases(30, 80), suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_any_part_gives_the_numbers_of_the_whole(data: st.DataObject) -> None:
     rulebase = data.draw(rulebases())

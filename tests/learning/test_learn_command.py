@@ -68,7 +68,8 @@ def test_learn_draws_what_was_learned_and_how_it_grew(capsys, tmp_path, monkeypa
     text = figure.read_text("utf-8")
     for part in ("joint1, after pass 2", "joint2, after pass 2", "RMS error", "hatched: never"):
         assert part in text
-    assert Image.open(film).n_frames == 3
+    with Image.open(film) as frames:
+        assert frames.n_frames == 3
 
 
 def test_a_figure_of_a_training_hatches_what_was_never_used():

@@ -16,19 +16,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from small_kernels import added, called_by_address, doubled, tripled_all
 
 from fuzzyarm import kernels, machine_code
-from fuzzyarm.kernels import address_of, build, call, in_threads, jit_wanted, kernel, routine
+from fuzzyarm.kernels import address_of, build, in_threads, jit_wanted, kernel, routine
 
-
-@kernel
-def doubled(x):
-    return 2.0 * x
-
-
-@kernel
-def added(x, y):
-    return doubled(x) + y
+SMALL_KERNELS = str(Path(__file__).parent)
+"""Where a process of its own finds `small_kernels`."""
 
 
 def test_bindings_replace_functions_deep_down():
@@ -106,67 +100,6 @@ def test_digest_tells_bindings_apart_that_live_in_one_file():
     assert len(digests) == 2
 
 
-RUN_AND_TELL = (
-    "import sys, json;from fuzzyarm.plant import reach;from fuzzyarm.controller import *;"
-    "from fuzzyarm.loop import simulate; from fuzzyarm import machine_code; told = [];"
-    "machine_code.watch_compiling(lambda each: told.append(each and each.name));"
-    "run = simulate(controller('cdid'), reach(segment=0.1, hold=0.1));"
-    "print(json.dumps([list(run.rms), 'numba' in sys.modules, told]))"
-)
-
-
-@pytest.mark.slow
-def test_second_process_loads_machine_code_from_disk(tmp_path):
-    # A folder of its own stands for a package folder that cannot be written.
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
-    first, compiled, told = in_new_process(RUN_AND_TELL, **environment)
-    assert compiled
-    assert {"run_loop", "critically_damped_torque"} <= set(told)
-    assert told[-1] is None
-    assert in_new_process(RUN_AND_TELL, **environment) == [first, False, []]
-
-
-RUN_IN_ORDER = (
-    "import sys, json; from dataclasses import replace; from fuzzyarm.plant import reach;"
-    "from fuzzyarm.controller import controller; from fuzzyarm.loop import simulate;"
-    "from fuzzyarm.plant.setting import STUDY_CONVENTIONAL as study;"
-    "runs = [simulate(controller('cdid+ie'), reach(segment=0.5, hold=0.5),"
-    " conventions=replace(study, precision=each)) for each in {order}];"
-    "print(json.dumps([[list(run.rms) for run in runs], 'numba' in sys.modules]))"
-)
-
-
-@pytest.mark.slow
-def test_machine_code_of_two_processes_does_not_mix_in_a_third(tmp_path):
-    # Both loops have inner functions that numba calls by the same names.
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
-    alone = {}
-    for precision in ("float32", "float64"):
-        code = RUN_IN_ORDER.format(order=[precision])
-        (alone[precision],), compiled = in_new_process(code, **environment)
-        assert compiled
-    assert alone["float32"] != alone["float64"]
-    for order in (["float32", "float64"], ["float64", "float32"]):
-        found = in_new_process(RUN_IN_ORDER.format(order=order), **environment)
-        assert found == [[alone[each] for each in order], False]
-
-
-@pytest.mark.slow
-def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
-    code = (
-        "import json; from fuzzyarm.plant import *; from fuzzyarm.controller import *;"
-        "from fuzzyarm.loop import simulate;"
-        "runs = [simulate(controller('cdid'), reach(segment=0.1, hold=0.1), conventions=each)"
-        " for each in (PLAIN, STUDY_CONVENTIONAL, PLAIN)];"
-        "print(json.dumps([list(run.rms) for run in runs]))"
-    )
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path)}
-    wanted = in_new_process(code, **environment, FUZZYARM_JIT="0")
-    assert wanted[0] != wanted[1]
-    assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
-    assert in_new_process(code, **environment, FUZZYARM_JIT="1") == wanted
-
-
 ALL_WAYS = """
 import json, sys
 import numpy as np
@@ -184,10 +117,93 @@ machine_code.watch_compiling(told.append)
 x = np.linspace(-6.0, 6.0, 7)
 run = simulate(controller("pd"), reach(segment=0.1, hold=0.1))
 control = compiled(load_rulebase(shipped("pd7.frb")))(e=x, ce=x[::-1])
+light = "numba" not in sys.modules
 table = read_table(shipped("thesis-6.1.lut")).lookup(x, x[::-1])
-print(json.dumps([list(run.rms), control["u"].tolist(), table.tolist(), len(told)]))
+print(json.dumps([list(run.rms), control["u"].tolist(), table.tolist(), light, len(told)]))
 """
-"""Runs a loop, a rule base and a table as machine code; tells how much was compiled."""
+"""Runs a loop, a rule base and a table; tells whether the first two went without numba, and how
+much was compiled."""
+
+
+@pytest.mark.slow
+def test_a_second_process_compiles_nothing_of_a_loop_a_rule_base_and_a_table():
+    # In the folders that everybody has: what the first process compiles, other tests use.
+    *first, _, _ = in_new_process(ALL_WAYS, FUZZYARM_JIT="1")
+    assert in_new_process(ALL_WAYS, FUZZYARM_JIT="1") == [*first, True, 0]
+    assert in_new_process(ALL_WAYS, FUZZYARM_JIT="0") == [*first, True, 0]
+
+
+def small_process(code, folder, compiled=True):
+    """Begin a process that keeps machine code of small kernels in a folder of its own.
+
+    Such a folder stands for that of a package that cannot be written, too.
+    """
+    path = os.pathsep.join([SMALL_KERNELS, *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": str(int(compiled))}
+    return new_process(code, **environment, PYTHONPATH=path)
+
+
+def of_small_kernels(code, folder, compiled=True):
+    return told_by(small_process(code, folder, compiled))
+
+
+IN_ORDER = """
+import json, sys
+import numpy as np
+from fuzzyarm.kernels import jit_wanted, routine
+from fuzzyarm.plant.setting import stored_double, stored_single
+from small_kernels import turned_all
+found = []
+for stored in {order}:
+    values = np.array([1.0, 2.0, 3.0])
+    routine(turned_all, "f", {{"stored": stored}}, compiled=jit_wanted())(values)
+    found.append(values.tolist())
+print(json.dumps([found, "numba" in sys.modules]))
+"""
+
+
+@pytest.mark.slow
+def test_machine_code_of_two_processes_does_not_mix_in_a_third(tmp_path):
+    # Both programs have inner functions that numba calls by the same names.
+    alone = {}
+    for stored in ("stored_single", "stored_double"):
+        code = IN_ORDER.format(order=f"[{stored}]")
+        (alone[stored],), compiled = of_small_kernels(code, tmp_path)
+        assert compiled
+    assert alone["stored_single"] == np.float32(alone["stored_single"]).tolist()
+    assert alone["stored_single"] != alone["stored_double"]
+    for order in (["stored_single", "stored_double"], ["stored_double", "stored_single"]):
+        code = IN_ORDER.format(order=f"[{', '.join(order)}]")
+        assert of_small_kernels(code, tmp_path) == [[alone[each] for each in order], False]
+
+
+@pytest.mark.slow
+def test_files_of_one_kernel_with_other_bindings_do_not_mix(tmp_path):
+    code = IN_ORDER.format(order="[stored_double, stored_single, stored_double]")
+    wanted, _ = of_small_kernels(code, tmp_path, compiled=False)
+    assert wanted[0] != wanted[1]
+    assert of_small_kernels(code, tmp_path) == [wanted, True]
+    assert of_small_kernels(code, tmp_path) == [wanted, False]
+
+
+SMALL_PROGRAMS = """
+import json
+import numpy as np
+from fuzzyarm import machine_code
+from fuzzyarm.kernels import address_of, build, jit_wanted, routine
+from small_kernels import added, called_by_address, tripled_all
+told, compiled = [], jit_wanted()
+machine_code.watch_compiling(told.append)
+values, counts = np.array([1.0, 2.0, 3.0]), np.array([4])
+addresses = np.array([address_of(tripled_all, 1, compiled=compiled)])
+routine(called_by_address, "fii", compiled=compiled)(values, counts, addresses)
+total = build(added, compiled=compiled)(0.1, 0.2)
+names = [each and each.name for each in told]
+print(json.dumps([values.tolist(), counts.tolist(), total, names]))
+"""
+"""Runs small kernels by address and by numba itself; tells what was compiled."""
+
+COMPUTED = [[1.0, 6.0, 9.0], [5], 0.1 * 2.0 + 0.2]
 
 
 def truncated(files):
@@ -213,58 +229,52 @@ def one_bit_flipped(files):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", [truncated, overwritten, one_bit_flipped])
+@pytest.mark.parametrize("damage", [truncated, emptied, overwritten, one_bit_flipped])
 def test_a_damaged_cache_heals(tmp_path, kept_code, damage):
-    folder, wanted = kept_code
-    cache = shutil.copytree(folder, tmp_path / "cache")
-    environment = {"NUMBA_CACHE_DIR": str(cache), "FUZZYARM_JIT": "1"}
+    cache = shutil.copytree(kept_code, tmp_path / "cache")
     damage([path for path in cache.rglob("*") if path.is_file()])
-    *found, compiled = in_new_process(ALL_WAYS, **environment)
-    assert found == wanted
-    assert compiled > 0
-    assert in_new_process(ALL_WAYS, **environment) == [*wanted, 0]
+    *found, told = of_small_kernels(SMALL_PROGRAMS, cache)
+    assert found == COMPUTED
+    assert {"tripled_all", "called_by_address"} <= set(told)
+    assert told[-1] is None
+    assert of_small_kernels(SMALL_PROGRAMS, cache) == [*COMPUTED, []]
 
 
 @pytest.fixture(scope="module")
 def kept_code(tmp_path_factory):
-    """Return a cache that two processes filled at the same time, and what they told."""
+    """Return a cache that two processes filled at the same time."""
     folder = tmp_path_factory.mktemp("cache")
-    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": "1"}
-    processes = [new_process(ALL_WAYS, **environment) for _ in range(2)]
-    wanted, again = ([*told_by(each)][:-1] for each in processes)
-    assert wanted == again
-    return folder, wanted
+    processes = [small_process(SMALL_PROGRAMS, folder) for _ in range(2)]
+    for process in processes:
+        assert told_by(process)[:-1] == COMPUTED
+    return folder
 
 
 @pytest.mark.slow
 def test_two_processes_at_once_fill_one_cache(kept_code):
-    folder, wanted = kept_code
-    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": "1"}
-    assert in_new_process(ALL_WAYS, **environment) == [*wanted, 0]
-    assert not list(folder.rglob("*.part"))
-    interpreted = in_new_process(ALL_WAYS, **environment | {"FUZZYARM_JIT": "0"})
-    assert interpreted == [*wanted, 0]
+    assert of_small_kernels(SMALL_PROGRAMS, kept_code) == [*COMPUTED, []]
+    assert len(list(kept_code.glob("*.code"))) == 2
+    assert not list(kept_code.rglob("*.part"))
+    assert of_small_kernels(SMALL_PROGRAMS, kept_code, compiled=False) == [*COMPUTED, []]
 
 
 @pytest.mark.slow
-def test_a_full_disk_under_the_cache(tmp_path, kept_code):
+def test_a_full_disk_under_the_cache(tmp_path):
     pytest.importorskip("resource")
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (99, 99))\n"
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
     for _ in range(2):
-        *found, compiled = in_new_process(limit + ALL_WAYS, **environment)
-        assert found == kept_code[1]
-        assert compiled > 0
+        *found, told = of_small_kernels(limit + SMALL_PROGRAMS, tmp_path)
+        assert found == COMPUTED
+        assert {"tripled_all", "called_by_address"} <= set(told)
     assert not [path for path in tmp_path.rglob("*") if path.is_file() and path.stat().st_size]
 
 
 @pytest.mark.slow
-def test_a_cache_that_cannot_be_written(tmp_path, kept_code):
+def test_a_cache_that_cannot_be_written(tmp_path):
     # Permissions do not stop the superuser; a file in the place of a folder does.
     (tmp_path / "file").write_bytes(b"")
-    folder = str(tmp_path / "file" / "cache")
-    *found, _ = in_new_process(ALL_WAYS, NUMBA_CACHE_DIR=folder, FUZZYARM_JIT="1")
-    assert found == kept_code[1]
+    *found, _ = of_small_kernels(SMALL_PROGRAMS, tmp_path / "file" / "cache")
+    assert found == COMPUTED
 
 
 @given(st.binary(max_size=300), st.data())
@@ -291,30 +301,6 @@ def test_without_a_home_only_the_folder_of_the_package_is_used(monkeypatch):
     monkeypatch.setattr(os.path, "expanduser", lambda path: path)
     (only,) = machine_code.folders_of(doubled)
     assert only == Path(__file__).parent / "__pycache__"
-
-
-@pytest.mark.slow
-def test_a_damaged_file_is_compiled_again(tmp_path):
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
-    first, _, _ = in_new_process(RUN_AND_TELL, **environment)
-    loop, law = (next(tmp_path.glob(f"*{name}*.code")) for name in ("run_loop", "law_at_address"))
-    loop.write_bytes(loop.read_bytes()[:-1])
-    law.write_bytes(b"")
-    again, compiled, _ = in_new_process(RUN_AND_TELL, **environment)
-    assert (again, compiled) == (first, True)
-    assert in_new_process(RUN_AND_TELL, **environment) == [first, False, []]
-
-
-@kernel
-def tripled_all(values):
-    for i in range(len(values)):
-        values[i] = 3.0 * values[i]
-
-
-@kernel
-def called_by_address(values, counts, addresses):
-    counts[0] += 1
-    call(addresses[0], values[1:])
 
 
 @pytest.mark.slow
@@ -358,17 +344,15 @@ def test_what_cannot_be_kept_is_compiled_all_the_same(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_damaged_files_of_numba_are_compiled_again(tmp_path):
     code = (
-        "import json; from fuzzyarm.kernels import build, kernel;"
-        "from fuzzyarm.plant.driven_arm import clipped;"
-        "run = build(clipped, compiled=True);"
-        "print(json.dumps([run(3.0, 2.0), sum(run.stats.cache_hits.values())]))"
+        "import json; from fuzzyarm.kernels import build; from small_kernels import doubled;"
+        "run = build(doubled, compiled=True);"
+        "print(json.dumps([run(3.0), sum(run.stats.cache_hits.values())]))"
     )
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "FUZZYARM_JIT": "1"}
-    assert in_new_process(code, **environment) == [2.0, 0]
+    assert of_small_kernels(code, tmp_path) == [6.0, 0]
     for suffix, damage in ((".nbi", emptied), (".nbc", overwritten), (".nbc", one_bit_flipped)):
         damage(list(tmp_path.rglob(f"*{suffix}")))
-        assert in_new_process(code, **environment) == [2.0, 0]
-        assert in_new_process(code, **environment) == [2.0, 1]
+        assert of_small_kernels(code, tmp_path) == [6.0, 0]
+        assert of_small_kernels(code, tmp_path) == [6.0, 1]
 
 
 def test_digest_covers_every_kernel_file(monkeypatch):

@@ -161,6 +161,7 @@ def test_watch_follows_saves_replacements_and_damage(tmp_path: Path) -> None:
     finally:
         process.send_signal(2)
         assert process.wait(20) == 0
+        process.stdout.close()
 
 
 def _read_until(descriptor: int, wanted: str, seconds: float = 30.0) -> str:

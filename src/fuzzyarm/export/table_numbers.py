@@ -390,9 +390,11 @@ class FixedTable(NumberTable):
     def inputs_near(self, k: int, dense: NDArray[np.float64]) -> Integers:
         """Return dense points of an axis and edges with their neighbours."""
         scale, edges = self.inputs[k], self.points[k]
-        whole = [scale.nearest(x) for x in dense.tolist()]
-        near = [edges - 1, edges, edges + 1, np.array([scale.low, scale.high, *whole])]
-        return np.unique(np.clip(np.concatenate(near), scale.low, scale.high))
+        # Anywhere between edges will do, so these are rounded without fractions, at once.
+        steps = np.rint((dense - scale.offset) / scale.span * (1 << scale.bits))
+        ends = np.array([scale.low, scale.high])
+        near = [edges - 1, edges, edges + 1, ends, np.clip(steps, *ends).astype(np.int64)]
+        return np.unique(np.clip(np.concatenate(near), *ends))
 
 
 def fixed_table(table: LookupTable, bits: int, mode: str | None = None) -> FixedTable:
