@@ -238,6 +238,22 @@ def test_widths_have_handles_and_numbers(served, window):
     assert 0.3 < float(text_of(page).split("bell 8 ")[1].split()[0]) < 1
 
 
+def test_a_number_that_is_being_typed_outlives_a_new_scene(served, window):
+    path, address = put(served, "typed.frb", CURVED)
+    page = window(address)
+    page.locator('text[data-term="high"]').focus()
+    field = page.locator('.details input[aria-label="x high, slope"]')
+    field.press("End")
+    page.keyboard.type("5")  # of 2, without Enter yet
+    old = field.element_handle()
+    path.write_text(CURVED.replace("gaussian 2 1", "gaussian 3 1"))
+    until(lambda: not old.evaluate("field => field.isConnected"), "the scene of the other text")
+    page.keyboard.type("0")
+    page.keyboard.press("Enter")
+    until(lambda: "bell 8 1 250\n" in text_of(page), "the slope")
+    assert "gaussian 3 1\n" in text_of(page)
+
+
 def test_the_kind_of_a_shape_is_chosen_and_undone(served, window):
     page = window(put(served, "kind.frb")[1])
     before = text_of(page)

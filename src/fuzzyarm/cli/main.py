@@ -11,7 +11,7 @@ import importlib
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from fuzzyarm.cli.command import Command, CompilingBar, print_error, print_findings, print_os_error
 from fuzzyarm.errors import FuzzyarmError
@@ -88,13 +88,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         atexit.register(gc.freeze)
     _prepare_output()
     warnings.formatwarning = _warning_text
-    if sys.stderr.isatty():
-        from fuzzyarm.machine_code import watch_compiling
-
-        watch_compiling(CompilingBar().show)
     try:
-        status = _run(words)
-        sys.stdout.flush()
+        with _compiling_shown() if sys.stderr.isatty() else contextlib.nullcontext():
+            status = _run(words)
+            sys.stdout.flush()
     except RuleBaseError as error:
         _print_mistakes(error)
         return EXIT_INPUT
@@ -113,6 +110,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_error("interrupted")
         return EXIT_INTERRUPTED
     return status
+
+
+@contextlib.contextmanager
+def _compiling_shown() -> Iterator[None]:
+    """Show what is compiled during a command, and not in what a caller does afterwards."""
+    from fuzzyarm.machine_code import watch_compiling
+
+    before = watch_compiling(CompilingBar().show)
+    try:
+        yield
+    finally:
+        watch_compiling(before)
 
 
 _DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)

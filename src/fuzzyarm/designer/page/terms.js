@@ -62,6 +62,7 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
   const plots = new Map();
   let chosen = ""; // "variable term" whose handles are shown
   let fields = null; // the numbers of the chosen term
+  let rebuilding = false; // while they are put in the place of others
   let drag = null;
   let moving = ""; // the variable that a hand is on
   let waiting = 0;
@@ -277,8 +278,23 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
       );
     }
     const onKind = document.activeElement?.closest(".details .kind");
+    const typed = document.activeElement?.closest(".details input");
+    rebuilding = true;
     details.replaceChildren(...parts);
+    rebuilding = false;
+    fill();
     if (onKind) details.querySelector(".kind")?.focus(); // a kind after the other by the arrow keys
+    if (typed) goOnTyping(typed);
+  }
+
+  /** A number that is being typed while the terms are drawn anew stays, with its cursor. */
+  function goOnTyping(typed) {
+    const label = typed.getAttribute("aria-label");
+    const field = fields.find((each) => each.field.getAttribute("aria-label") === label)?.field;
+    if (!field) return;
+    field.value = typed.value;
+    field.focus();
+    field.setSelectionRange(typed.selectionStart, typed.selectionEnd);
   }
 
   /** Whether the term has a place that another kind can take: a shape, or a number of an output. */
@@ -307,8 +323,13 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
       const field = el("input", {
         type: "text", inputMode: "decimal", title: label, readOnly: !edit,
         "aria-label": `${variable.name} ${term.name}, ${side}${label}`,
-        onchange: () => put(variable, term, shape, i < count ? i : null, field),
+        onblur: () => commit(),
+        onkeydown: (event) => event.key === "Enter" && commit(),
       });
+      // Not on `change`, which a field that was put in the place of another does not have.
+      const commit = () => {
+        if (!rebuilding && field.value !== field.dataset.shown) put(variable, term, shape, i < count ? i : null, field);
+      };
       fields.push({ field, variable, shape, index: i < count ? i : null });
       return field;
     });
@@ -321,7 +342,8 @@ export function termsPane(store, { edit, numbers, change, askFor }) {
       const now = store.now(variable, shape);
       const value = index === null ? now.height : now.parameters[index];
       const said = Number.isFinite(value) ? shortNumber(value, 8) : value > 0 ? "inf" : "-inf";
-      if (document.activeElement !== field && field.value !== said) field.value = said;
+      if (document.activeElement !== field || field.value === field.dataset.shown) field.value = said;
+      field.dataset.shown = said;
     }
   }
 
