@@ -79,16 +79,21 @@ def cut_into_cells(
         else:
             edges.append(x)
     edges = _within(sorted(set(edges[1:])), low, high, steps)
+    reaches = [
+        _reach(line, hedges) for line, (_, _, hedges) in zip(corners, propositions, strict=True)
+    ]
     lines = []
     for left, right in pairwise(edges):
         left, right = max(left, low), min(right, high)  # noqa: PLW2901
         at_step = left in steps and right in {left, math.nextafter(left, math.inf)}
         cell: dict[int, Line] = {}
         middle = _between(left, right)
-        for line, (number, shape, hedges) in zip(corners, propositions, strict=True):
+        for line, (begin, end), (number, shape, hedges) in zip(
+            corners, reaches, propositions, strict=True
+        ):
             if at_step:
                 found: Line | None = (term_function(shape, tuple(hedges))(left), 0.0, 0.0)
-            elif not hedges and _is_beyond(line, middle):
+            elif not begin < middle < end:
                 continue
             else:
                 found = _line(line, hedges, middle)
@@ -105,10 +110,11 @@ def _within(edges: list[float], low: float, high: float, steps: set[float]) -> l
     return [-math.inf, *inside, math.inf]
 
 
-def _is_beyond(corners: list[tuple[float, float]], position: float) -> bool:
-    """Whether a term is 0 at a position because its corners end before; most are."""
+def _reach(corners: list[tuple[float, float]], hedges: Sequence[Hedge]) -> tuple[float, float]:
+    """Return between what a term may not be 0; most terms end soon."""
     (first, below), (last, above) = corners[0], corners[-1]
-    return (position <= first and below == 0.0) or (position >= last and above == 0.0)
+    begin = first if below == 0.0 and not hedges else -math.inf
+    return begin, last if above == 0.0 and not hedges else math.inf
 
 
 def _between(left: float, right: float) -> float:

@@ -10,7 +10,7 @@ import math
 import os
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -338,13 +338,16 @@ class Panel:
         if not examiner.compiled:
             return [examiner.score_of(candidate) for candidate in candidates]
         pool = self._pool(lambda: ThreadPoolExecutor(self.workers, "fuzzyarm-tune"))
-        ready = list(pool.map(examiner.ready, candidates))
-        stands = range(len(examiner.stands))
-        tasks = [(at, stand) for at in range(len(candidates)) for stand in stands]
-        # The longest first, so that all workers finish together.
-        tasks.sort(key=lambda task: -examiner.stands[task[1]].duration)
-        found = pool.map(lambda task: examiner.run(ready[task[0]], task[1]), tasks)
-        outcomes = dict(zip(tasks, found, strict=True))
+        # The longest first, so that all workers finish together. What is Python is done here, one
+        # candidate after the other, while the workers run machine code without the lock.
+        stands = sorted(range(len(examiner.stands)), key=lambda at: -examiner.stands[at].duration)
+        running: dict[tuple[int, int], Future[Outcome]] = {}
+        for at, candidate in enumerate(candidates):
+            ready = examiner.ready(candidate)
+            for stand in stands:
+                running[at, stand] = pool.submit(examiner.run, ready, stand)
+        outcomes = {task: future.result() for task, future in running.items()}
+        stands.sort()
         return [
             examiner.folded([outcomes[at, stand] for stand in stands], candidate)
             for at, candidate in enumerate(candidates)
