@@ -30,7 +30,7 @@ export function curvePane(store) {
         {
           title: S.runOutputs, unit,
           lines: own.flatMap(({ name, i }) => [
-            { name: "", column: i, colour: null }, // wanted
+            { name: "", column: i, colour: null }, // reference
             { name, column: count + i, colour: i },
           ]),
         },
@@ -108,9 +108,9 @@ export function curvePane(store) {
       }
     }
     for (const line of panel.lines) {
-      const wanted = line.colour === null;
-      const tint = wanted ? soft : tone(line.colour);
-      stroke(g, tint, wanted ? 1.2 : 1.7, wanted ? [4, 3] : [], () => curve(g, line.column, x, y, first));
+      const reference = line.colour === null;
+      const tint = reference ? soft : tone(line.colour);
+      stroke(g, tint, reference ? 1.2 : 1.7, reference ? [4, 3] : [], () => curve(g, line.column, x, y, first));
     }
     g.restore();
     g.textAlign = "left";

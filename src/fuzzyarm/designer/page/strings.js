@@ -243,7 +243,7 @@ export const S = {
   runNoPicture: "This plant has no picture; it can be pushed here.",
   runCurves: "Over time",
   runCurvesLabel: "Reference, output, error and drives over time; the numbers stand under Metrics.",
-  runOutputs: "output (wanted dashed)",
+  runOutputs: "output (reference dashed)",
   runError: "error",
   runDrives: "drive",
   runGains: "Gains",
