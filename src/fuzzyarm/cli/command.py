@@ -432,16 +432,22 @@ def _display() -> Progress:
 
 
 @contextmanager
-def _long_work() -> Iterator[Progress]:
-    """Give a display, which also shows what is compiled meanwhile."""
+def compiling_shown(display: Progress | None = None) -> Iterator[None]:
+    """Show what is compiled meanwhile, and not in what a caller does afterwards."""
     from fuzzyarm.machine_code import watch_compiling
 
-    with _display() as display:
-        before = watch_compiling(CompilingBar(display).show)
-        try:
-            yield display
-        finally:
-            watch_compiling(before)
+    before = watch_compiling(CompilingBar(display).show)
+    try:
+        yield
+    finally:
+        watch_compiling(before)
+
+
+@contextmanager
+def _long_work() -> Iterator[Progress]:
+    """Give a display, which also shows what is compiled meanwhile."""
+    with _display() as display, compiling_shown(display):
+        yield display
 
 
 @contextmanager

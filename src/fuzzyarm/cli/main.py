@@ -11,9 +11,15 @@ import importlib
 import os
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-from fuzzyarm.cli.command import Command, CompilingBar, print_error, print_findings, print_os_error
+from fuzzyarm.cli.command import (
+    Command,
+    compiling_shown,
+    print_error,
+    print_findings,
+    print_os_error,
+)
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import RuleBaseError
 
@@ -89,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _prepare_output()
     warnings.formatwarning = _warning_text
     try:
-        with _compiling_shown() if sys.stderr.isatty() else contextlib.nullcontext():
+        with compiling_shown() if sys.stderr.isatty() else contextlib.nullcontext():
             status = _run(words)
             sys.stdout.flush()
     except RuleBaseError as error:
@@ -110,18 +116,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_error("interrupted")
         return EXIT_INTERRUPTED
     return status
-
-
-@contextlib.contextmanager
-def _compiling_shown() -> Iterator[None]:
-    """Show what is compiled during a command, and not in what a caller does afterwards."""
-    from fuzzyarm.machine_code import watch_compiling
-
-    before = watch_compiling(CompilingBar().show)
-    try:
-        yield
-    finally:
-        watch_compiling(before)
 
 
 _DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)

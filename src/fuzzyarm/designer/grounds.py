@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fuzzyarm.designer.names import is_inside
 from fuzzyarm.errors import FuzzyarmError, WordError
 from fuzzyarm.plant.trajectory import TRAJECTORIES
 
@@ -155,7 +156,7 @@ def _signal_of(folder: Path, word: str) -> str:
     if not signal.strip().endswith(".csv"):
         return word
     path = folder / signal.strip()
-    if path.resolve().parent != folder.resolve():
+    if not is_inside(path, folder):
         raise WordError(f"'{signal.strip()}' is not a file of this folder")
     return f"{port}{equals}{path}"
 

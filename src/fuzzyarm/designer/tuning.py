@@ -30,6 +30,7 @@ from fuzzyarm.designer.grounds import (
     words_of,
 )
 from fuzzyarm.designer.jobs import Job
+from fuzzyarm.designer.names import fault_words
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language import parse
 from fuzzyarm.lsp.session import Session
@@ -297,7 +298,7 @@ def search(pipe: Connection, order: Order) -> None:
             pipe.send({"failed": str(error), "field": field})
     except Exception as error:
         with contextlib.suppress(OSError):
-            pipe.send({"failed": f"a fault of the program: {error!r}"})
+            pipe.send({"failed": fault_words(error)})
 
 
 def _listen(pipe: Connection, enough: threading.Event) -> None:

@@ -36,6 +36,12 @@ from fuzzyarm.kernels import kernel
 @kernel
 def sampled_centroid(block: Any) -> None:
     """Add up the samples of the aggregate, point by point."""
+    add_samples(block, 1)
+
+
+@kernel
+def add_samples(block: Any, sides: int) -> None:
+    """Add up the samples of the aggregates of so many sides, point by point."""
     k, f, room, total, moment = parts_of(block)
     width = k[WIDTH]
     samples = k[k[OUTPUT] + DETAIL]
@@ -46,12 +52,13 @@ def sampled_centroid(block: Any) -> None:
     aggregate, cut = heap[:samples], heap[samples : 2 * samples]
     # Point by point: all samples of one point fit into the nearest cache, those of many do not.
     for point in range(total.shape[0]):
-        first, last = sample(k, f, room, point, 0, aggregate, cut)
         area = torque = 0.0  # in registers: a sum in a row waits for its own store
-        for i in range(first, last):
-            part = weights[i] * aggregate[i]
-            area += part
-            torque += part * positions[i]
+        for side in range(sides):
+            first, last = sample(k, f, room, point, side, aggregate, cut)
+            for i in range(first, last):
+                part = weights[i] * aggregate[i]
+                area += part
+                torque += part * positions[i]
         total[point] = area
         moment[point] = torque
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from fuzzyarm.inference.enveloped import RUN_OF_LINE, envelop, sample
+from fuzzyarm.inference.enveloped import RUN_OF_LINE, add_samples, envelop, sample
 from fuzzyarm.inference.integrated import integrate
 from fuzzyarm.inference.kernel import (
     DETAIL,
@@ -161,24 +161,7 @@ def karnik_mendel_samples(block: Any) -> None:
 @kernel
 def nie_tan_samples(block: Any) -> None:
     """Add up the samples of both sets."""
-    k, f, room, total, moment = parts_of(block)
-    width = k[WIDTH]
-    samples = k[k[OUTPUT] + DETAIL]
-    numbers = k[k[OUTPUT] + FLOATS_AT] + OUTPUT_RANGE
-    positions = f[numbers : numbers + samples]
-    weights = f[numbers + samples : numbers + 2 * samples]
-    heap = room[(k[WORK] + WORK_ROWS) * width :]
-    aggregate, cut = heap[:samples], heap[samples : 2 * samples]
-    for point in range(total.shape[0]):
-        area = torque = 0.0
-        for side in range(2):
-            first, last = sample(k, f, room, point, side, aggregate, cut)
-            for i in range(first, last):
-                part = weights[i] * aggregate[i]
-                area += part
-                torque += part * positions[i]
-        total[point] = area
-        moment[point] = torque
+    add_samples(block, 2)
 
 
 # ── envelopes of straight sets ───────────────────────────────────────────────────────

@@ -241,7 +241,7 @@ _MADE: dict[str, Callable[[_Profile], tuple[float, ...]]] = {
 }
 
 _SLOPE = {"bell": 2, "sigmoid": 1}
-"""Numbers that are no positions or widths, by their kind."""
+"""Numbers that are neither positions nor widths, by their kind."""
 
 KINDS = tuple(_MADE)
 """Kinds that a term can be made by hand."""

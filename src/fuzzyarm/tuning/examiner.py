@@ -340,16 +340,15 @@ class Panel:
         pool = self._pool(lambda: ThreadPoolExecutor(self.workers, "fuzzyarm-tune"))
         # The longest first, so that all workers finish together. What is Python is done here, one
         # candidate after the other, while the workers run machine code without the lock.
-        stands = sorted(range(len(examiner.stands)), key=lambda at: -examiner.stands[at].duration)
+        stands = range(len(examiner.stands))
+        longest_first = sorted(stands, key=lambda stand: -examiner.stands[stand].duration)
         running: dict[tuple[int, int], Future[Outcome]] = {}
         for at, candidate in enumerate(candidates):
             ready = examiner.ready(candidate)
-            for stand in stands:
+            for stand in longest_first:
                 running[at, stand] = pool.submit(examiner.run, ready, stand)
-        outcomes = {task: future.result() for task, future in running.items()}
-        stands.sort()
         return [
-            examiner.folded([outcomes[at, stand] for stand in stands], candidate)
+            examiner.folded([running[at, stand].result() for stand in stands], candidate)
             for at, candidate in enumerate(candidates)
         ]
 

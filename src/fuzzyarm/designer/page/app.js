@@ -8,7 +8,7 @@ import { FILES, dropped } from "./files.js";
 import { DESIGN } from "./frame.js";
 import { LEARN } from "./learn.js";
 import { RUN } from "./run.js";
-import { TABLE } from "./table.js";
+import { TABLE, isTable } from "./table.js";
 import { TUNE } from "./tune.js";
 import { S } from "./strings.js";
 
@@ -68,7 +68,7 @@ function show(name) {
     desk = makeDesk(name, page, VIEWS);
     desk.offer(names);
     if (!name) desk.turn(FILES.name);
-    else if (/\.lut$/i.test(name)) desk.turn(TABLE.name);
+    else if (isTable(name)) desk.turn(TABLE.name);
     else if (before && ![FILES.name, TABLE.name].includes(before.view())) desk.turn(before.view());
     if (connection.isOpen()) desk.open();
     else if (before) desk.lose();
@@ -97,7 +97,7 @@ function turnTo(name) {
     history.pushState(null, "", address(name));
     show(name);
   }
-  if (shown.view() === FILES.name) shown.turn(/\.lut$/i.test(name) ? TABLE.name : DESIGN.name);
+  if (shown.view() === FILES.name) shown.turn(isTable(name) ? TABLE.name : DESIGN.name);
 }
 
 /** Show the file of the address: after a step back, or when the address was written by hand. */

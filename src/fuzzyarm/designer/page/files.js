@@ -4,6 +4,7 @@ import { clean, el, pane } from "./draw.js";
 import { choose, fill, tellAll } from "./dialogs.js";
 import { exportPane } from "./exports.js";
 import { S } from "./strings.js";
+import { isTable } from "./table.js";
 
 /** The pane of the folder; `hand` asks the server, and turns to another file. */
 function folderPane(store, hand) {
@@ -125,7 +126,7 @@ function folderPane(store, hand) {
 
   /** With one file open nothing is written beside it: what was dropped takes the place of its text. */
   async function instead(name, { text, findings, name: made }) {
-    const same = /\.lut$/i.test(made) === /\.lut$/i.test(hand.file());
+    const same = isTable(made) === isTable(hand.file());
     if (!same) return tellAll(S.notImported(name), [S.otherKind(hand.file())]);
     const words = [S.replaceText(hand.file(), name), ...findings];
     if (await choose(words.join("\n"), [S.replaceIt]) === 0) hand.replace(text);

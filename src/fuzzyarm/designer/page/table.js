@@ -4,7 +4,8 @@ import { choice, clean, el, eachFrame, heat, pane, shortNumber } from "./draw.js
 import { drawCells, drawLines, drawPlane, rangeOfValues } from "./plane.js";
 import { S } from "./strings.js";
 
-const isTable = (hand) => /\.lut$/i.test(hand.file());
+/** Whether a file, by its name, is a table. */
+export const isTable = (name) => /\.lut$/i.test(name);
 
 /** The cells of a table, page by page; a cell leads to its number in the text. */
 function cellsPane(store, hand) {
@@ -14,7 +15,7 @@ function cellsPane(store, hand) {
   section.hidden = true;
 
   async function look() {
-    section.hidden = !isTable(hand);
+    section.hidden = !isTable(hand.file());
     if (section.hidden || store.view !== "table") return;
     const mine = ++asked;
     const { table } = await hand.askNow("table", { page });
@@ -112,9 +113,9 @@ function errorPane(store, hand) {
   const go = el("button", { textContent: S.measure, onclick: run });
 
   function build() {
-    const outputs = isTable(hand) ? [] : (store.scene?.outputs ?? []).map((each) => each.name);
+    const outputs = isTable(hand.file()) ? [] : (store.scene?.outputs ?? []).map((each) => each.name);
     const names = found?.map.names ?? [];
-    const key = JSON.stringify([isTable(hand), outputs, names, shown]);
+    const key = JSON.stringify([isTable(hand.file()), outputs, names, shown]);
     if (key === built) return;
     built = key;
     while (bar.childNodes.length > 1) bar.lastChild.remove();
@@ -124,7 +125,7 @@ function errorPane(store, hand) {
       run();
     };
     if (outputs.length > 1) bar.append(choice(S.shown, outputs.map((n) => [n, n]), wanted.output || outputs[0], set("output")));
-    if (!isTable(hand)) {
+    if (!isTable(hand.file())) {
       const levels = el("input", { type: "text", class: "short", value: wanted.levels, placeholder: S.asInFile, title: S.levelsHint,
         onchange: () => set("levels")(levels.value) });
       bar.append(el("label", { class: "small" }, S.options.levels, levels));
