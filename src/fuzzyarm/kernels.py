@@ -2,100 +2,148 @@
 
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
 is given (it makes none, and never counts from their end), and calls nothing but :mod:`math` and
-other kernels by their bare names. It becomes callable in one of three ways, as machine code or
-as the very same Python, line by line, for a debugger; both give the same bits, for the compiled
-code neither reorders nor fuses floating-point operations:
+other kernels by their bare names. It runs as plain Python, line by line, for a debugger; or as
+machine code that was printed from its source (:mod:`fuzzyarm.native`) and compiled when fuzzyarm
+was built. Both give the same bits: the compiled code neither reorders nor fuses floating-point
+operations.
 
-- :func:`address_of` gives an address, under which another kernel may :func:`call` it. So a
-  program is compiled once, and what it is asked to do with the rows that it holds (a norm, a
-  shape, a control law) is compiled apart, when it is used first.
+- :func:`address_of` gives an address, under which another kernel may :func:`call` it. So what a
+  program is asked to do with the rows that it holds (a norm, a shape, a control law) is one
+  number in its data.
 - :func:`routine` makes a function for Python of what such an address leads to.
-- :func:`build` leaves types open: numba compiles for those of the first call.
+- :func:`with_names` runs a kernel as plain Python with other functions under some of its names.
 
-Machine code is kept on disk under a name that carries a digest of the source of every kernel in
-it, of the compiler and of the processor (:mod:`fuzzyarm.machine_code`). For the first two ways a
-later process needs no numba.
+Nothing is compiled at run time. What is not known when fuzzyarm is built (a user's formulas and
+kinds, the equations of a user's plant) is a program of operations
+(:mod:`fuzzyarm.expression.programs`), which has an address, too.
 """
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import os
-import sys
-import threading
-import time
+import warnings
+from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from hashlib import sha256
 from pathlib import Path
-from types import FunctionType
-from typing import Any, NamedTuple, TypeVar, cast
+from types import FunctionType, ModuleType
+from typing import Any, TypeVar, cast
 
-from fuzzyarm.machine_code import __file__ as machine_code_file
-from fuzzyarm.machine_code import (
-    call_of_machine,
-    compile_entry,
-    folders_of,
-    forgive,
-    inner_compiler,
-    keep_code,
-    load_code,
-    made_by,
-    numba_itself,
-    read_code,
-    telling,
-)
+from fuzzyarm.errors import FuzzyarmError
 
-SWITCH = "FUZZYARM_JIT"
-"""Environment variable: ``0`` runs every kernel interpreted."""
+SWITCH = "FUZZYARM_NATIVE"
+"""Environment variable: ``0`` runs every kernel interpreted, ``baseline`` takes no instructions that
+only newer processors have."""
 
 _MARK = "__fuzzyarm_kernel__"
-_SCALAR = "__fuzzyarm_scalar__"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 _Bindings = Mapping[str, Callable[..., Any]]
 
-_loaded: dict[str, tuple[int, int] | None] = {}
-"""Source files of kernels, and their stamps when they were imported."""
 
-_THIS_PROCESS = f"{os.getpid()} {time.time_ns()}".encode()
+class NotBuiltError(FuzzyarmError, LookupError):
+    """A kernel is not part of the machine code.
+
+    Attributes
+    ----------
+    key : str
+        Of the kernel, see :func:`key_of`.
+    """
+
+    def __init__(self, key: str) -> None:
+        self.key = key
+        super().__init__(f"the machine code of fuzzyarm does not have {key}: build it anew")
 
 
 def kernel(function: _Function) -> _Function:
-    """Mark `function` as one that may be compiled; it stays plain Python."""
+    """Mark `function` as one that may run as machine code; it stays plain Python."""
     setattr(function, _MARK, True)
-    file = function.__code__.co_filename
-    _loaded.setdefault(file, _stamp(file))
     return function
-
-
-def scalar(function: _Function) -> _Function:
-    """Mark a kernel, called by address, that works number by number: its loops are short.
-
-    They are then neither unrolled nor made to take several numbers at a time: the machine code
-    is half as long, and is made and runs in less time.
-    """
-    setattr(function, _SCALAR, True)
-    return function
-
-
-def _stamp(file: str) -> tuple[int, int] | None:
-    """Return what changes when a file is written; None where there is none."""
-    try:
-        status = os.stat(file)
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size
 
 
 def is_kernel(function: object) -> bool:
-    """Whether a function is marked as one that may be compiled."""
+    """Whether a function is marked as one that may run as machine code."""
     return hasattr(function, _MARK)
 
 
-def jit_wanted() -> bool:
-    """Whether kernels are to be compiled, by the environment."""
-    return os.environ.get(SWITCH, "1").strip().lower() not in {"0", "false", "no", "off"}
+# --- The machine code ---
+
+
+def has_machine_code() -> bool:
+    """Whether kernels run as machine code here: it was built, and the environment allows it."""
+    return _switch() not in _OFF and _module() is not None
+
+
+_OFF = {"0", "false", "no", "off"}
+
+
+def _switch() -> str:
+    return os.environ.get(SWITCH, "1").strip().lower()
+
+
+@functools.cache
+def _module() -> ModuleType | None:
+    """Load the module that was built; None where there is none that fits, which is said once."""
+    try:
+        from fuzzyarm import _kernels
+    except ImportError:
+        _warn("no machine code was built")
+        return None
+    if _is_checkout() and digest_of_sources() != _kernels.SOURCES:
+        _warn("the machine code is of other sources; `make native` builds it anew")
+        return None
+    return cast(ModuleType, _kernels)
+
+
+def _warn(reason: str) -> None:
+    message = f"{reason}: fuzzyarm runs as plain Python, with the same numbers but slowly"
+    warnings.warn(message, RuntimeWarning, stacklevel=4)
+
+
+def _is_checkout() -> bool:
+    """Whether the sources may have been edited since the machine code was built."""
+    return (_HERE.parents[1] / "pyproject.toml").is_file()
+
+
+_HERE = Path(__file__).resolve().parent
+
+SOURCE_FOLDERS = (
+    "expression", "inference", "table", "plant", "controller", "loop", "native",
+)  # fmt: skip
+"""Packages whose modules have kernels or decide how they are printed."""
+
+
+def digest_of_sources() -> str:
+    """Return a digest of all that machine code is made from."""
+    whole = sha256(Path(__file__).read_bytes())
+    for folder in SOURCE_FOLDERS:
+        for path in sorted((_HERE / folder).glob("*.[pc]*")):
+            if path.suffix in {".py", ".c"}:
+                whole.update(path.read_bytes())
+    return whole.hexdigest()
+
+
+@functools.cache
+def _addresses_of_keys() -> dict[str, int]:
+    module: Any = _module()
+    best = module.levels()
+    wanted = _switch()
+    return cast("dict[str, int]", module.addresses(wanted if wanted in best else best[0]))
+
+
+def key_of(function: Callable[..., Any], types: str, bindings: _Bindings) -> str:
+    """Return the name of a kernel in the machine code: what it is, takes, and is bound to."""
+    source = getattr(function, "__source__", None)
+    if source is not None:  # printed from an expression: it is what it computes
+        return f"{function.__name__}({types}) {sha256(source.encode()).hexdigest()[:16]}"
+    names = [_name(function), *(f"{name}={_name(bindings[name])}" for name in sorted(bindings))]
+    return f"{names[0]}({', '.join([types, *names[1:]])})"
+
+
+def _name(function: Callable[..., Any]) -> str:
+    return f"{function.__module__}.{function.__qualname__}"
 
 
 # --- Functions by address: arrays in, arrays out ---
@@ -103,31 +151,8 @@ def jit_wanted() -> bool:
 _by_address: list[Callable[..., None]] = []
 """Functions that interpreted kernels call by address: -1 is the first, -2 the second …"""
 
-_addresses: dict[tuple[Wanted, bool], tuple[int, Any]] = {}
-"""Of what is wanted, as machine code or not: its address, and what must live as long."""
-
-_making = threading.RLock()
-
-
-class Wanted(NamedTuple):
-    """What machine code is made of.
-
-    Attributes
-    ----------
-    function : callable
-        See :func:`address_of`.
-    types : str
-        A letter for each array.
-    bindings : tuple of (str, callable)
-        See :func:`build`.
-    inline : bool
-        See :func:`address_of`.
-    """
-
-    function: Callable[..., None]
-    types: str
-    bindings: tuple[tuple[str, Callable[..., Any]], ...] = ()
-    inline: bool = False
+_addresses: dict[tuple[Any, ...], tuple[int, Any]] = {}
+"""Of a function, its bindings and whether it is machine code: its address, and what must live."""
 
 
 def call(address: int, *arrays: Any) -> None:
@@ -149,53 +174,70 @@ def address_of(
     bindings: _Bindings | None = None,
     *,
     compiled: bool,
-    inline: bool = False,
 ) -> int:
     """Return an address under which kernels may :func:`call` a function.
 
     Parameters
     ----------
     function : callable
-        A kernel, or a function printed from an expression (with its text in
-        ``__source__``), that takes arrays and returns nothing.
+        A kernel, or a function printed from an expression, with its text in ``__source__``
+        and in ``__program__`` what gives it as a program of operations.
     arrays : int or str
         How many arrays of float64, or a letter for each array: ``f`` for float64, ``i`` for
-        int64.
+        int64, ``s`` for int32.
     bindings : mapping of str to callable, optional
-        See :func:`build`.
+        Functions to put in the place of those that the kernel, or a kernel that it
+        calls, knows under these names.
     compiled : bool
         For kernels that run as machine code, or as plain Python.
-    inline : bool, optional
-        Whether the kernels that `function` calls are to become part of it; it then runs
-        faster where they are many and small, and takes longer to compile.
 
     Returns
     -------
     int
         Good as long as the process lives.
+
+    Raises
+    ------
+    NotBuiltError
+        If `compiled`, and the machine code does not have it.
     """
-    wanted = Wanted(function, _types(arrays), tuple((bindings or {}).items()), inline)
-    key = (wanted, compiled)
-    with _making:
-        if key not in _addresses:
-            if not compiled:
-                _by_address.append(_clone(function, bindings or {}, {}, _as_it_is))
-                _addresses[key] = -len(_by_address), None
-            elif _gathering:
-                _gathering[-1].append(wanted)
-                return 0
-            else:
-                _load_or_compile(wanted)
-        return _addresses[key][0]
+    bindings = bindings or {}
+    key = (function, tuple(sorted(bindings.items(), key=lambda pair: pair[0])), compiled)
+    if key not in _addresses:
+        if compiled:
+            _addresses[key] = _machine_address(function, letters_of(arrays), bindings)
+        else:
+            _by_address.append(with_names(function, bindings))
+            _addresses[key] = -len(_by_address), None
+    return _addresses[key][0]
 
 
-def _types(arrays: int | str) -> str:
+def letters_of(arrays: int | str) -> str:
+    """Return a letter for each array."""
     return "f" * arrays if isinstance(arrays, int) else arrays
+
+
+def _machine_address(
+    function: Callable[..., None], types: str, bindings: _Bindings
+) -> tuple[int, Any]:
+    if _module() is None:
+        raise NotBuiltError(key_of(function, types, bindings))
+    key = key_of(function, types, bindings)
+    address = _addresses_of_keys().get(key)
+    if address is not None:
+        return address, None
+    if hasattr(function, "__address__"):  # compiled elsewhere
+        return function.__address__, function
+    if not hasattr(function, "__program__"):
+        raise NotBuiltError(key)
+    program: array[float] = function.__program__()
+    # Floats begin at even addresses; an odd one says that a program of operations begins there.
+    return program.buffer_info()[0] + 1, program
 
 
 def routine(
     function: Callable[..., None],
-    arrays: str,
+    arrays: int | str,
     bindings: _Bindings | None = None,
     *,
     compiled: bool,
@@ -213,201 +255,34 @@ def routine(
         Takes the arrays (contiguous); interpreted, anything that is indexed like them.
     """
     if not compiled:
-        return cast(Callable[..., None], _clone(function, bindings or {}, {}, _as_it_is))
-    from ctypes import CFUNCTYPE, c_int64, c_void_p
-
+        return with_names(function, bindings or {})
+    module: Any = _module()
     address = address_of(function, arrays, bindings, compiled=True)
-    kinds = [c_void_p, c_int64] * len(arrays)
-    entry = CFUNCTYPE(None, *kinds)(address)
-    wanted = [_NAMES[letter] for letter in arrays]
-
-    def words_of(*given: Any) -> list[int]:
-        words: list[int] = []
-        for array, name in zip(given, wanted, strict=True):
-            # The name of a type takes Python to make, so it is asked for where types differ only.
-            if array.dtype.str != _NATIVE[name] or not array.flags.c_contiguous:
-                message = f"a contiguous array of {name} is needed, not one of {array.dtype.name}"
-                raise TypeError(message)
-            words += [array.ctypes.data, array.size]
-        return words
-
-    def run(*given: Any) -> None:
-        entry(*words_of(*given))
-
-    def bind(*given: Any) -> Callable[[], None]:
-        """Return what runs it on the same arrays again and again; it keeps them alive."""
-        words = [kind(word) for word, kind in zip(words_of(*given), kinds, strict=True)]
-
-        def again(_arrays: Any = given) -> None:
-            entry(*words)
-
-        return again
-
-    run.bind = bind  # type: ignore[attr-defined]
-    return run
+    return cast(Callable[..., None], module.routine(address, letters_of(arrays)))
 
 
-_NAMES = {"f": "float64", "i": "int64"}
+def bound_routine(
+    function: Callable[..., None],
+    types: str,
+    arrays: tuple[Any, ...],
+    bindings: _Bindings | None = None,
+    *,
+    brief: bool = False,
+) -> Callable[[], None]:
+    """Return what runs machine code on the same arrays again and again; it keeps them alive.
 
-_ORDER = "<" if sys.byteorder == "little" else ">"
-_NATIVE = {"float64": f"{_ORDER}f8", "int64": f"{_ORDER}i8"}
-
-
-def is_at_hand(function: Callable[..., None], arrays: int | str) -> bool:
-    """Whether machine code of a kernel is in this process or on disk: nothing to compile."""
-    wanted = Wanted(function, _types(arrays))
-    return (wanted, True) in _addresses or _was_on_disk(wanted)
-
-
-@functools.cache
-def _was_on_disk(wanted: Wanted) -> bool:
-    return _is_on_disk(wanted)
-
-
-def _is_on_disk(wanted: Wanted) -> bool:
-    name = _file_name(wanted)
-    # Unlike that of a path, this question has an answer where a folder cannot be searched.
-    return any(os.path.isfile(folder / name) for folder in folders_of(wanted.function))
-
-
-def _label(wanted: Wanted) -> str:
-    names = [wanted.function.__name__, *(bound.__name__ for _, bound in wanted.bindings)]
-    return f"{wanted.function.__module__.rpartition('.')[2]}.{'-'.join(names)}"
-
-
-def _file_name(wanted: Wanted) -> str:
-    return f"{_label(wanted)}.{_code_digest(wanted)}.code"
-
-
-def _load(wanted: Wanted, code: bytes) -> None:
-    _addresses[wanted, True] = load_code(code, _symbol(_code_digest(wanted)))
-
-
-def _load_or_compile(wanted: Wanted) -> None:
-    """Give a function an address: load its machine code, or make it and keep it."""
-    code = _code_on_disk(wanted)
-    if code is not None:
-        _load(wanted, code)
-        return
-    if _before_compiling:
-        _before_compiling.pop()()
-    if (wanted, True) not in _addresses:
-        take_machine_code(wanted, machine_code(wanted))
-
-
-def _code_on_disk(wanted: Wanted) -> bytes | None:
-    name = _file_name(wanted)
-    found = (read_code(folder / name) for folder in folders_of(wanted.function))
-    return next((code for code in found if code is not None), None)
-
-
-# --- Several functions at once: what :mod:`fuzzyarm.compilers` is made of ---
-
-_gathering: list[list[Wanted]] = []
-"""Where functions are listed that would be loaded or compiled."""
-
-_before_compiling: list[Callable[[], None]] = []
-"""What is called before the next function is compiled."""
-
-
-@contextlib.contextmanager
-def gathered() -> Iterator[list[Wanted]]:
-    """Load and compile nothing: list what :func:`address_of` is asked for, which returns 0.
-
-    Yields
-    ------
-    list of Wanted
-        Grows by what is not in this process, whether on disk or not.
-    """
-    wanted: list[Wanted] = []
-    with _making:
-        _gathering.append(wanted)
-        try:
-            yield wanted
-        finally:
-            _gathering.pop()
-
-
-@contextlib.contextmanager
-def before_compiling(act: Callable[[], None]) -> Iterator[None]:
-    """Have `act` called when something is to be compiled for the first time meanwhile."""
-    with _making:
-        _before_compiling[:] = [act]
-    try:
-        yield
-    finally:
-        _before_compiling.clear()
-
-
-def to_compile(wanted: Iterable[Wanted]) -> list[Wanted]:
-    """Return what is neither in this process nor on disk, each once."""
-    once = dict.fromkeys(wanted)
-    return [each for each in once if (each, True) not in _addresses and not _is_on_disk(each)]
-
-
-class MachineCode(NamedTuple):
-    """An object file of the platform.
-
-    Attributes
+    Parameters
     ----------
-    code : bytes
-        In which one symbol, ``fuzzyarm_`` and the digest, takes a pointer and a length for each
-        array.
-    complete : bool
-        Whether it is complete without numba, and so can be kept.
-    digest : str
-        Of sources, compiler and processor.
+    function, types, bindings
+        See :func:`address_of`.
+    arrays : tuple of ndarray
+        Contiguous.
+    brief : bool
+        Whether it takes less time than to give the interpreter's lock away and to get it back.
     """
-
-    code: bytes
-    complete: bool
-    digest: str
-
-
-def machine_code(wanted: Wanted) -> MachineCode:
-    """Compile a function."""
-    digest = _code_digest(wanted)
-    with telling(wanted.function.__name__, count_functions(wanted)):
-        compiler = inner_compiler(wanted.inline)
-        bindings = dict(wanted.bindings)
-        inner = compiler(_clone(wanted.function, bindings, {}, compiler, root=True))
-        scalar = hasattr(wanted.function, _SCALAR)
-        code, complete = compile_entry(inner, wanted.types, _symbol(digest), scalar=scalar)
-    return MachineCode(code, complete, digest)
-
-
-def take_machine_code(wanted: Wanted, made: MachineCode) -> None:
-    """Keep machine code and give the function its address; that of other sources is left."""
-    if made.digest != _code_digest(wanted):
-        return
-    with _making:
-        if made.complete:
-            keep_code(made.code, folders_of(wanted.function), _label(wanted), made.digest)
-        _load(wanted, made.code)
-
-
-@functools.cache
-def _code_digest(wanted: Wanted) -> str:
-    from hashlib import sha256
-
-    source = _source_digest(wanted.function, dict(wanted.bindings))
-    whole = f"{wanted.types}{wanted.inline};{source};{made_by()}"
-    return sha256(whole.encode()).hexdigest()[:16]
-
-
-def _symbol(digest: str) -> str:
-    return f"fuzzyarm_{digest}"
-
-
-def count_functions(wanted: Wanted) -> int:
-    """Return how many functions a program has, without those that it calls by address."""
-    return len(_reached(wanted.function, dict(wanted.bindings)))
-
-
-def size_of(wanted: Wanted) -> int:
-    """Return the length of a program in bytes of Python's own code: what compiling it takes."""
-    reached = _reached(wanted.function, dict(wanted.bindings))
-    return sum(len(cast(FunctionType, each).__code__.co_code) for each in reached)
+    module: Any = _module()
+    address = address_of(function, types, bindings, compiled=True)
+    return cast(Callable[[], None], module.bind(address, types, arrays, brief))
 
 
 # --- Several processors ---
@@ -455,122 +330,49 @@ if hasattr(os, "register_at_fork"):  # a forked process has none of them
     os.register_at_fork(after_in_child=_threads.cache_clear)
 
 
-# --- Functions whose types numba finds at the first call ---
+# --- Kernels as plain Python, with other functions under some of their names ---
 
 
-def build(
-    function: Callable[..., Any], bindings: _Bindings | None = None, *, compiled: bool
-) -> Callable[..., Any]:
-    """Make `function` callable with other functions under some of its names.
+def with_names(function: Callable[..., Any], bindings: _Bindings) -> Callable[..., Any]:
+    """Return a kernel as plain Python that knows other functions under some names.
 
     Parameters
     ----------
     function : callable
         A kernel.
-    bindings : mapping of str to callable, optional
-        Functions to put in the place of those that the kernel, or a kernel that it
-        calls, knows under these names. Compiled, they have to be kernels.
-    compiled : bool
-        Machine code, or plain Python.
-
-    Returns
-    -------
-    callable
-        With the signature of `function`.
+    bindings : mapping of str to callable
+        Functions to put in the place of those that the kernel, or a kernel that it calls, knows
+        under these names.
     """
-    bindings = dict(bindings or {})
-    if not compiled:
-        return cast(Callable[..., Any], _clone(function, bindings, {}, _as_it_is))
-
-    numba = numba_itself()
-    # Only the root can be called from Python.
-    root = _clone(function, bindings, {}, inner_compiler(), root=True)
-    root.__qualname__ = f"{root.__qualname__}_{_source_digest(function, bindings)}"
-    machine = functools.partial(numba.njit, error_model="numpy", nogil=True, _nrt=False)
-    try:
-        made = machine(root, cache=True)
-    except RuntimeError:  # neither the package folder nor the user's can be written
-        return cast(Callable[..., Any], machine(root))
-    forgive(made._cache)
-    return cast(Callable[..., Any], made)
+    return cast(Callable[..., Any], _copied(function, bindings, {}))
 
 
-# --- Copies of kernels over the names that are bound ---
-
-
-def _as_it_is(function: FunctionType) -> FunctionType:
-    return function
-
-
-def _clone(
+def _copied(
     function: Callable[..., Any],
     bindings: _Bindings,
     done: dict[Callable[..., Any], Callable[..., Any]],
-    finish: Callable[[FunctionType], Callable[..., Any]],
-    *,
-    root: bool = False,
-) -> Any:
+) -> Callable[..., Any]:
     """Copy a kernel and those it calls, each over globals that name the copies."""
-    if function is call:
-        return call if finish is _as_it_is else call_of_machine()
-    if not hasattr(function, _MARK):
-        # Printed from an expression; or a user's, bound to a name of an interpreted kernel.
-        return function
-    if function in done:
-        return done[function]
-    plain = cast(FunctionType, function)
-    names = {
-        name: _clone(called, bindings, done, finish)
-        for name, called in _called(plain, bindings).items()
-    }
-    copy = FunctionType(
-        plain.__code__, {**plain.__globals__, **names}, plain.__name__, plain.__defaults__
-    )
-    copy.__qualname__ = plain.__qualname__
-    copy.__module__ = plain.__module__
-    done[function] = copy if root else finish(copy)
+    if not is_kernel(function):
+        return function  # printed from an expression; or a user's, bound to a name
+    if function not in done:
+        plain = cast(FunctionType, function)
+        names = {
+            name: _copied(called, bindings, done)
+            for name, called in called_by(plain, bindings).items()
+        }
+        space = {**plain.__globals__, **names}
+        copy = FunctionType(plain.__code__, space, plain.__name__, plain.__defaults__)
+        copy.__qualname__, copy.__module__ = plain.__qualname__, plain.__module__
+        done[function] = copy
     return done[function]
 
 
-def _called(function: FunctionType, bindings: _Bindings) -> dict[str, Callable[..., Any]]:
+def called_by(function: FunctionType, bindings: _Bindings) -> dict[str, Callable[..., Any]]:
+    """Return what a kernel calls, by the names under which it does."""
     found = {}
     for name in function.__code__.co_names:
         value = bindings.get(name, function.__globals__.get(name))
-        if hasattr(value, _MARK) or name in bindings or value is call:
+        if is_kernel(value) or name in bindings:
             found[name] = value
     return cast("dict[str, Callable[..., Any]]", found)
-
-
-def _source_digest(function: Callable[..., Any], bindings: _Bindings) -> str:
-    """Hash what is bound, the source files of all kernels reached, and this one."""
-    from hashlib import sha256
-
-    whole = sha256(Path(__file__).read_bytes())
-    whole.update(Path(machine_code_file).read_bytes())
-    if not hasattr(function, _MARK):
-        whole.update(vars(function)["__source__"].encode())
-        return whole.hexdigest()[:16]
-    for name, bound in sorted(bindings.items()):
-        whole.update(f"{name}={bound.__module__}.{bound.__qualname__};".encode())
-    reached = _reached(function, bindings)
-    for file in sorted({cast(FunctionType, each).__code__.co_filename for each in reached}):
-        whole.update(Path(file).read_bytes())
-        if _stamp(file) != _loaded[file]:
-            # What runs here is older than the file: no other process may take its machine code.
-            whole.update(_THIS_PROCESS)
-    return whole.hexdigest()[:16]
-
-
-def _reached(function: Callable[..., Any], bindings: _Bindings) -> set[Callable[..., Any]]:
-    """Return a kernel and all that it calls, and these call."""
-    if not hasattr(function, _MARK):
-        return {function}
-    reached: set[Callable[..., Any]] = set()
-    waiting = [function]
-    while waiting:
-        current = waiting.pop()
-        if current not in reached:
-            reached.add(current)
-            called = _called(cast(FunctionType, current), bindings).values()
-            waiting += [each for each in called if each is not call]
-    return reached

@@ -17,10 +17,9 @@ from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
 from fuzzyarm.text.names import near_hint, printable, typed
 
 if TYPE_CHECKING:
-    from rich.progress import Progress, TaskID
+    from rich.progress import Progress
 
     from fuzzyarm.controller.text import ControllerText
-    from fuzzyarm.machine_code import Compiling
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
@@ -377,47 +376,6 @@ def counted(number: int, word: str) -> str:
 # --- Long work: on a terminal, a line on the standard error that goes away again ---
 
 
-class CompilingBar:
-    """Tells in one line of a terminal what is being compiled, with a bar.
-
-    Machine code is compiled when something runs for the first time on a machine, and kept; so this
-    line is seen once.
-
-    Parameters
-    ----------
-    display : Progress, optional
-        A display that is there already and takes the bar in; by default it gets one of its own.
-    """
-
-    def __init__(self, display: Progress | None = None) -> None:
-        self._home, self._display = display, display
-        self._task: TaskID | None = None
-
-    def show(self, what: Compiling | None) -> None:
-        """Show the function that is being compiled now; None ends it."""
-        if what is None:
-            self._end()
-            return
-        if self._display is None:
-            self._display = _display()
-            self._display.start()
-        if self._task is None:
-            self._task = self._display.add_task("", total=None)
-        # What is compiled for several types makes more of them than there are.
-        total = max(what.total, what.done + 1) if what.total else None
-        words = f"compiling machine code, once on this machine: {what.name}"
-        self._display.update(self._task, description=words, completed=what.done, total=total)
-
-    def _end(self) -> None:
-        if self._display is not None and self._task is not None:
-            self._display.remove_task(self._task)
-        self._task = None
-        if self._display is not self._home:
-            if self._display is not None:
-                self._display.stop()
-            self._display = self._home
-
-
 def _display() -> Progress:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -432,31 +390,12 @@ def _display() -> Progress:
 
 
 @contextmanager
-def compiling_shown(display: Progress | None = None) -> Iterator[None]:
-    """Show what is compiled meanwhile, and not in what a caller does afterwards."""
-    from fuzzyarm.machine_code import watch_compiling
-
-    before = watch_compiling(CompilingBar(display).show)
-    try:
-        yield
-    finally:
-        watch_compiling(before)
-
-
-@contextmanager
-def _long_work() -> Iterator[Progress]:
-    """Give a display, which also shows what is compiled meanwhile."""
-    with _display() as display, compiling_shown(display):
-        yield display
-
-
-@contextmanager
 def busy(message: str) -> Iterator[Callable[[str], None] | None]:
     """Show `message` while something runs, on a terminal only; give what changes it."""
     if not sys.stderr.isatty():
         yield None
         return
-    with _long_work() as display:
+    with _display() as display:
         task = display.add_task(message, total=None)
         yield lambda words: display.update(task, description=words)
 
@@ -467,6 +406,6 @@ def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Call
     if not shown or not sys.stderr.isatty():
         yield lambda _count: None
         return
-    with _long_work() as display:
+    with _display() as display:
         task = display.add_task(title, total=total)
         yield lambda count: display.advance(task, count)

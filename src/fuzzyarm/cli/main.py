@@ -13,13 +13,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 
-from fuzzyarm.cli.command import (
-    Command,
-    compiling_shown,
-    print_error,
-    print_findings,
-    print_os_error,
-)
+from fuzzyarm.cli.command import Command, print_error, print_findings, print_os_error
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import RuleBaseError
 
@@ -95,9 +89,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _prepare_output()
     warnings.formatwarning = _warning_text
     try:
-        with compiling_shown() if sys.stderr.isatty() else contextlib.nullcontext():
-            status = _run(words)
-            sys.stdout.flush()
+        status = _run(words)
+        sys.stdout.flush()
     except RuleBaseError as error:
         _print_mistakes(error)
         return EXIT_INPUT

@@ -192,10 +192,10 @@ def _simulate(
 def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> str:
     """Say how much longer an interpreted run took than a compiled one of the same length."""
     from fuzzyarm.controller import controller
-    from fuzzyarm.kernels import jit_wanted
+    from fuzzyarm.kernels import has_machine_code
     from fuzzyarm.loop import simulate
 
-    if result.compiled or not jit_wanted():
+    if result.compiled or not has_machine_code():
         return ""
     pd = controller("pd")
     simulate(pd, trajectory, conventions=conventions)

@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from fuzzyarm.kernels import call, kernel, scalar
+from fuzzyarm.kernels import call, kernel
 from fuzzyarm.plant.setting import LAST, PERIOD, SINGLE, stored
 from fuzzyarm.table.lookup import VALUES, cell_index, clamp, looked_up
 
@@ -100,7 +100,6 @@ BEGIN, END, FIRST_INPUT, FIRST_RESULT, COUNT_INPUTS, COUNT_RESULTS, INFER_CELLS 
 ADDRESS, NUMBERS, NUMBERS_END, MEMORY, MEMORY_END, LINKS, LINKS_END = range(7)
 
 
-@scalar
 @kernel
 def step(k: Any, s: Any) -> None:
     """Run a controller for one period.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import address_of, call, kernel, scalar
+from fuzzyarm.kernels import address_of, call, kernel
 from fuzzyarm.plant.arm import UNITS, ArmParameters, constants
 from fuzzyarm.plant.setting import (
     Arithmetic,
@@ -257,7 +257,6 @@ def tell(now: Moment, signals: list[float]) -> None:
     signals[13], signals[14], signals[15], signals[16] = pose
 
 
-@scalar
 @kernel
 def summed_drives(
     told: list[float],
@@ -318,7 +317,6 @@ def law_kernel(now: Moment, numbers: list[float], memory: list[float], links: li
     return 0.0, 0.0
 
 
-@scalar
 @kernel
 def law_at_address(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]
@@ -336,6 +334,10 @@ def law_at_address(
     signals[17], signals[18] = torque
 
 
+LAW_ARRAYS = "fffi"
+"""Of signals, numbers and memory, and of links, see :func:`fuzzyarm.kernels.address_of`."""
+
+
 def law_address(law: Law, arithmetic: Arithmetic) -> int:
     """Return where the loop finds a law; each precision has its own.
 
@@ -349,4 +351,4 @@ def law_address(law: Law, arithmetic: Arithmetic) -> int:
         kernel = law_at_address
         bindings["law_kernel"] = law.kernel
     compiled = arithmetic.compiled
-    return address_of(kernel, "fffi", bindings, compiled=compiled, inline=True)
+    return address_of(kernel, LAW_ARRAYS, bindings, compiled=compiled)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import chain
@@ -22,11 +21,10 @@ from fuzzyarm.controller.program import (
     SourceError,
     Wiring,
     inference_address,
-    rule_block,
     write_down,
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
-from fuzzyarm.kernels import kernel, scalar
+from fuzzyarm.kernels import kernel
 from fuzzyarm.model.controller import ControllerModel, Learn, Zoom
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.arm import RATIOS, motor_torque
@@ -156,7 +154,6 @@ ARM = site_of(Arm())
 FIRST_RATIO, SECOND_RATIO = RATIOS
 
 
-@scalar
 @kernel
 def text_law(
     signals: list[float], numbers: list[float], memory: list[float], links: list[int]
@@ -297,20 +294,6 @@ def make_law(text: ControllerText, find_law: FindLaw, site: Site = ARM) -> TextL
         program=program,
         partners=partners,
     )
-
-
-def ask_for_kernels(law: Law, arithmetic: Arithmetic) -> None:
-    """Ask for the address of all that a law calls, see :func:`fuzzyarm.compilers.foreseen`."""
-    law_address(law, arithmetic)
-    if not isinstance(law, TextLaw):
-        return
-    for sheet in chain(*law.text.sheets.values()):
-        if isinstance(sheet, RuleBase):
-            inference_address(compiled=arithmetic.compiled)
-            with suppress(SourceError):  # said when it is written down
-                rule_block(sheet, compiled=arithmetic.compiled)
-    for partner in law.partners().values():
-        law_address(partner.law, arithmetic)
 
 
 def controller_on(controller: Controller, site: Site) -> Controller:

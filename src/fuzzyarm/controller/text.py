@@ -24,7 +24,7 @@ from fuzzyarm.controller.program import (
     write_down,
 )
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import jit_wanted, routine
+from fuzzyarm.kernels import has_machine_code, routine
 from fuzzyarm.language.reading import load_rulebase, parse, read_text
 from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Line, Signal, Use
 from fuzzyarm.model.rulebase import RuleBase
@@ -440,7 +440,7 @@ class ControllerRun:
         if model.partners:
             name = model.partners[0].name
             raise SourceError(f"the partner '{name}' is a law of the arm and runs there only")
-        compiled = jit_wanted() if compiled is None else compiled
+        compiled = has_machine_code() if compiled is None else compiled
         self.text = text
         self.arithmetic = Arithmetic(single, math.pi, compiled)
         self._wiring = wiring_of(model)

@@ -145,7 +145,7 @@ class _Programs:
     def __init__(self, layout: Layout) -> None:
         self.k, self.f, self.count = layout.whole, layout.floats, layout.programs
         self.kinds = {
-            address_of(function, 1, compiled=False, inline=True): function
+            address_of(function, 1, compiled=False): function
             for function in (at.closed_centroid, sampled_centroid, at.weighted)
         }
 

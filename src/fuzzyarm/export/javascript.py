@@ -99,7 +99,7 @@ class Functions:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
         return self._number({"hedges": _hedges(hedges)})
 
-    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+    def program(self, function: Callable[[Any], None]) -> int:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
         return self._number({"program": function.__name__})
 

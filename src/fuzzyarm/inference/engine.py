@@ -6,7 +6,7 @@ import math
 import os
 import struct
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from fuzzyarm.inference.arrays import blocks, infer_arrays, part_of, working_shape
 from fuzzyarm.inference.block import Block, Layout, NotCoveredError, make_block
 from fuzzyarm.inference.errors import NotANumberError
-from fuzzyarm.inference.kernel import MISSING, evaluate, run, sweep
+from fuzzyarm.inference.kernel import MISSING, evaluate, sweep
 from fuzzyarm.inference.labelled import gathered
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan, remembered
 from fuzzyarm.inference.point import check_names, holds_arrays, number_of, prepare
-from fuzzyarm.kernels import address_of, in_threads, is_at_hand, jit_wanted
+from fuzzyarm.kernels import bound_routine, has_machine_code, in_threads
 from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase
 
 CHUNK = 8192
@@ -33,12 +33,6 @@ LONGEST_CHUNK = 1 << 17
 """… but no longer than this."""
 
 
-STEPS_WORTH_COMPILING = 800_000_000
-"""Points times rules that take NumPy about as long as compiling the kernel takes."""
-
-POINTS_WORTH_COMPILING = 2_000
-"""Points of an interval type-2 rule base for which the same holds."""
-
 MANY = 100_000
 """Points from which on all processors are used."""
 
@@ -50,20 +44,8 @@ def on_block(
     if not compiled:
         quiet = np.errstate(divide="ignore", invalid="ignore", over="ignore")
         return partial(quiet(function), block)
-    from ctypes import c_int64, c_void_p
-
-    # The entry takes numbers, too, but would convert them at every call.
-    return partial(_entry(function), c_void_p(block.ctypes.data), c_int64(block.size))
-
-
-@cache
-def _entry(function: Callable[[Any], None]) -> Callable[[Any, Any], None]:
-    """Return machine code as a function of where a block is and how long."""
-    from ctypes import CFUNCTYPE, PYFUNCTYPE, c_int64, c_void_p
-
     # One point takes less time than to free the GIL and to wait for it again.
-    kind = PYFUNCTYPE if function is evaluate else CFUNCTYPE
-    return kind(None, c_void_p, c_int64)(address_of(function, 1, compiled=True))
+    return bound_routine(function, "f", (block,), brief=function is evaluate)
 
 
 _Point = Callable[[Iterable[float]], "tuple[float, ...] | None"]
@@ -78,7 +60,7 @@ class Compiled:
     rulebase : RuleBase
         As given.
     kernel : str
-        ``"numba"``; ``"python"`` where FUZZYARM_JIT=0 asks for it; ``"numpy"`` where the
+        ``"machine code"``; ``"python"`` where there is none; ``"numpy"`` where the
         kernel does not cover the rule base, which then goes through :func:`infer`.
     reason : str
         What the kernel does not cover; empty where it does.
@@ -88,7 +70,7 @@ class Compiled:
 
     def __init__(self, rulebase: RuleBase) -> None:
         self.rulebase = rulebase
-        self.kernel = "numba" if jit_wanted() else "python"
+        self.kernel = "machine code" if has_machine_code() else "python"
         self.reason = ""
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._outputs = tuple(output.name for output in rulebase.outputs)
@@ -96,11 +78,11 @@ class Compiled:
         self._one: _Point = lambda _: None
         self._only = self._outputs[0] if len(self._outputs) == 1 else None
         try:
-            layout = lay_out(plan(rulebase), compiled=self.kernel == "numba")
+            layout = lay_out(plan(rulebase), compiled=self.kernel == "machine code")
         except NotCoveredError as error:
             self.kernel, self.reason = "numpy", str(error)
         else:
-            self._engine = _Engine(rulebase, layout, compiled=self.kernel == "numba")
+            self._engine = _Engine(rulebase, layout, compiled=self.kernel == "machine code")
             self._one = self._engine.one
 
     def __reduce__(self) -> tuple[type[Compiled], tuple[RuleBase]]:
@@ -224,8 +206,6 @@ class _Engine:
         self._chunk = max(CHUNK, wanted)
         self._free: list[tuple[Block, Callable[[], None]]] = []
         self.one = self._point_function(make_block(layout, 1))
-        if compiled:  # now, so that the first point is fast; `sweep` waits for the first array
-            _entry(evaluate)
 
     def _point_function(self, first: Block) -> _Point:
         """Make the function; evaluations in several threads at once take a block each."""
@@ -328,38 +308,25 @@ def _compiled(rulebase: RuleBase) -> Compiled:
     return Compiled(rulebase)
 
 
-def _at_hand(function: Callable[[Any], None]) -> bool:
-    """Whether nothing has to be compiled for a kernel of blocks."""
-    return is_at_hand(function, 1) and is_at_hand(run, 1)
-
-
 def infer_many(
     rulebase: RuleBase, given: Mapping[str, Any], held: Mapping[str, float] | None = None
 ) -> dict[str, Any]:
-    """Evaluate arrays of inputs: by the kernel where it is at hand or pays for its compiling.
+    """Evaluate arrays of inputs: by the kernel, or by NumPy where there is no machine code.
 
     Raises
     ------
     InferenceError, NoRuleFiredError
         As :func:`fuzzyarm.infer`.
     """
-    if jit_wanted():
-        try:
-            points = math.prod(np.broadcast_shapes(*map(np.shape, given.values())))
-        except ValueError:  # they do not fit each other: the engine for arrays says so
-            points = 0
-        steps = points * (len(rulebase.rules) + 10)
-        # Interval type-2 sets are reduced point by point without the kernel.
-        is_long = rulebase.is_type2 and points > POINTS_WORTH_COMPILING
-        if _at_hand(sweep) or steps > STEPS_WORTH_COMPILING or is_long:
-            found: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
-            return found
+    if has_machine_code():
+        found: dict[str, Any] = _compiled(rulebase)(dict(given), held=held)
+        return found
     return dict(infer_arrays(rulebase, given, held))
 
 
 def infer_one(rulebase: RuleBase, given: Mapping[str, Any]) -> dict[str, float] | None:
     """Evaluate a point by the kernel; None where it does not cover it, or says what is wrong."""
-    if not jit_wanted() or not _at_hand(evaluate):
+    if not has_machine_code():
         return None
     return _compiled(rulebase).ordinary(given)
 

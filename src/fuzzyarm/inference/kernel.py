@@ -52,7 +52,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzyarm.kernels import call, kernel, scalar
+from fuzzyarm.kernels import call, kernel
 
 # Head of the whole numbers: counts; first rows; where programs and outputs begin;
 INPUTS, OUTPUTS, OPERANDS, HEIGHTS, WORK, PROGRAMS_AT, OUTPUTS_AT, PROGRAMS, SAMPLES = range(9)
@@ -123,7 +123,6 @@ FAILED = -1
 # ── points ───────────────────────────────────────────────────────────────────────────
 
 
-@scalar
 @kernel
 def evaluate(block: Any) -> None:
     """Evaluate the one point in a block; ``k[MISSING]`` outputs are NaN then."""
@@ -676,8 +675,8 @@ def closed_centroid(block: Any) -> None:
         begin = first + k[at] * width
         one = room[begin : begin + count]
         begin = first + k[at + 1] * width
-        other = room[begin : begin + count]
-        _add_layer(f[k[at + 2] : k[at + 2] + LAYER], one, other, total, moment)
+        second = room[begin : begin + count]
+        _add_layer(f[k[at + 2] : k[at + 2] + LAYER], one, second, total, moment)
         at += 3
     k[NEXT] = at
 
@@ -731,8 +730,8 @@ def _closed_at_point(
     at += 1
     for _ in range(terms):
         layer = k[at + 2]
-        one, other = room[first + k[at] * width], room[first + k[at + 1] * width]
-        x = part_of_layer(one, other, f[layer], f[layer + 1])
+        one, second = room[first + k[at] * width], room[first + k[at + 1] * width]
+        x = part_of_layer(one, second, f[layer], f[layer + 1])
         total += layer_area(x, f[layer + 2], f[layer + 3])
         moment += layer_moment(x, f[layer + 4], f[layer + 5], f[layer + 6])
         at += 3

@@ -481,12 +481,10 @@ class _OutputWriter:
             base.floats[floats + 3] = WHICH_END[output.defuzzifier.method]
         is_mean = output.defuzzifier.method not in {"weighted-sum", "bisector", *KARNIK_MENDEL}
         fold = base.norm(SNORMS[output.aggregation], "S")
-        # The quadratures of both sides and both ends would be compiled many times over.
-        inline = self.defuzzifier not in REDUCED_INTEGRALS
         is_closed = self.defuzzifier is at.closed_centroid
         address = 0
         if not (is_closed and base.alone):
-            address = base.addresses.program(self.defuzzifier, inline=inline)
+            address = base.addresses.program(self.defuzzifier)
         whole[head : head + at.OUTPUT_HEAD] = [
             address, floats, fold, mode, detail,
             int(is_mean), int(is_closed), int(self._is_max_min),

@@ -15,6 +15,7 @@ import numpy as np
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
 from fuzzyarm.expression.nodes import Node, constant, replace, symbol
+from fuzzyarm.expression.programs import program_of
 from fuzzyarm.expression.records import degree_on_polyline
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.sets import formula_of
@@ -40,14 +41,20 @@ def _row_function(
     key = (root, rows, numbers)
     if key not in _functions:
         word = f"{name.replace('-', '_')}_row"
-        _functions[key] = row_function(row_source(root, rows, numbers, word), word)
+        function: Any = row_function(row_source(root, rows, numbers, word), word)
+        function.__program__ = lambda: program_of([root], rows, numbers)
+        _functions[key] = function
     return _functions[key]
 
 
-def norm_address(norm: Norm, sort: str, *, compiled: bool) -> int:
+def norm_address(norm: Norm, *, compiled: bool) -> int:
     """Return the address of a norm that the kernel does not do by itself."""
-    function = _row_function(norm.expression, norm.symbols, (), norm.name)
-    return address_of(function, 4, compiled=compiled)
+    return address_of(norm_row(norm), 4, compiled=compiled)
+
+
+def norm_row(norm: Norm) -> Callable[..., None]:
+    """Return a norm as a function of two rows."""
+    return _row_function(norm.expression, norm.symbols, (), norm.name)
 
 
 class Curve(NamedTuple):
@@ -66,10 +73,10 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
     if shape.kind == "points":
         corners = [number for corner in polyline(shape) for number in corner]
         if not hedges:
-            return Curve(address_of(_polyline_row, 3, compiled=compiled), tuple(corners))
+            return Curve(address_of(polyline_row, 3, compiled=compiled), tuple(corners))
         # An address among floats: its bits are kept, its value as a float means nothing.
         (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
-        return Curve(address_of(_hedged_polyline_row, 3, compiled=compiled), (modified, *corners))
+        return Curve(address_of(hedged_polyline_row, 3, compiled=compiled), (modified, *corners))
     names: list[str] = []
     numbers: list[float] = []
 
@@ -103,8 +110,20 @@ def _under(hedges: tuple[Hedge, ...], root: Node, number: Callable[[float], Node
 
 def hedge_row(hedges: tuple[Hedge, ...], *, compiled: bool) -> int:
     """Return the address of a row function of hedges, with their exponents as constants."""
-    root = _under(hedges, symbol("x"), constant)
-    return address_of(_row_function(root, ("x",), (), "hedged"), 3, compiled=compiled)
+    return address_of(hedges_on_row(hedges), 3, compiled=compiled)
+
+
+def hedges_on_row(hedges: tuple[Hedge, ...]) -> Callable[..., None]:
+    """Return hedges as a function of a row, with their exponents as constants."""
+    return _row_function(_under(hedges, symbol("x"), constant), ("x",), (), "hedged")
+
+
+def built_in_curve(name: str) -> Callable[..., None]:
+    """Return a kind of shapes as a function of a row, with its numbers as arguments."""
+    kind = SHAPES[name]
+    names = [f"n{index}" for index in range(len(kind.symbols) - 1)]
+    own = dict(zip(kind.symbols[1:], map(symbol, names), strict=True))
+    return _row_function(replace(kind.expression, own), ("x",), tuple(names), name)
 
 
 kernel(degree_on_polyline)
@@ -115,13 +134,14 @@ kernel(degree_on_polyline)
 
 
 @kernel
-def _polyline_row(x: Any, corners: Any, into: Any) -> None:
+def polyline_row(x: Any, corners: Any, into: Any) -> None:
+    """Fill in the degrees of a polyline."""
     for point in range(into.shape[0]):
         into[point] = degree_on_polyline(corners, x[point])
 
 
 @kernel
-def _hedged_polyline_row(x: Any, numbers: Any, into: Any) -> None:
+def hedged_polyline_row(x: Any, numbers: Any, into: Any) -> None:
     """Do the same and apply hedges, whose address stands as a whole number before the corners."""
     corners = numbers[1 : numbers.shape[0]]
     for point in range(into.shape[0]):
@@ -141,7 +161,7 @@ class Addresses(Protocol):
     def hedged(self, hedges: tuple[Hedge, ...]) -> int:
         """Return the number of a row function of hedges."""
 
-    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+    def program(self, function: Callable[[Any], None]) -> int:
         """Return the number of a kernel that takes the block."""
 
 
@@ -158,7 +178,7 @@ class InMemory(NamedTuple):
 
     def norm(self, norm: Norm, sort: str) -> int:
         """See :class:`Addresses`."""
-        return norm_address(norm, sort, compiled=self.compiled)
+        return norm_address(norm, compiled=self.compiled)
 
     def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
         """See :class:`Addresses`."""
@@ -168,6 +188,6 @@ class InMemory(NamedTuple):
         """See :class:`Addresses`."""
         return hedge_row(hedges, compiled=self.compiled)
 
-    def program(self, function: Callable[[Any], None], *, inline: bool = False) -> int:
+    def program(self, function: Callable[[Any], None]) -> int:
         """See :class:`Addresses`."""
-        return address_of(function, 1, compiled=self.compiled, inline=inline)
+        return address_of(function, 1, compiled=self.compiled)

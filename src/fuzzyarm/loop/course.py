@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import site_of
-from fuzzyarm.kernels import jit_wanted
+from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.loop.loop import SENSOR, Setting
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.plant.arm import ArmParameters
@@ -139,7 +139,7 @@ class Options:
 
     def arithmetic(self, conventions: Conventions) -> Arithmetic:
         """Return how the laws count under some conventions."""
-        compiled = jit_wanted() if self.compiled is None else self.compiled
+        compiled = has_machine_code() if self.compiled is None else self.compiled
         return Arithmetic(conventions.single, conventions.pi, compiled)
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.law import summed_drives
-from fuzzyarm.kernels import call, kernel, scalar
+from fuzzyarm.kernels import call, kernel
 from fuzzyarm.plant.plant import ACTUATE, ADVANCE, CLOCK_SIZE, DERIVE, MEASURE
 from fuzzyarm.plant.setting import CLOCK, stored
 
@@ -68,7 +68,6 @@ ADDRESS, BLOCK, ACTUATES, DERIVES = range(4)
 SAMPLES, LOST, LOST_AT, TICK, NEXT, UNTIL, RANDOM = range(7)
 
 
-@scalar
 @kernel
 def run_loop(
     references: list[float],

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fuzzyarm.controller import on_plant
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
-from fuzzyarm.kernels import address_of, build, routine
+from fuzzyarm.kernels import bound_routine, routine, with_names
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import (
     LOOP_ARRAYS,
@@ -28,8 +28,6 @@ from fuzzyarm.loop.loop import (
 from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
-    Plant,
-    dynamics_of,
     is_compiled,
     plain_motion,
     plain_outputs,
@@ -53,22 +51,6 @@ def loop_of_laws(compiled: bool, single: bool) -> Callable[..., None]:
     Each precision has its own: what is stored need not be asked whether to be rounded.
     """
     return routine(run_loop, LOOP_ARRAYS, _held(single), compiled=compiled)
-
-
-def ask_for_kernels(
-    controller: Controller, plant: Plant, arithmetic: Arithmetic, *, finely: bool
-) -> None:
-    """Ask for the address of all that a compiled loop is made of.
-
-    See :func:`fuzzyarm.compilers.foreseen`; `finely` is that of
-    :func:`fuzzyarm.plant.plant.dynamics_of`.
-    """
-    if is_compiled(plant):
-        address_of(run_loop, LOOP_ARRAYS, _held(arithmetic.single), compiled=True)
-        dynamics_of(plant, arithmetic, finely=finely)
-    for part in controller.parts():
-        if isinstance(part, CompiledController):
-            on_plant.ask_for_kernels(part.law, arithmetic)
 
 
 def _held(single: bool) -> dict[str, Callable[..., Any]]:
@@ -297,7 +279,7 @@ def loop_for(program: Program, course: Course, record: Record) -> Callable[..., 
         bindings["control"] = plain_law(program.controller)
     elif program.arithmetic.compiled:
         bindings["control"] = compiled_law(program, course, record)
-    return build(run_loop, bindings, compiled=False)
+    return with_names(run_loop, bindings)
 
 
 def plain_law(controller: Controller) -> Callable[..., None]:
@@ -316,12 +298,13 @@ def plain_law(controller: Controller) -> Callable[..., None]:
 
 def compiled_law(program: Program, course: Course, record: Record) -> Callable[..., None]:
     """Return what runs compiled laws from a loop in plain Python, on the arrays of a record."""
-    run = routine(summed_drives, "fifff", _held(course.conventions.single), compiled=True)
     laws, numbers = program.inputs(as_array=True)
     board = np.asarray(record.board)
     size = len(course.site.interface.inputs)
     told = board[: course.site.told + size]
-    step = run.bind(told, laws, numbers, np.asarray(record.memory), board[len(board) - size :])  # type: ignore[attr-defined]
+    arrays = (told, laws, numbers, np.asarray(record.memory), board[len(board) - size :])
+    held = _held(course.conventions.single)
+    step = bound_routine(summed_drives, "fifff", arrays, held, brief=True)
 
     def control(*_arrays: object) -> None:
         step()

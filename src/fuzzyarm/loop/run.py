@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.compilers import foreseen
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
@@ -21,7 +19,6 @@ from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
     Program,
     Record,
-    ask_for_kernels,
     error_taps,
     loop_of_laws,
     scales,
@@ -385,25 +382,15 @@ class ClosedLoop:
         self.controller = controller_on(controller, self.site)
         self.arithmetic = options.arithmetic(conventions)
         plant = followed.plants[0]
-        need = partial(
-            ask_for_kernels,
-            self.controller,
-            plant,
-            self.arithmetic,
-            finely=options.runge_kutta > 0,
-        )
-        with foreseen(need):
-            self.program = Program(self.controller, self.arithmetic)
-            self.compiled = self.program.compiled and is_compiled(plant)
-            driven = torques_only(self.site)
-            if self.program.compilable:
-                driven = driven_by(self.controller, self.site)
-            self.course = Course(
-                followed, conventions, options, driven=driven, as_array=self.compiled
-            )
-            if self.compiled:  # so that a run begins at once
-                loop_of_laws(compiled=True, single=conventions.single)
-                self.program.inputs()
+        self.program = Program(self.controller, self.arithmetic)
+        self.compiled = self.program.compiled and is_compiled(plant)
+        driven = torques_only(self.site)
+        if self.program.compilable:
+            driven = driven_by(self.controller, self.site)
+        self.course = Course(followed, conventions, options, driven=driven, as_array=self.compiled)
+        if self.compiled:  # so that a run begins at once
+            loop_of_laws(compiled=True, single=conventions.single)
+            self.program.inputs()
         self.taps = [
             *error_taps(self.course),
             *map(self.course.output_cell, self.site.interface.outputs),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.kernels import kernel, scalar
+from fuzzyarm.kernels import kernel
 from fuzzyarm.plant.arm import (
     PLANT_SIZE,
     RATIOS,
@@ -163,7 +163,6 @@ CURRENTS = 4
 FIRST_RATIO, SECOND_RATIO = RATIOS
 
 
-@scalar
 @kernel
 def run_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]

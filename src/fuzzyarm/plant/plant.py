@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import address_of, build, is_kernel, kernel, scalar
+from fuzzyarm.kernels import address_of, is_kernel, kernel, with_names
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
@@ -324,7 +324,7 @@ MEASURE, ADVANCE, ACTUATE, DERIVE = range(4)
 """Tasks: outputs of the states; the states a control period on; of what a controller asks for what
 drives the plant; what follows from outputs as sensors have them."""
 
-WORK = 2
+WORK = 3
 """Numbers of room behind the states, for each state."""
 
 
@@ -360,6 +360,16 @@ def measure(t: float, x: list[float], u: list[float], p: list[float]) -> tuple[f
 
 
 @kernel
+def find_slopes(
+    t: float, x: list[float], u: list[float], p: list[float], slopes: list[float]
+) -> None:
+    """Fill in the rates of the states."""
+    rates = derivative(t, x, u, p)
+    for i in range(len(slopes)):
+        slopes[i] = rates[i]
+
+
+@kernel
 def measure_states(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
@@ -373,12 +383,11 @@ def measure_outputs(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Measure what the plant says."""
-    found = measure(clock[0], x[0 : len(x) // 3], u, p)
+    found = measure(clock[0], x[0 : len(x) // 4], u, p)
     for i in range(len(y)):
         y[i] = found[i]
 
 
-@scalar
 @kernel
 def run_plant(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
@@ -395,27 +404,27 @@ def runge_kutta_4(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Advance by classical fourth-order steps with the inputs held."""
-    # Behind the n states stand the states at the start of the step and the weighted slopes.
-    n = len(x) // 3
-    states = x[0:n]  # the equations of a user may count from the end
+    # Behind the n states stand those at the start of the step, the weighted slopes, the slopes.
+    n = len(x) // 4
+    states, slope = x[0:n], x[3 * n : 4 * n]  # the equations of a user may count from the end
     h = clock[1] / clock[2]
     t = clock[0]
     for _ in range(int(clock[2])):
-        slope = derivative(t, states, u, p)
+        find_slopes(t, states, u, p, slope)
         for i in range(n):
             x[n + i] = x[i]
             x[2 * n + i] = slope[i]
             x[i] = x[n + i] + 0.5 * h * slope[i]
-        slope = derivative(t + 0.5 * h, states, u, p)
+        find_slopes(t + 0.5 * h, states, u, p, slope)
         for i in range(n):
             x[2 * n + i] += 2.0 * slope[i]
             x[i] = x[n + i] + 0.5 * h * slope[i]
-        slope = derivative(t + 0.5 * h, states, u, p)
+        find_slopes(t + 0.5 * h, states, u, p, slope)
         for i in range(n):
             x[2 * n + i] += 2.0 * slope[i]
             x[i] = x[n + i] + h * slope[i]
         t += h
-        slope = derivative(t, states, u, p)
+        find_slopes(t, states, u, p, slope)
         for i in range(n):
             x[i] = x[n + i] + h / 6.0 * (x[2 * n + i] + slope[i])
 
@@ -432,7 +441,13 @@ def is_compiled(plant: Plant) -> bool:
     return plant.step is None and all(is_kernel(each) for each in equations)
 
 
-def dynamics_of(plant: Plant, arithmetic: Arithmetic, *, finely: bool = False) -> Dynamics:
+def dynamics_of(
+    plant: Plant,
+    arithmetic: Arithmetic,
+    *,
+    finely: bool = False,
+    address: Callable[..., int] | None = None,
+) -> Dynamics:
     """Give the kernel of a plant an address.
 
     Parameters
@@ -443,17 +458,25 @@ def dynamics_of(plant: Plant, arithmetic: Arithmetic, *, finely: bool = False) -
         Of the run.
     finely : bool, optional
         Whether the arm is to move by Runge-Kutta steps, as all others do.
+    address : callable, optional
+        Who is asked for the address of a function with bindings; by default
+        :func:`fuzzyarm.kernels.address_of`.
     """
-
-    def address(function: Callable[..., None], **bindings: Any) -> int:
-        return address_of(function, ARRAYS, bindings, compiled=arithmetic.compiled, inline=True)
-
+    if address is None:
+        address = _address_in(arithmetic)
     if plant.dynamics is not None:  # the arm, whose numerics are those of the study
         return plant.dynamics(arithmetic, address, finely=finely)
     if plant.measure is None:
         return Dynamics(address(run_plant, derivative=plant.derivative))
     bound = {"measure_states": measure_outputs, "measure": plant.measure}
     return Dynamics(address(run_plant, derivative=plant.derivative, **bound))
+
+
+def _address_in(arithmetic: Arithmetic) -> Callable[..., int]:
+    def address(function: Callable[..., None], **bindings: Any) -> int:
+        return address_of(function, ARRAYS, bindings, compiled=arithmetic.compiled)
+
+    return address
 
 
 # --- Plants in plain Python ---
@@ -468,7 +491,7 @@ def plain_motion(plant: Plant, states: int) -> Callable[..., None]:
         def derivative(t: float, x: Any, u: Any, p: Any) -> Any:
             return slope(t, x[:states].tolist(), u.tolist(), p.tolist())
 
-        return build(runge_kutta_4, {"derivative": derivative}, compiled=False)
+        return with_names(runge_kutta_4, {"derivative": derivative})
     step = plant.step
 
     def advance(x: Any, _y: Any, u: Any, p: Any, clock: Any) -> None:

@@ -7,11 +7,9 @@ kernels of a closed loop and those for large arrays.
 
 from __future__ import annotations
 
-import importlib.util
 import itertools
 import math
 import os
-import sys
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzyarm.kernels import build, in_threads, jit_wanted, kernel
+from fuzzyarm.kernels import has_machine_code, in_threads, kernel, routine
 from fuzzyarm.table.axis import Axis, TableError
 
 __all__ = [
@@ -292,11 +290,8 @@ def _count_smaller(numbers: list[float], first: int, count: int, x: float) -> in
 _Array = NDArray[np.float64]
 _Cells = NDArray[np.int32]
 
-ONCE_LOADED = 4_096
-"""Points from which machine code is worth calling where numba is loaded already."""
-
-WORTH_LOADING = 500_000
-"""Points from which it is worth loading numba and the code."""
+WORTH_CALLING = 4_096
+"""Points from which machine code is worth calling."""
 
 WORTH_THREADS = 100_000
 """Points from which machine code runs on all processors."""
@@ -355,10 +350,19 @@ def _bucket_of(value: float, low: float, inverse: float, last: float) -> Any:
     return np.int32(bucket if bucket < last else last)  # noqa: FURB136 - as above
 
 
+# A finder goes into a kernel as its three arrays, and its numbers with those of the axis. Indices
+# are short: a vector holds as many of them as of floats.
+
+LOW, INVERSE, STEPS, SIZE = range(4)
+"""Numbers of an axis: of its finder, then by what an index grows with the next axis."""
+
+
 @kernel
-def add_cells(x: Any, finder: Finder, size: Any, index: Any) -> bool:
-    """Make `index` one axis longer: the number of points smaller than x; false for a NaN."""
-    points, start, edge, low, inverse, steps = finder
+def add_cells(
+    x: Any, points: Any, start: Any, edge: Any, axis: Any, index: Any, missing: Any
+) -> None:
+    """Make `index` one axis longer: the number of points smaller than x; count the NaN."""
+    low, inverse, steps, size = axis[LOW], axis[INVERSE], int(axis[STEPS]), np.int32(axis[SIZE])
     last = start.size - 1.0
     bad = 0
     if steps == 1:  # by itself, for the vector unit
@@ -367,26 +371,34 @@ def add_cells(x: Any, finder: Finder, size: Any, index: Any) -> bool:
             bad += value != value  # noqa: PLR0124 - true for NaN only
             bucket = _bucket_of(value, low, inverse, last)
             index[k] = index[k] * size + start[bucket] + np.int32(edge[bucket] < value)
-        return bad == 0
-    for k in range(x.size):
-        value = x[k]
-        bad += value != value  # noqa: PLR0124 - true for NaN only
-        cell = start[_bucket_of(value, low, inverse, last)]
-        for _ in range(steps):
-            cell += points[cell] < value
-        index[k] = index[k] * size + cell
-    return bad == 0
+    else:
+        for k in range(x.size):
+            value = x[k]
+            bad += value != value  # noqa: PLR0124 - true for NaN only
+            cell = start[_bucket_of(value, low, inverse, last)]
+            for _ in range(steps):
+                cell += np.int32(points[cell] < value)
+            index[k] = index[k] * size + cell
+    missing[0] += bad
 
 
 @kernel
-def _add_neighbours(
-    x: Any, finder: Finder, levels: Any, stride: Any, index: Any, share: Any
-) -> bool:
+def add_neighbours(
+    x: Any,
+    points: Any,
+    start: Any,
+    edge: Any,
+    levels: Any,
+    axis: Any,
+    index: Any,
+    share: Any,
+    missing: Any,
+) -> None:
     """Add the lower neighbour of x to `index`, and set the share of the way to the upper one.
 
-    The points of `finder` are the inner levels. False for a NaN.
+    The points are the inner levels. NaN are counted.
     """
-    points, start, edge, low, inverse, steps = finder
+    low, inverse, steps, stride = axis[LOW], axis[INVERSE], int(axis[STEPS]), np.int32(axis[SIZE])
     last = start.size - 1.0
     first, final = levels[0], levels[levels.size - 1]
     bad = 0
@@ -397,57 +409,65 @@ def _add_neighbours(
         bucket = _bucket_of(value, low, inverse, last)
         cell = start[bucket] + np.int32(edge[bucket] <= value)
         for _ in range(steps - 1):
-            cell += points[cell] <= value
+            cell += np.int32(points[cell] <= value)
         index[k] += cell * stride
         share[k] = share_of_way(value, levels[cell], levels[cell + 1])
-    return bad == 0
+    missing[0] += bad
 
 
 @kernel
-def _gather(values: Any, index: Any, out: Any) -> None:
+def gather(values: Any, index: Any, out: Any) -> None:
     """Fetch the values of cells."""
     for k in range(out.size):
         out[k] = values[index[k]]
 
 
 @kernel
-def _blend_corners(values: Any, index: Any, shares: Any, offsets: Any, work: Any, out: Any) -> None:
+def blend_corners(values: Any, index: Any, shares: Any, offsets: Any, work: Any, out: Any) -> None:
     """Interpolate between the corners of cells, the last axis first.
 
-    `shares` has a row for each axis, `offsets` is that of :func:`corner_offsets`; `work` has
-    room for the corners.
+    `shares` has a stretch as long as `out` for each axis, `offsets` is that of
+    :func:`corner_offsets`; `work` has room for the corners.
     """
-    axes = shares.shape[0]
-    if axes == 2:
+    points = out.size
+    if offsets.size == 4:  # two axes
         one, two, three = offsets[1], offsets[2], offsets[3]
-        for k in range(out.size):
-            cell, s, t = index[k], shares[0, k], shares[1, k]
+        for k in range(points):
+            cell, s, t = index[k], shares[k], shares[points + k]
             near = blend(values[cell], values[cell + one], t)
             far = blend(values[cell + two], values[cell + three], t)
             out[k] = blend(near, far, s)
         return
-    for k in range(out.size):
-        cell, left = index[k], offsets.size
+    axes = shares.size // max(points, 1)
+    for k in range(points):
+        origin, left = index[k], offsets.size
         for corner in range(left):
-            work[corner] = values[cell + offsets[corner]]
+            work[corner] = values[origin + offsets[corner]]
         for axis in range(axes - 1, -1, -1):
-            t = shares[axis, k]
+            t = shares[axis * points + k]
             left //= 2
             for corner in range(left):
                 work[corner] = blend(work[2 * corner], work[2 * corner + 1], t)
         out[k] = work[0]
 
 
+ROOTS: tuple[tuple[Callable[..., None], str], ...] = (
+    (add_cells, "ffsffsi"),
+    (add_neighbours, "ffsfffsfi"),
+    (gather, "fsf"),
+    (blend_corners, "fsfiff"),
+)
+"""Kernels, and their arrays by the letters of :func:`fuzzyarm.kernels.address_of`."""
+
+
 @cache
-def _machine(function: Callable[..., Any]) -> Callable[..., Any]:
-    return build(function, compiled=True)
+def _machine(function: Callable[..., Any], *, compiled: bool) -> Callable[..., None]:
+    return routine(function, dict(ROOTS)[function], compiled=compiled)
 
 
 def worthwhile(points: int) -> bool:
     """Whether so many points are to go through machine code, here and now."""
-    if points < (ONCE_LOADED if "numba" in sys.modules else WORTH_LOADING):
-        return False
-    return jit_wanted() and importlib.util.find_spec("numba") is not None
+    return points >= WORTH_CALLING and has_machine_code()
 
 
 Evaluate = Callable[[Sequence[_Array], _Array], bool]
@@ -464,20 +484,31 @@ def picker(
     finders = [make_finder(edges) for edges in thresholds]
     if any(finder is None for finder in finders):
         return None
-    cells, fetch = (_machine(add_cells), _machine(_gather)) if compiled else (add_cells, _gather)
-    flat = values.ravel()
+    cells, fetch = _machine(add_cells, compiled=compiled), _machine(gather, compiled=compiled)
+    flat = np.ascontiguousarray(values).ravel()
+    axes = [
+        _arrays_of(finder, size)
+        for finder, size in zip(finders, values.shape, strict=True)
+        if finder is not None
+    ]
 
     def evaluate(columns: Sequence[_Array], out: _Array) -> bool:
         index = np.zeros(out.shape, dtype=np.int32)
-        numbers = True
-        for finder, size, x in zip(finders, values.shape, columns, strict=True):
-            assert finder is not None
-            numbers &= bool(cells(x, finder, np.int32(size), index))
-        if numbers:
-            fetch(flat, index, out)
-        return numbers
+        missing = np.zeros(1, dtype=np.int64)
+        for (points, start, edge, numbers), x in zip(axes, columns, strict=True):
+            cells(x, points, start, edge, numbers, index, missing)
+        if missing[0]:
+            return False
+        fetch(flat, index, out)
+        return True
 
     return evaluate
+
+
+def _arrays_of(finder: Finder, size: int) -> tuple[_Array, _Cells, _Array, _Array]:
+    """Return a finder as kernels take it, with what an index grows by."""
+    numbers = np.array([finder.low, finder.inverse, finder.steps, size], dtype=np.float64)
+    return finder.points, finder.start, finder.edge, numbers
 
 
 def interpolator(
@@ -490,28 +521,31 @@ def interpolator(
     finders = [make_finder(points[1:-1]) for points in levels]
     if any(finder is None for finder in finders):
         return None
-    neighbours, mix = _add_neighbours, _blend_corners
-    if compiled:
-        neighbours, mix = _machine(_add_neighbours), _machine(_blend_corners)
-    flat = values.ravel()
+    neighbours = _machine(add_neighbours, compiled=compiled)
+    mix = _machine(blend_corners, compiled=compiled)
+    flat = np.ascontiguousarray(values).ravel()
     strides = strides_of(values.shape)
     offsets = np.array(corner_offsets(values.shape), dtype=np.int64)
     wide = [k for k, size in enumerate(values.shape) if size > 1]
-    arrays = [np.array(points) for points in levels]
+    axes = [
+        (k, np.array(levels[k], dtype=np.float64), *_arrays_of(finder, strides[k]))
+        for k, finder in enumerate(finders)
+        if finder is not None and k in wide
+    ]
 
     def evaluate(columns: Sequence[_Array], out: _Array) -> bool:
         index = np.zeros(out.shape, dtype=np.int32)
         shares = np.empty((len(wide), out.size))
+        missing = np.zeros(1, dtype=np.int64)
         for k, x in enumerate(columns):
             if k not in wide and np.isnan(x).any():
                 return False
-        for row, k in enumerate(wide):
-            finder = finders[k]
-            assert finder is not None
-            stride = np.int32(strides[k])
-            if not neighbours(columns[k], finder, arrays[k], stride, index, shares[row]):
-                return False
-        mix(flat, index, shares, offsets, np.empty(offsets.size), out)
+        for row, (k, points_of_axis, points, start, edge, numbers) in enumerate(axes):
+            x = columns[k]
+            neighbours(x, points, start, edge, points_of_axis, numbers, index, shares[row], missing)
+        if missing[0]:
+            return False
+        mix(flat, index, shares.ravel(), offsets, np.empty(offsets.size), out)
         return True
 
     return evaluate

@@ -1,0 +1,218 @@
+"""The module with machine code: C is printed from the kernels and compiled.
+
+``python -m fuzzyarm.native.build FOLDER`` writes ``_kernels`` into a folder; the build of the package
+does it, and `make native`. The compiler is the platform's; where there is none that of the
+``ziglang`` wheel, which also compiles for other platforms.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from fuzzyarm.kernels import digest_of_sources
+from fuzzyarm.native.roots import Root, roots
+from fuzzyarm.native.targets import C99
+from fuzzyarm.native.translation import Translation
+from fuzzyarm.native.types import ARRAYS
+from fuzzyarm.native.walker import WALKER
+
+__all__ = ["BuildError", "Compiler", "build", "kernels_in_c"]
+
+FLAGS = (
+    # The bits of Python: nothing is fused or reordered. That no error number is set and no trap is
+    # looked at changes no result, and lets square roots and comparisons be vectorised.
+    "-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
+    # GCC 12 drops a rounding to single precision where it makes one vector of two numbers.
+    "-fno-tree-slp-vectorize",
+    # The block of a rule base is read as whole numbers and as floats.
+    "-fno-strict-aliasing", "-fPIC", "-fvisibility=hidden",
+)  # fmt: skip
+
+LEVELS = {"baseline": (), "v3": ("-march=x86-64-v3",)}
+"""Flags of the levels of a processor; the second for x86-64 only."""
+
+
+class BuildError(RuntimeError):
+    """No compiler was found, or it failed."""
+
+
+def kernels_in_c(level: str = "baseline", kernels: Sequence[Root] | None = None) -> str:
+    """Return the C of kernels, with a table of their entries.
+
+    Parameters
+    ----------
+    level : str
+        Under which the table is known, see :data:`LEVELS`.
+    kernels : sequence of Root, optional
+        By default all that are built.
+    """
+    target = C99()
+    translation = Translation(target)
+    entries, rows = [], []
+    for index, root in enumerate(roots() if kernels is None else kernels):
+        types = [ARRAYS[letter] for letter in root.types]
+        function = translation.function(root.function, types, root.bindings)
+        entries.append(target.entry(f"entry_{index}", function.name, types))
+        rows.append(f"  {{{json.dumps(root.key)}, (void (*)(void))entry_{index}}},")
+    table = [
+        "typedef struct { const char *key; void (*entry)(void); } table_row;",
+        f"const table_row fuzzyarm_{level}[] = {{", *rows, "  {0, 0},", "};", "",
+    ]  # fmt: skip
+    body = translation.text()  # names the structures
+    return "\n".join([target.HEAD, WALKER, *target.structures, body, *entries, *table])
+
+
+class Compiler(NamedTuple):
+    """A compiler of C.
+
+    Attributes
+    ----------
+    words : tuple of str
+        The command.
+    machine : str
+        What it compiles for: ``x86_64``, ``aarch64`` …
+    system : str
+        ``linux``, ``macos`` or ``windows``.
+    """
+
+    words: tuple[str, ...]
+    machine: str
+    system: str
+
+    @property
+    def levels(self) -> dict[str, tuple[str, ...]]:
+        """Flags of each level that the machine has."""
+        return {name: flags for name, flags in LEVELS.items() if not flags or self._is_x86}
+
+    @property
+    def _is_x86(self) -> bool:
+        return self.machine in {"x86_64", "AMD64", "amd64"}
+
+    def compile(self, source: Path, result: Path, *flags: str) -> None:
+        """Compile one file."""
+        self.run("-c", str(source), "-o", str(result), *FLAGS, *flags)
+
+    def link(self, objects: Sequence[Path], result: Path) -> None:
+        """Make an extension module of object files."""
+        more = {
+            "linux": ["-shared", "-lm"],
+            "macos": ["-shared", "-undefined", "dynamic_lookup"],
+            "windows": ["-shared"],
+        }[self.system]
+        self.run(*map(str, objects), "-o", str(result), *more)
+
+    def run(self, *words: str) -> None:
+        """Run it.
+
+        Raises
+        ------
+        BuildError
+            If it cannot be started, or fails; with what it says.
+        """
+        try:
+            done = subprocess.run(
+                [*self.words, *words], capture_output=True, text=True, check=False
+            )
+        except OSError as error:
+            raise BuildError(f"{self.words[0]} could not be started: {error}") from None
+        if done.returncode:
+            raise BuildError(f"{shlex.join(self.words)} failed:\n{done.stderr.strip()}")
+
+
+def find_compiler() -> Compiler:
+    """Return the platform's compiler, or that of the ``ziglang`` wheel.
+
+    ``CC`` names another one, as everywhere.
+
+    Raises
+    ------
+    BuildError
+        If there is none.
+    """
+    machine, system = platform.machine(), _SYSTEMS.get(sys.platform, "linux")
+    named = shlex.split(os.environ.get("CC", ""))
+    for words in (named, ["cc"], ["gcc"], ["clang"]):
+        if words and shutil.which(words[0]):
+            return Compiler(tuple(words), machine, system)
+    try:
+        import ziglang  # noqa: F401
+    except ImportError:
+        raise BuildError(
+            "no C compiler: install one, or `pip install ziglang`"
+        ) from None
+    return Compiler((sys.executable, "-m", "ziglang", "cc"), machine, system)
+
+
+_SYSTEMS = {"darwin": "macos", "win32": "windows"}
+
+
+def build(folder: Path, compiler: Compiler | None = None) -> Path:
+    """Build the module into a folder.
+
+    Parameters
+    ----------
+    folder : path
+        Where it is written; nothing half.
+    compiler : Compiler, optional
+        By default :func:`find_compiler`.
+
+    Returns
+    -------
+    path
+        The file.
+
+    Raises
+    ------
+    BuildError
+        If there is no compiler, or it fails.
+    """
+    compiler = compiler or find_compiler()
+    result = folder / f"_kernels{SUFFIXES[compiler.system]}"
+    with tempfile.TemporaryDirectory(prefix="fuzzyarm-") as room:
+        work = Path(room)
+        objects = []
+        for level, flags in compiler.levels.items():
+            source = work / f"{level}.c"
+            source.write_text(kernels_in_c(level), encoding="utf-8")
+            objects.append(work / f"{level}.o")
+            compiler.compile(source, objects[-1], *flags)
+        module = work / "module.c"
+        sources = f'const char fuzzyarm_sources[] = "{digest_of_sources()}";\n'
+        own = Path(__file__).with_name("module.c").read_text(encoding="utf-8")
+        module.write_text(own + sources, encoding="utf-8")
+        objects.append(work / "module.o")
+        v3 = ["-DFUZZYARM_V3"] if "v3" in compiler.levels else []
+        compiler.compile(module, objects[-1], f"-I{sysconfig.get_path('include')}", *v3)
+        linked = work / result.name
+        compiler.link(objects, linked)
+        unfinished = result.with_name(f".{result.name}.{os.getpid()}")
+        shutil.copy2(linked, unfinished)
+        unfinished.replace(result)  # a process that has it open keeps the old one
+    return result
+
+
+SUFFIXES = {"linux": ".abi3.so", "macos": ".abi3.so", "windows": ".pyd"}
+"""Of a module with the stable ABI."""
+
+
+def main() -> None:
+    """Build into the folder that is named."""
+    parser = argparse.ArgumentParser(description="build the machine code of fuzzyarm")
+    parser.add_argument("folder", type=Path, nargs="?", default=Path(__file__).parents[1])
+    build(parser.parse_args().folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,263 @@
+/* The extension module fuzzyarm._kernels: what Python needs of the printed kernels.
+
+   It has a table of entries for each level of the processor. An entry takes a pointer and a length
+   for each array; its address is what kernels call each other by. Only the stable ABI of Python 3.11
+   is used, so one build serves all later versions. */
+
+#define PY_SSIZE_T_CLEAN
+#define Py_LIMITED_API 0x030b0000
+#include <Python.h>
+#include <stdint.h>
+#include <string.h>
+
+typedef struct {
+  const char *key;
+  void (*entry)(void);
+} table_row;
+
+extern const table_row fuzzyarm_baseline[];
+#ifdef FUZZYARM_V3
+extern const table_row fuzzyarm_v3[];
+#endif
+extern const char fuzzyarm_sources[];
+
+static const table_row *table_of(const char *level) {
+#ifdef FUZZYARM_V3
+  if (strcmp(level, "x86-64-v3") == 0) return fuzzyarm_v3;
+#endif
+  return strcmp(level, "baseline") == 0 ? fuzzyarm_baseline : NULL;
+}
+
+/* The levels that this processor can run, the best one first. */
+static PyObject *levels(PyObject *module, PyObject *unused) {
+  (void)module;
+  (void)unused;
+#ifdef FUZZYARM_V3
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
+      __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma"))
+    return Py_BuildValue("(ss)", "x86-64-v3", "baseline");
+#endif
+  return Py_BuildValue("(s)", "baseline");
+}
+
+static PyObject *addresses(PyObject *module, PyObject *level) {
+  (void)module;
+  const char *name = PyUnicode_AsUTF8AndSize(level, NULL);
+  if (name == NULL) return NULL;
+  const table_row *row = table_of(name);
+  if (row == NULL) return PyErr_Format(PyExc_ValueError, "no machine code for '%s'", name);
+  PyObject *found = PyDict_New();
+  for (; found != NULL && row->key != NULL; row++) {
+    PyObject *address = PyLong_FromVoidPtr((void *)row->entry);
+    if (address == NULL || PyDict_SetItemString(found, row->key, address) < 0) Py_CLEAR(found);
+    Py_XDECREF(address);
+  }
+  return found;
+}
+
+/* --- Calls from Python --- */
+
+enum { MOST_ARRAYS = 24 };
+
+typedef struct {
+  PyObject_HEAD
+  void *entry;
+  int count;                  /* of arrays */
+  int held;                   /* buffers that are to be released */
+  int brief;                  /* whether it keeps the lock of the interpreter */
+  char letters[MOST_ARRAYS];  /* f: float64, i: int64, s: int32 */
+  Py_buffer buffers[MOST_ARRAYS];
+} Routine;
+
+static PyTypeObject *routine_type;
+
+static void release(Routine *self) {
+  while (self->held > 0) PyBuffer_Release(&self->buffers[--self->held]);
+}
+
+static void routine_free(PyObject *object) {
+  PyTypeObject *type = Py_TYPE(object);
+  release((Routine *)object);
+  PyObject_Free(object);
+  Py_DECREF(type);
+}
+
+static PyType_Slot routine_slots[] = {{Py_tp_dealloc, routine_free}, {0, NULL}};
+static PyType_Spec routine_spec = {
+    "fuzzyarm._kernels.Routine", sizeof(Routine), 0, Py_TPFLAGS_DEFAULT, routine_slots};
+
+static const char *kind_of(char letter) {
+  return letter == 'f' ? "float64" : letter == 'i' ? "int64" : "int32";
+}
+
+/* Whether the elements are what the kernel reads; the format says so in one letter. */
+static int fits(const Py_buffer *buffer, char letter) {
+  const char *format = buffer->format;
+  if (buffer->itemsize != (letter == 's' ? 4 : 8) || format == NULL) return 0;
+  if (*format == '<' || *format == '@' || *format == '=') format++;
+  if (letter == 'f') return *format == 'd';
+  return *format == 'i' || *format == 'l' || *format == 'q';
+}
+
+static int take(PyObject *array, char letter, Py_buffer *buffer) {
+  if (PyObject_GetBuffer(array, buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT | PyBUF_WRITABLE) < 0) {
+    /* Kernels write into some of their arrays only; what is read may be read-only. */
+    PyErr_Clear();
+    if (PyObject_GetBuffer(array, buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) < 0) {
+      PyErr_Clear();
+      PyErr_Format(PyExc_TypeError, "a contiguous array of %s is needed",
+                   kind_of(letter));
+      return -1;
+    }
+  }
+  if (!fits(buffer, letter)) {
+    PyErr_Format(PyExc_TypeError, "a contiguous array of %s is needed, not one of format '%s'",
+                 kind_of(letter), buffer->format ? buffer->format : "B");
+    PyBuffer_Release(buffer);
+    return -1;
+  }
+  return 0;
+}
+
+#define A(k) buffers[k].buf, (int64_t)(buffers[k].len / buffers[k].itemsize)
+#define P void *, int64_t
+
+/* The counts of arrays that kernels have. */
+static void run_entry(void *entry, int count, const Py_buffer *buffers) {
+  switch (count) {
+    case 1: ((void (*)(P))entry)(A(0)); break;
+    case 2: ((void (*)(P, P))entry)(A(0), A(1)); break;
+    case 3: ((void (*)(P, P, P))entry)(A(0), A(1), A(2)); break;
+    case 4: ((void (*)(P, P, P, P))entry)(A(0), A(1), A(2), A(3)); break;
+    case 5: ((void (*)(P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4)); break;
+    case 6: ((void (*)(P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5)); break;
+    case 7:
+      ((void (*)(P, P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5), A(6));
+      break;
+    case 8:
+      ((void (*)(P, P, P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5), A(6), A(7));
+      break;
+    case 9:
+      ((void (*)(P, P, P, P, P, P, P, P, P))entry)(A(0), A(1), A(2), A(3), A(4), A(5), A(6), A(7),
+                                                   A(8));
+      break;
+    case 21:
+      ((void (*)(P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P, P))entry)(
+          A(0), A(1), A(2), A(3), A(4), A(5), A(6), A(7), A(8), A(9), A(10), A(11), A(12), A(13),
+          A(14), A(15), A(16), A(17), A(18), A(19), A(20));
+      break;
+  }
+}
+
+static int known_count(Py_ssize_t count) { return (count >= 1 && count <= 9) || count == 21; }
+
+static PyObject *routine_call(PyObject *object, PyObject *const *arrays, Py_ssize_t count) {
+  Routine *self = (Routine *)object;
+  Py_buffer buffers[MOST_ARRAYS];
+  if (count != self->count)
+    return PyErr_Format(PyExc_TypeError, "%d arrays are needed, not %zd", self->count, count);
+  int taken = 0;
+  while (taken < count && take(arrays[taken], self->letters[taken], &buffers[taken]) == 0) taken++;
+  if (taken == count) {
+    Py_BEGIN_ALLOW_THREADS
+    run_entry(self->entry, self->count, buffers);
+    Py_END_ALLOW_THREADS
+  }
+  for (int k = 0; k < taken; k++) PyBuffer_Release(&buffers[k]);
+  if (taken < count) return NULL;
+  Py_RETURN_NONE;
+}
+
+static PyObject *routine_again(PyObject *object, PyObject *unused) {
+  (void)unused;
+  Routine *self = (Routine *)object;
+  if (self->brief) { /* to give the lock away would cost as much as the work */
+    run_entry(self->entry, self->count, self->buffers);
+  } else {
+    Py_BEGIN_ALLOW_THREADS
+    run_entry(self->entry, self->count, self->buffers);
+    Py_END_ALLOW_THREADS
+  }
+  Py_RETURN_NONE;
+}
+
+static PyMethodDef call_method = {
+    "routine", (PyCFunction)(void (*)(void))routine_call, METH_FASTCALL, "Run a kernel."};
+static PyMethodDef again_method = {
+    "bound", routine_again, METH_NOARGS, "Run a kernel on the arrays that it was bound to."};
+
+static Routine *new_routine(unsigned long long address, const char *letters) {
+  const size_t count = strlen(letters);
+  if (!known_count((Py_ssize_t)count)) {
+    PyErr_Format(PyExc_ValueError, "no kernel has %zu arrays", count);
+    return NULL;
+  }
+  Routine *self = PyObject_New(Routine, routine_type);
+  if (self == NULL) return NULL;
+  self->entry = (void *)(uintptr_t)address;
+  self->count = (int)count;
+  self->held = self->brief = 0;
+  memcpy(self->letters, letters, count);
+  return self;
+}
+
+static PyObject *routine(PyObject *module, PyObject *arguments) {
+  (void)module;
+  unsigned long long address;
+  const char *letters;
+  if (!PyArg_ParseTuple(arguments, "Ks", &address, &letters)) return NULL;
+  Routine *self = new_routine(address, letters);
+  if (self == NULL) return NULL;
+  PyObject *function = PyCFunction_NewEx(&call_method, (PyObject *)self, NULL);
+  Py_DECREF(self);
+  return function;
+}
+
+static PyObject *bind(PyObject *module, PyObject *arguments) {
+  (void)module;
+  unsigned long long address;
+  const char *letters;
+  PyObject *arrays;
+  int brief;
+  if (!PyArg_ParseTuple(arguments, "KsO!p", &address, &letters, &PyTuple_Type, &arrays, &brief))
+    return NULL;
+  Routine *self = new_routine(address, letters);
+  if (self == NULL) return NULL;
+  self->brief = brief;
+  if (PyTuple_Size(arrays) != self->count) {
+    Py_DECREF(self);
+    return PyErr_Format(PyExc_TypeError, "%zu arrays are needed", strlen(letters));
+  }
+  while (self->held < self->count) {
+    PyObject *array = PyTuple_GetItem(arrays, self->held);
+    if (take(array, self->letters[self->held], &self->buffers[self->held]) < 0) {
+      Py_DECREF(self);
+      return NULL;
+    }
+    self->held++;
+  }
+  PyObject *function = PyCFunction_NewEx(&again_method, (PyObject *)self, NULL);
+  Py_DECREF(self);
+  return function;
+}
+
+static PyMethodDef methods[] = {
+    {"levels", levels, METH_NOARGS, "Return the levels that this processor runs, the best first."},
+    {"addresses", addresses, METH_O, "Return the address of each entry of a level, by its key."},
+    {"routine", routine, METH_VARARGS, "Return a function of arrays that runs an entry."},
+    {"bind", bind, METH_VARARGS, "Return a function that runs an entry on the same arrays."},
+    {NULL, NULL, 0, NULL}};
+
+static int execute(PyObject *module) {
+  routine_type = (PyTypeObject *)PyType_FromSpec(&routine_spec);
+  if (routine_type == NULL) return -1;
+  return PyModule_AddStringConstant(module, "SOURCES", fuzzyarm_sources);
+}
+
+static PyModuleDef_Slot slots[] = {{Py_mod_exec, execute}, {0, NULL}};
+static struct PyModuleDef definition = {
+    PyModuleDef_HEAD_INIT, "_kernels", "Kernels as machine code.", 0, methods, slots, NULL, NULL,
+    NULL};
+
+PyMODINIT_FUNC PyInit__kernels(void) { return PyModuleDef_Init(&definition); }

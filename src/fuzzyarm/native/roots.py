@@ -1,0 +1,157 @@
+"""The kernels that are built: all that something asks the address of.
+
+What a controller, a plant or a rule base of a user brings is not among them; it is data to these,
+or a program of operations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+from fuzzyarm.controller import kernel as controller_kernel
+from fuzzyarm.controller.adaptive import (
+    ADAPTIVE_CRITICALLY_DAMPED_LAW,
+    DECENTRALISED_LAW,
+    MODEL_REFERENCE_LAW,
+)
+from fuzzyarm.controller.conventional import (
+    COMPUTED_TORQUE_LAW,
+    CRITICALLY_DAMPED_LAW,
+    FEED_FORWARD_INVERSE_LAW,
+    INTEGRAL_LAW,
+    PD_LAW,
+    PURE_FEED_FORWARD_LAW,
+)
+from fuzzyarm.controller.law import LAW_ARRAYS, law_at_address, law_kernel, summed_drives
+from fuzzyarm.controller.on_plant import text_law
+from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.inference import enveloped, integrated, reduced
+from fuzzyarm.inference import kernel as inference_kernel
+from fuzzyarm.inference.row_functions import (
+    built_in_curve,
+    hedged_polyline_row,
+    hedges_on_row,
+    norm_row,
+    polyline_row,
+)
+from fuzzyarm.kernels import key_of, letters_of
+from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop
+from fuzzyarm.model.rulebase import Hedge
+from fuzzyarm.plant.driven_arm import Arm
+from fuzzyarm.plant.library import LIBRARY
+from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
+from fuzzyarm.plant.plant import dynamics_of
+from fuzzyarm.plant.setting import Arithmetic, stored_double, stored_single
+from fuzzyarm.table import lookup
+
+__all__ = ["Root", "roots"]
+
+
+class Root(NamedTuple):
+    """A kernel that is built.
+
+    Attributes
+    ----------
+    function : callable
+        The kernel.
+    types : str
+        A letter for each array.
+    bindings : mapping of str to callable
+        See :func:`fuzzyarm.kernels.address_of`.
+    """
+
+    function: Callable[..., Any]
+    types: str
+    bindings: Mapping[str, Callable[..., Any]] = {}
+
+    @property
+    def key(self) -> str:
+        """Its name in the machine code."""
+        return key_of(self.function, self.types, self.bindings)
+
+
+PRECISIONS = tuple({"stored": stored} for stored in (stored_double, stored_single))
+
+LAWS = (
+    PD_LAW,
+    INTEGRAL_LAW,
+    COMPUTED_TORQUE_LAW,
+    CRITICALLY_DAMPED_LAW,
+    FEED_FORWARD_INVERSE_LAW,
+    PURE_FEED_FORWARD_LAW,
+    ADAPTIVE_CRITICALLY_DAMPED_LAW,
+    DECENTRALISED_LAW,
+    MODEL_REFERENCE_LAW,
+)
+
+BLOCKS: tuple[Callable[..., Any], ...] = (
+    inference_kernel.evaluate,
+    inference_kernel.sweep,
+    inference_kernel.run,
+    inference_kernel.closed_centroid,
+    inference_kernel.weighted,
+    enveloped.sampled_centroid,
+    enveloped.enveloped_centroid,
+    integrated.integrated_centroid,
+    integrated.integrated_bisector,
+    reduced.karnik_mendel_values,
+    reduced.karnik_mendel_samples,
+    reduced.karnik_mendel_envelope,
+    reduced.karnik_mendel_integral,
+    reduced.nie_tan_samples,
+    reduced.nie_tan_envelope,
+    reduced.nie_tan_integral,
+)
+"""Kernels that take a block, see :mod:`fuzzyarm.inference.kernel`."""
+
+
+def roots() -> Iterator[Root]:
+    """Iterate over all kernels that are built, each once."""
+    once = {root.key: root for root in _roots()}
+    yield from once.values()
+
+
+def _roots() -> Iterator[Root]:
+    yield from (Root(block, "f") for block in BLOCKS)
+    yield from _rows()
+    yield from _plants()
+    yield from (Root(*table) for table in lookup.ROOTS)
+    for stored in PRECISIONS:
+        yield Root(run_loop, LOOP_ARRAYS, stored)
+        yield Root(summed_drives, "fifff", stored)
+        yield Root(controller_kernel.step, "if", stored)
+        yield Root(text_law, LAW_ARRAYS, stored)
+        for kernel in (law_kernel, *(law.kernel for law in LAWS)):
+            yield Root(law_at_address, LAW_ARRAYS, {**stored, "law_kernel": kernel})
+
+
+def _rows() -> Iterator[Root]:
+    """Iterate over norms, curved terms and hedges, which take rows of numbers."""
+    yield Root(polyline_row, "fff")
+    yield Root(hedged_polyline_row, "fff")
+    for norm in (*TNORMS.values(), *SNORMS.values()):
+        yield Root(norm_row(norm), "ffff")
+    for name in SHAPES:
+        if SHAPES[name].fuzzy and name not in {"points", "formula"}:
+            yield Root(built_in_curve(name), "fff")
+    for name, hedge in HEDGES.items():
+        if len(hedge.symbols) == 1:  # others have an exponent, which is a constant of the row
+            yield Root(hedges_on_row((Hedge(name, None),)), "fff")
+
+
+def _plants() -> Iterator[Root]:
+    found: list[Root] = []
+
+    def asked(function: Callable[..., None], **bindings: Callable[..., Any]) -> int:
+        found.append(Root(function, letters_of(PLANT_ARRAYS), bindings))
+        return 0
+
+    plants = [make() for make in LIBRARY.values()]
+    plants += [Arm(), Arm(inductance=1e-3)]
+    for single in (False, True):
+        arithmetic = Arithmetic(single)
+        for plant in plants:
+            for finely in (False, True):
+                dynamics_of(plant, arithmetic, finely=finely, address=asked)
+    yield from found

@@ -1,0 +1,487 @@
+"""Kernels in another language: read from their own source, statement by statement.
+
+A kernel uses little of Python: assignments, ``if``, ``while``, loops over ranges, slices, tuples,
+calls of each other. Its source is walked until the type of every name is known (a name has one type
+in a function; a whole number that becomes a real one was real from the start), then once more for
+the text. The order of the arithmetic stays. What is not known is refused by name when the text is
+made.
+
+A function is translated once for each set of types that it is called with, and for each set of
+functions that are bound to its names.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from fuzzyarm.kernels import call, is_kernel
+from fuzzyarm.native.types import Array, Nothing, Record, Scalar, Type, wider, widest
+
+if TYPE_CHECKING:
+    from fuzzyarm.native.targets import Target
+
+__all__ = ["NotTranslatedError", "Translation", "Value"]
+
+REAL, WHOLE, TRUTH = Scalar.REAL, Scalar.WHOLE, Scalar.TRUTH
+
+Bindings = tuple[tuple[str, Callable[..., Any]], ...]
+
+
+class NotTranslatedError(NotImplementedError):
+    """A kernel has a statement that is not translated.
+
+    Attributes
+    ----------
+    text : str
+        The statement.
+    """
+
+    def __init__(self, node: ast.AST, language: str) -> None:
+        self.text = ast.unparse(node)
+        super().__init__(f"a kernel has '{self.text}', which is not translated to {language}")
+
+
+class Value(NamedTuple):
+    """The text of an expression, and its type."""
+
+    text: str
+    type: Type
+
+
+class Translation:
+    """Functions in one language, each behind those that it calls.
+
+    Parameters
+    ----------
+    target : Target
+        The language.
+    """
+
+    def __init__(self, target: Target) -> None:
+        self.target = target
+        self._functions: dict[tuple[Any, ...], Function] = {}
+        self._finished: list[Function] = []
+        self._names: dict[str, int] = {}
+
+    def function(
+        self,
+        function: Callable[..., Any],
+        types: Sequence[Type],
+        bindings: Mapping[str, Callable[..., Any]] | Bindings = (),
+    ) -> Function:
+        """Translate a function for arguments of some types, with all that it calls.
+
+        Parameters
+        ----------
+        function : callable
+            A kernel, or a function printed from an expression, with its text in ``__source__``.
+        types : sequence of Type
+            Of its arguments.
+        bindings : mapping of str to callable, optional
+            Functions in the place of those that kernels know under these names.
+        """
+        bound = tuple(sorted(dict(bindings).items(), key=lambda pair: pair[0]))
+        key = (function, tuple(types), tuple(pair for pair in bound if is_kernel(function)))
+        if key not in self._functions:
+            made = Function(self, function, types, bound, self._name(function.__name__))
+            self._functions[key] = made
+            made.translate()
+            self._finished.append(made)
+        return self._functions[key]
+
+    def _name(self, name: str) -> str:
+        """Return a name that no function has yet."""
+        count = self._names[name] = self._names.get(name, 0) + 1
+        return name if count == 1 else f"{name}__{count}"
+
+    def text(self) -> str:
+        """Return all functions; what calls stands behind what is called."""
+        return "\n".join(function.text for function in self._finished)
+
+
+@cache
+def _source_of(function: Callable[..., Any]) -> ast.FunctionDef:
+    text = getattr(function, "__source__", None) or textwrap.dedent(inspect.getsource(function))
+    (definition,) = ast.parse(text).body
+    assert isinstance(definition, ast.FunctionDef)
+    return definition
+
+
+class Function:
+    """One kernel, for arguments of some types.
+
+    Attributes
+    ----------
+    name : str
+        In the other language.
+    parameters : list of str
+        In order.
+    types : dict of str to Type
+        Of all names, parameters first.
+    returned : Type
+        What it returns.
+    text : str
+        The definition.
+    """
+
+    def __init__(
+        self,
+        whole: Translation,
+        function: Callable[..., Any],
+        types: Sequence[Type],
+        bindings: Bindings,
+        name: str,
+    ) -> None:
+        self.whole, self.target = whole, whole.target
+        self.function, self.bindings, self.name = function, bindings, name
+        self.source = _source_of(function)
+        self.globals = {**function.__globals__, **dict(bindings)}
+        self.parameters = [argument.arg for argument in self.source.args.args]
+        self.types: dict[str, Type] = dict(zip(self.parameters, types, strict=True))
+        self.returned: Type = Nothing.NOTHING
+        self.text = ""
+        self._returns: Type | None = None
+        self._temporaries = 0
+
+    def translate(self) -> None:
+        """Write the text: again, until no name has become wider meanwhile."""
+        own = self.target.own(self.function)
+        if own is not None:
+            self.text = own
+            return
+        before: Any = None
+        while before != (self.types, self._returns):
+            before = dict(self.types), self._returns
+            self._temporaries = 0
+            body = self.block(self.source.body)
+        local = {name: self.types[name] for name in self.types if name not in self.parameters}
+        parameters = {name: self.types[name] for name in self.parameters}
+        self.text = self.target.function(self.name, parameters, local, self.returned, body)
+
+    # --- Statements: lists of lines ---
+
+    def block(self, body: Iterable[ast.stmt]) -> list[str]:
+        return ["  " + line for statement in body for line in self.statement(statement)]
+
+    def statement(self, node: ast.stmt) -> list[str]:
+        writer = self._STATEMENTS.get(type(node))
+        if writer is None:
+            raise NotTranslatedError(node, self.target.name)
+        return writer(self, node)
+
+    def plain(self, node: ast.Expr) -> list[str]:
+        docstring = isinstance(node.value, ast.Constant)
+        return [] if docstring else [f"{self.value(node.value).text};"]
+
+    def return_(self, node: ast.Return) -> list[str]:
+        if node.value is None or (isinstance(node.value, ast.Constant) and node.value.value is None):
+            return ["return;"]
+        value = self.value(node.value)
+        self.returned = self._returns = wider(self._returns, value.type)
+        return [f"return {self.as_type(value, self.returned)};"]
+
+    def assignment(self, node: ast.Assign) -> list[str]:
+        if len(node.targets) == 1:
+            return self.assigned(node.targets[0], node.value)
+        value = self.value(node.value)
+        name = self.temporary()
+        lines = [self.target.constant(name, value)]
+        for target in node.targets:
+            lines += self.stored(target, Value(name, value.type))
+        return self.target.together(lines)
+
+    def typed_assignment(self, node: ast.AnnAssign) -> list[str]:
+        assert node.value is not None
+        return self.assigned(node.target, node.value)
+
+    def assigned(self, target: ast.expr, source: ast.expr) -> list[str]:
+        if not (isinstance(target, ast.Tuple) and isinstance(source, ast.Tuple)):
+            return self.stored(target, self.value(source))
+        # All values first: they may be made of what is assigned.
+        values = [self.value(part) for part in source.elts]
+        names = [self.temporary() for _ in values]
+        lines = [self.target.constant(*pair) for pair in zip(names, values, strict=True)]
+        for part, name, value in zip(target.elts, names, values, strict=True):
+            lines += self.stored(part, Value(name, value.type))
+        return self.target.together(lines)
+
+    def stored(self, target: ast.expr, value: Value) -> list[str]:
+        """Return the lines that write a value into a name, an element, or several of these."""
+        if isinstance(target, ast.Name) and target.id == "_":
+            return []
+        if isinstance(target, ast.Name):
+            self.widen(target.id, value.type)
+            name = self.target.variable(target.id)
+            return [f"{name} = {self.as_type(value, self.types[target.id])};"]
+        if isinstance(target, ast.Tuple):
+            assert isinstance(value.type, Record)
+            name = self.temporary()
+            lines = [self.target.constant(name, value)]
+            for index, part in enumerate(target.elts):
+                field = self.target.field(name, value.type, index)
+                lines += self.stored(part, Value(field, value.type.parts[index]))
+            return self.target.together(lines)
+        place = self.value(target)
+        return [f"{place.text} = {self.as_type(value, place.type)};"]
+
+    def changed(self, node: ast.AugAssign) -> list[str]:
+        before = self.value(_loaded(node.target))
+        return self.stored(node.target, self.arithmetic(node, before, self.value(node.value)))
+
+    def break_(self, _node: ast.Break) -> list[str]:
+        return ["break;"]
+
+    def if_(self, node: ast.If) -> list[str]:
+        lines = [f"if ({self.condition(node.test)}) {{", *self.block(node.body)]
+        if node.orelse:
+            lines += ["} else {", *self.block(node.orelse)]
+        return [*lines, "}"]
+
+    def while_(self, node: ast.While) -> list[str]:
+        return [f"while ({self.condition(node.test)}) {{", *self.block(node.body), "}"]
+
+    def for_(self, node: ast.For) -> list[str]:
+        ranged, target = node.iter, node.target
+        if not (isinstance(ranged, ast.Call) and ast.unparse(ranged.func) == "range"):
+            raise NotTranslatedError(node, self.target.name)
+        assert isinstance(target, ast.Name)
+        numbers = [self.value(argument).text for argument in ranged.args]
+        start, end = ("0", numbers[0]) if len(numbers) == 1 else numbers[:2]
+        step = numbers[2] if len(numbers) == 3 else "1"
+        sign = ">" if step.startswith(("-", "(-")) else "<"
+        # The end is found once, as `range` does it: the body may change what it is made of. And
+        # the name keeps the number of the last turn.
+        index = self.temporary()
+        head = self.target.counted.format(index=index, start=start, end=end, sign=sign, step=step)
+        kept = self.stored(target, Value(index, WHOLE))
+        return [f"{head} {{", *(f"  {line}" for line in kept), *self.block(node.body), "}"]
+
+    _STATEMENTS: ClassVar[dict[type, Callable[..., list[str]]]] = {
+        ast.Expr: plain,
+        ast.Return: return_,
+        ast.Assign: assignment,
+        ast.AnnAssign: typed_assignment,
+        ast.AugAssign: changed,
+        ast.Break: break_,
+        ast.If: if_,
+        ast.While: while_,
+        ast.For: for_,
+    }
+
+    def temporary(self) -> str:
+        self._temporaries += 1
+        return f"t{self._temporaries}"
+
+    def widen(self, name: str, type_: Type) -> None:
+        """Have a name hold values of one more type."""
+        try:
+            self.types[name] = wider(self.types.get(name), type_)
+        except TypeError as error:
+            message = f"'{name}' of the kernel {self.function.__name__}: {error}"
+            raise TypeError(message) from None
+
+    def as_type(self, value: Value, type_: Type) -> str:
+        """Return the text of a value as one of another type."""
+        if value.type == type_:
+            return value.text
+        return self.target.converted(value, type_)
+
+    # --- Expressions ---
+
+    def value(self, node: ast.expr) -> Value:
+        writer = self._VALUES.get(type(node))
+        if writer is None:
+            raise NotTranslatedError(node, self.target.name)
+        return writer(self, node)
+
+    def condition(self, node: ast.expr) -> str:
+        return self.value(node).text
+
+    def number(self, value: object, node: ast.expr) -> Value:
+        if isinstance(value, bool):
+            return Value(self.target.truth(value), TRUTH)
+        if isinstance(value, int):
+            return Value(str(value), WHOLE)
+        if isinstance(value, float):
+            return Value(self.target.real(value), REAL)
+        raise NotTranslatedError(node, self.target.name)
+
+    def constant(self, node: ast.Constant) -> Value:
+        return self.number(node.value, node)
+
+    def name_(self, node: ast.Name) -> Value:
+        if node.id in self.types:
+            return Value(self.target.variable(node.id), self.types[node.id])
+        return self.number(self.globals.get(node.id), node)  # a constant of the module
+
+    def binary(self, node: ast.BinOp) -> Value:
+        return self.arithmetic(node, self.value(node.left), self.value(node.right))
+
+    def arithmetic(self, node: ast.BinOp | ast.AugAssign, a: Value, b: Value) -> Value:
+        operator = type(node.op)
+        type_ = REAL if operator is ast.Div else _counted(widest([a.type, b.type]))
+        spelled = self.target.operators.get((operator, type_))
+        if spelled is None:
+            raise NotTranslatedError(node, self.target.name)
+        return Value(spelled.format(self.as_type(a, type_), self.as_type(b, type_)), type_)
+
+    def unary(self, node: ast.UnaryOp) -> Value:
+        value = self.value(node.operand)
+        if isinstance(node.op, ast.USub):
+            return Value(f"(-{value.text})", value.type)
+        return Value(f"(!{value.text})", TRUTH)
+
+    def joined(self, node: ast.BoolOp) -> Value:
+        word = " && " if isinstance(node.op, ast.And) else " || "
+        return Value(f"({word.join(self.condition(part) for part in node.values)})", TRUTH)
+
+    def compared(self, node: ast.Compare) -> Value:
+        values = [self.value(part).text for part in (node.left, *node.comparators)]
+        parts = [
+            f"{a} {self.target.comparisons[type(sign)]} {b}"
+            for a, sign, b in zip(values[:-1], node.ops, values[1:], strict=True)
+        ]
+        return Value(f"({' && '.join(parts)})", TRUTH)
+
+    def choice(self, node: ast.IfExp) -> Value:
+        then, otherwise = self.value(node.body), self.value(node.orelse)
+        type_ = wider(then.type, otherwise.type)
+        texts = self.as_type(then, type_), self.as_type(otherwise, type_)
+        return Value("({} ? {} : {})".format(self.condition(node.test), *texts), type_)
+
+    def tuple_(self, node: ast.Tuple) -> Value:
+        return self.record([self.value(part) for part in node.elts])
+
+    def record(self, values: Sequence[Value], names: tuple[str, ...] = ()) -> Value:
+        type_ = Record(tuple(value.type for value in values), names)
+        return Value(self.target.record(type_, [value.text for value in values]), type_)
+
+    def subscript(self, node: ast.Subscript) -> Value:
+        if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
+            return self.length(self.value(node.value.value))
+        whole = self.value(node.value)
+        if isinstance(node.slice, ast.Slice):
+            ends = (node.slice.lower, node.slice.upper)
+            start, end = (None if part is None else self.value(part).text for part in ends)
+            return Value(self.target.part(whole, start or "0", end), whole.type)
+        if isinstance(whole.type, Array):
+            index = self.value(node.slice).text
+            return Value(self.target.element(whole.text, index), whole.type.element)
+        assert isinstance(whole.type, Record)
+        if isinstance(node.slice, ast.Constant):
+            return self.field(whole, node.slice.value)
+        assert whole.type.uniform
+        index = self.value(node.slice).text
+        return Value(self.target.uniform_field(whole.text, index), whole.type.parts[0])
+
+    def field(self, whole: Value, index: int) -> Value:
+        assert isinstance(whole.type, Record)
+        return Value(self.target.field(whole.text, whole.type, index), whole.type.parts[index])
+
+    def attribute(self, node: ast.Attribute) -> Value:
+        if ast.unparse(node.value) == "math":
+            return self.number(getattr(math, node.attr), node)
+        whole = self.value(node.value)
+        if node.attr == "size":
+            return self.length(whole)
+        if not isinstance(whole.type, Record) or node.attr not in whole.type.names:
+            raise NotTranslatedError(node, self.target.name)
+        return self.field(whole, whole.type.names.index(node.attr))
+
+    def length(self, whole: Value) -> Value:
+        if isinstance(whole.type, Record):
+            return Value(str(len(whole.type.parts)), WHOLE)
+        return Value(self.target.length(whole.text), WHOLE)
+
+    # --- Calls ---
+
+    def called(self, node: ast.Call) -> Value:
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "view":
+            return Value(self.target.wholes(self.value(node.func.value).text), Array.WHOLES)
+        if isinstance(node.func, ast.Attribute) and ast.unparse(node.func.value) in {"math", "np"}:
+            return self.function_called(node, getattr(_module(node), node.func.attr))
+        if not isinstance(node.func, ast.Name):
+            raise NotTranslatedError(node, self.target.name)
+        name = node.func.id
+        function = self.globals.get(name, _BUILTINS.get(name))
+        if name == "float" and isinstance(node.args[0], ast.Constant):  # "inf", "nan"
+            return self.number(float(node.args[0].value), node)  # type: ignore[arg-type]
+        return self.function_called(node, function)
+
+    def function_called(self, node: ast.Call, function: Any) -> Value:
+        arguments = [self.value(argument) for argument in node.args]
+        if function is call:
+            return Value(self.target.call(arguments), Nothing.NOTHING)
+        if isinstance(function, type) and issubclass(function, tuple):
+            return self.record(arguments, function._fields)  # type: ignore[attr-defined]
+        if is_kernel(function):
+            types = [argument.type for argument in arguments]
+            made = self.whole.function(function, types, self.bindings)
+            kinds = [made.types[name] for name in made.parameters]
+            texts = [self.as_type(*pair) for pair in zip(arguments, kinds, strict=True)]
+            return Value(f"{made.name}({', '.join(texts)})", made.returned)
+        if function is len:
+            return self.length(arguments[0])
+        value = self.target.function_of_python(function, arguments)
+        if value is None:
+            raise NotTranslatedError(node, self.target.name)
+        return value
+
+    _VALUES: ClassVar[dict[type, Callable[..., Value]]] = {
+        ast.Constant: constant,
+        ast.Name: name_,
+        ast.BinOp: binary,
+        ast.UnaryOp: unary,
+        ast.BoolOp: joined,
+        ast.Compare: compared,
+        ast.IfExp: choice,
+        ast.Tuple: tuple_,
+        ast.Subscript: subscript,
+        ast.Attribute: attribute,
+        ast.Call: called,
+    }
+
+
+_BUILTINS: dict[str, Any] = {
+    function.__name__: function for function in (min, max, abs, int, float, len)
+}
+
+
+def _counted(type_: Type) -> Type:
+    """Return the type of a sum: truths are counted in whole numbers."""
+    return WHOLE if type_ is TRUTH else type_
+
+
+def _module(node: ast.Call) -> Any:
+    import numpy as np
+
+    assert isinstance(node.func, ast.Attribute)
+    return math if ast.unparse(node.func.value) == "math" else np
+
+
+def _loaded(target: ast.expr) -> ast.expr:
+    """Return what is assigned to as something that is read."""
+    read = ast.parse(ast.unparse(target), mode="eval").body
+    assert isinstance(read, ast.expr)
+    return read
+
+
+def reached(
+    function: Callable[..., Any], bindings: Mapping[str, Callable[..., Any]]
+) -> Iterator[Callable[..., Any]]:
+    """Iterate over a kernel and all that it calls, each once."""
+    waiting, seen = [function], {function}
+    while waiting:
+        current: Any = waiting.pop()
+        yield current
+        for name in current.__code__.co_names:
+            other = bindings.get(name, current.__globals__.get(name))
+            if is_kernel(other) and other is not call and other not in seen:
+                seen.add(other)
+                waiting.append(other)

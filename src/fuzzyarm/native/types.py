@@ -1,0 +1,103 @@
+"""Types of the values in a kernel: numbers, arrays of numbers, and tuples of these."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from typing import NamedTuple
+
+
+class Scalar(Enum):
+    """A number; of two of them the wider one, which stands further down, holds both.
+
+    Whole numbers have 64 bits; short ones have 32, of which a vector holds twice as many.
+    """
+
+    TRUTH = "truth"
+    SHORT = "short"
+    WHOLE = "whole"
+    REAL = "real"
+
+
+class Array(Enum):
+    """An array of one axis, by its elements."""
+
+    REALS = "reals"
+    WHOLES = "wholes"
+    SHORTS = "shorts"
+
+    @property
+    def element(self) -> Scalar:
+        """The type of an element."""
+        return _ELEMENTS[self]
+
+
+_ELEMENTS = {
+    Array.REALS: Scalar.REAL, Array.WHOLES: Scalar.WHOLE, Array.SHORTS: Scalar.SHORT
+}  # fmt: skip
+
+
+class Record(NamedTuple):
+    """A tuple; of a named tuple it knows the names.
+
+    Attributes
+    ----------
+    parts : tuple of Type
+        In order.
+    names : tuple of str
+        Of the parts; empty for a plain tuple.
+    """
+
+    parts: tuple[Type, ...]
+    names: tuple[str, ...] = ()
+
+    @property
+    def uniform(self) -> bool:
+        """Whether all parts are numbers of one type, so that an index may be computed."""
+        return len(set(self.parts)) == 1 and isinstance(self.parts[0], Scalar)
+
+
+class Nothing(Enum):
+    """What a function returns that returns nothing."""
+
+    NOTHING = "nothing"
+
+
+Type = Scalar | Array | Record | Nothing
+
+_WIDTH = list(Scalar)
+
+
+def wider(one: Type | None, other: Type) -> Type:
+    """Return the type that holds values of both; None holds none.
+
+    Raises
+    ------
+    TypeError
+        If there is none, as of a number and an array.
+    """
+    if one is None or one == other:
+        return other
+    if isinstance(one, Scalar) and isinstance(other, Scalar):
+        return max(one, other, key=_WIDTH.index)
+    if isinstance(one, Record) and isinstance(other, Record):
+        if len(one.parts) == len(other.parts):
+            parts = (wider(a, b) for a, b in zip(one.parts, other.parts, strict=True))
+            return Record(tuple(parts), one.names or other.names)
+    raise TypeError(f"{_word(one)} and {_word(other)} under one name")
+
+
+def widest(types: Sequence[Type]) -> Type:
+    """Return the type that holds values of all."""
+    result = types[0]
+    for one in types[1:]:
+        result = wider(result, one)
+    return result
+
+
+def _word(one: Type) -> str:
+    return "a tuple" if isinstance(one, Record) else one.value
+
+
+ARRAYS = {"f": Array.REALS, "i": Array.WHOLES, "s": Array.SHORTS}
+"""Types by the letters of :func:`fuzzyarm.kernels.address_of`."""
