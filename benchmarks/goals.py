@@ -64,7 +64,7 @@ class Taken(NamedTuple):
 
 def taken(words: list[str], folder: str) -> Taken:
     """Return what a command takes, with its machine code in a folder."""
-    environment = os.environ | {"NUMBA_CACHE_DIR": folder, "FUZZYARM_JIT": "1"}
+    environment = os.environ | {"NUMBA_CACHE_DIR": folder, "FUZZYARM_NATIVE": "1"}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     subprocess.run(words, check=True, capture_output=True, env=environment)

@@ -33,8 +33,8 @@ from typing import Any, TypeVar, cast
 from fuzzyarm.errors import FuzzyarmError
 
 SWITCH = "FUZZYARM_NATIVE"
-"""Environment variable: ``0`` runs every kernel interpreted, ``baseline`` takes no instructions that
-only newer processors have."""
+"""Environment variable: ``0`` runs every kernel interpreted, ``baseline`` takes no instructions
+that only newer processors have."""
 
 _MARK = "__fuzzyarm_kernel__"
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -210,6 +210,13 @@ def address_of(
             _by_address.append(with_names(function, bindings))
             _addresses[key] = -len(_by_address), None
     return _addresses[key][0]
+
+
+def is_built(function: Callable[..., None], arrays: int | str, bindings: _Bindings) -> bool:
+    """Whether the machine code has a function; see :func:`address_of`."""
+    return _module() is not None and (
+        key_of(function, letters_of(arrays), bindings) in _addresses_of_keys()
+    )
 
 
 def letters_of(arrays: int | str) -> str:

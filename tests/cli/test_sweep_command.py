@@ -165,7 +165,7 @@ def test_ctrl_c_leaves_a_file_that_is_completed(tmp_path):
     file = tmp_path / "sweep.csv"
     words = ["sweep", "pd", *SHORT, "--sweep", "payload=0..2:400", "-o", str(file)]
     # Interpreted, a run takes long enough to be interrupted.
-    slow = {**os.environ, "FUZZYARM_JIT": "0"}
+    slow = {**os.environ, "FUZZYARM_NATIVE": "0"}
     command = [sys.executable, "-m", "fuzzyarm", *words]
     process = subprocess.Popen(
         [*command, "--workers", "1"], env=slow, stderr=subprocess.PIPE, text=True

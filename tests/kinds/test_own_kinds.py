@@ -61,7 +61,7 @@ def test_points_arrays_meshes_and_compiled_agree(name):
     fast = fuzzyarm.compiled(rulebase)
     # The others have an exact centroid without a closed form, which no kernel has.
     if name in IN_THE_KERNEL:
-        assert fast.kernel == "numba", fast.reason
+        assert fast.kernel == "machine code", fast.reason
     rows, columns = np.array(sorted(set(e)))[:, None], np.array(sorted(set(ce)))[None, :]
     for found in (
         fuzzyarm.infer(rulebase, e=e, ce=ce)["u"],

@@ -120,7 +120,7 @@ def test_compiled_equals_interpreted_to_the_last_bit(name, start):
 
 
 def test_environment_turns_compilation_off(monkeypatch):
-    monkeypatch.setenv("FUZZYARM_JIT", "0")
+    monkeypatch.setenv("FUZZYARM_NATIVE", "0")
     assert not simulate(controller("pd"), reach(segment=0.05, hold=0.05)).compiled
 
 

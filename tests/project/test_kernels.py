@@ -88,7 +88,7 @@ def test_interpreted_run_does_not_load_numba():
         "run = simulate(controller('pd'), reach(segment=0.1, hold=0.1));"
         "print(json.dumps([run.compiled, 'numba' in sys.modules]))"
     )
-    assert in_new_process(code, FUZZYARM_JIT="0") == [False, False]
+    assert in_new_process(code, FUZZYARM_NATIVE="0") == [False, False]
 
 
 def test_digest_tells_bindings_apart_that_live_in_one_file():
@@ -128,9 +128,9 @@ much was compiled."""
 @pytest.mark.slow
 def test_a_second_process_compiles_nothing_of_a_loop_a_rule_base_and_a_table():
     # In the folders that everybody has: what the first process compiles, other tests use.
-    *first, _, _ = in_new_process(ALL_WAYS, FUZZYARM_JIT="1")
-    assert in_new_process(ALL_WAYS, FUZZYARM_JIT="1") == [*first, True, 0]
-    assert in_new_process(ALL_WAYS, FUZZYARM_JIT="0") == [*first, True, 0]
+    *first, _, _ = in_new_process(ALL_WAYS, FUZZYARM_NATIVE="1")
+    assert in_new_process(ALL_WAYS, FUZZYARM_NATIVE="1") == [*first, True, 0]
+    assert in_new_process(ALL_WAYS, FUZZYARM_NATIVE="0") == [*first, True, 0]
 
 
 def small_process(code, folder, compiled=True):
@@ -139,7 +139,7 @@ def small_process(code, folder, compiled=True):
     Such a folder stands for that of a package that cannot be written, too.
     """
     path = os.pathsep.join([SMALL_KERNELS, *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_JIT": str(int(compiled))}
+    environment = {"NUMBA_CACHE_DIR": str(folder), "FUZZYARM_NATIVE": str(int(compiled))}
     return new_process(code, **environment, PYTHONPATH=path)
 
 

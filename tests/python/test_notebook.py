@@ -32,7 +32,7 @@ def executed(tmp_path_factory):
     stored = nbformat.read(NOTEBOOK, as_version=4)
     folder = tmp_path_factory.mktemp("notebook")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("FUZZYARM_JIT", "0")
+        patch.setenv("FUZZYARM_NATIVE", "0")
         patch.setenv("IPYTHONDIR", str(folder))
         client = nbclient.NotebookClient(
             notebook, timeout=240, kernel_name="python3", resources={"metadata": {"path": folder}}

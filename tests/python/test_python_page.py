@@ -11,7 +11,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "python.md"
 def test_the_page_shows_what_comes_out(tmp_path, monkeypatch):
     pytest.importorskip("xarray")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("FUZZYARM_JIT", "0")
+    monkeypatch.setenv("FUZZYARM_NATIVE", "0")
     flags = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
     text = "\n".join(
         "" if line.startswith("```") else line for line in PAGE.read_text("utf-8").splitlines()

@@ -294,7 +294,7 @@ async def test_find_goes_round_and_says_where_nothing_is(copy: Any) -> None:
 
 
 async def test_f6_runs_the_text_beside_it(copy: Any, monkeypatch: Any) -> None:
-    monkeypatch.setenv("FUZZYARM_JIT", "0")
+    monkeypatch.setenv("FUZZYARM_NATIVE", "0")
     path = copy("heater.frb")
     text = path.read_text("utf-8").replace("period 10 s", "period 200 s")
     path.write_text(text, "utf-8")

@@ -1,6 +1,6 @@
 """A rule base in JavaScript: an ES module that infers in a page or in node.
 
-Three things make it: the kernel, translated from its own source (:mod:`.translation`); shapes,
+Three things make it: the kernel, translated from its own source (:mod:`fuzzyarm.native`); shapes,
 norms and hedges, printed from their expressions by the table of operations; and the rule base
 as the flat list of numbers that the kernel reads (:mod:`fuzzyarm.inference.layout`). So a page
 that changes a rule base gets other numbers, not another program: nothing is compiled, no text
@@ -25,10 +25,11 @@ from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace,
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
 from fuzzyarm.expression.records import Kind, degree_on_polyline
-from fuzzyarm.inference import enveloped, integrated, kernel, reduced
+from fuzzyarm.inference import kernel
 from fuzzyarm.inference.block import Layout, NotCoveredError
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import Plan, plan
+from fuzzyarm.inference.programs import BLOCKS
 from fuzzyarm.inference.row_functions import Curve
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import KARNIK_MENDEL, POSITION, Hedge, RuleBase, Shape
@@ -38,22 +39,7 @@ from fuzzyarm.version import __version__
 
 __all__ = ["engine_source", "numbers_of", "rule_base_module"]
 
-PROGRAMS: tuple[Callable[..., Any], ...] = (
-    kernel.run,
-    kernel.closed_centroid,
-    kernel.weighted,
-    enveloped.sampled_centroid,
-    enveloped.enveloped_centroid,
-    integrated.integrated_centroid,
-    integrated.integrated_bisector,
-    reduced.karnik_mendel_values,
-    reduced.karnik_mendel_samples,
-    reduced.karnik_mendel_envelope,
-    reduced.karnik_mendel_integral,
-    reduced.nie_tan_samples,
-    reduced.nie_tan_envelope,
-    reduced.nie_tan_integral,
-)
+PROGRAMS = tuple(block for block in BLOCKS if block not in {kernel.evaluate, kernel.sweep})
 """What a layout calls by its number."""
 
 OWN_NORMS = 4
@@ -224,12 +210,16 @@ def engine_source(library: Library | None = None) -> str:
 @cache
 def kernel_source() -> str:
     """Return the kernel, translated from its own source."""
-    from fuzzyarm.export.translation import javascript_of
+    from fuzzyarm.native.targets import JAVASCRIPT as KERNELS_IN_JAVASCRIPT
+    from fuzzyarm.native.translation import Translation
+    from fuzzyarm.native.types import Array, Scalar
 
-    first: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep, degree_on_polyline)
-    roots = (*first, *PROGRAMS)
+    translation = Translation(KERNELS_IN_JAVASCRIPT)
+    for program in BLOCKS:
+        translation.function(program, [Array.REALS])
+    translation.function(degree_on_polyline, [Array.REALS, Scalar.REAL])
     names = ", ".join(program.__name__ for program in PROGRAMS)
-    return f"{javascript_of(roots)}\nconst PROGRAMS_BY_NAME = {{ {names} }};\n"
+    return f"{translation.text()}\nconst PROGRAMS_BY_NAME = {{ {names} }};\n"
 
 
 def _constants() -> str:

@@ -29,6 +29,7 @@ from fuzzyarm.plant.plant import (
     ADVANCE,
     CLOCK_SIZE,
     is_compiled,
+    is_traced,
     plain_motion,
     plain_outputs,
 )
@@ -273,7 +274,7 @@ def loop_for(program: Program, course: Course, record: Record) -> Callable[..., 
     if program.compilable and is_compiled(course.plant):
         return loop_of_laws(program.compiled, single)
     bindings: dict[str, Callable[..., Any]] = _held(single)
-    if not is_compiled(course.plant):
+    if not is_compiled(course.plant) or is_traced(course.plant):
         bindings |= plain_plant(course)
     if not program.compilable:
         bindings["control"] = plain_law(program.controller)

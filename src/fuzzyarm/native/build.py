@@ -1,7 +1,7 @@
 """The module with machine code: C is printed from the kernels and compiled.
 
-``python -m fuzzyarm.native.build FOLDER`` writes ``_kernels`` into a folder; the build of the package
-does it, and `make native`. The compiler is the platform's; where there is none that of the
+``python -m fuzzyarm.native.build FOLDER`` writes ``_kernels`` into a folder; the build of the
+package does it, and `make native`. The compiler is the platform's; where there is none that of the
 ``ziglang`` wheel, which also compiles for other platforms.
 """
 
@@ -23,9 +23,9 @@ from typing import NamedTuple
 
 from fuzzyarm.kernels import digest_of_sources
 from fuzzyarm.native.roots import Root, roots
-from fuzzyarm.native.targets import C99
+from fuzzyarm.native.targets import C99, HEAD_OF_C, POINTERS
 from fuzzyarm.native.translation import Translation
-from fuzzyarm.native.types import ARRAYS
+from fuzzyarm.native.types import ARRAYS, Array
 from fuzzyarm.native.walker import WALKER
 
 __all__ = ["BuildError", "Compiler", "build", "kernels_in_c"]
@@ -58,20 +58,31 @@ def kernels_in_c(level: str = "baseline", kernels: Sequence[Root] | None = None)
     kernels : sequence of Root, optional
         By default all that are built.
     """
-    target = C99()
-    translation = Translation(target)
+    translation = Translation(C99)
     entries, rows = [], []
     for index, root in enumerate(roots() if kernels is None else kernels):
         types = [ARRAYS[letter] for letter in root.types]
         function = translation.function(root.function, types, root.bindings)
-        entries.append(target.entry(f"entry_{index}", function.name, types))
+        entries.append(_entry(f"entry_{index}", function.name, types))
         rows.append(f"  {{{json.dumps(root.key)}, (void (*)(void))entry_{index}}},")
     table = [
         "typedef struct { const char *key; void (*entry)(void); } table_row;",
         f"const table_row fuzzyarm_{level}[] = {{", *rows, "  {0, 0},", "};", "",
     ]  # fmt: skip
     body = translation.text()  # names the structures
-    return "\n".join([target.HEAD, WALKER, *target.structures, body, *entries, *table])
+    return "\n".join([HEAD_OF_C, WALKER, *translation.structures, body, *entries, *table])
+
+
+def _entry(name: str, function: str, types: Sequence[Array]) -> str:
+    """Return a function that others call: a pointer and a length for each array."""
+    listed = ", ".join(
+        f"{POINTERS[type_]} *at_{index}, int64_t length_{index}"
+        for index, type_ in enumerate(types)
+    )
+    passed = ", ".join(
+        f"({C99.types[type_]}){{at_{index}, length_{index}}}" for index, type_ in enumerate(types)
+    )
+    return f"static void {name}({listed}) {{ {function}({passed}); }}\n"
 
 
 class Compiler(NamedTuple):
@@ -149,9 +160,7 @@ def find_compiler() -> Compiler:
     try:
         import ziglang  # noqa: F401
     except ImportError:
-        raise BuildError(
-            "no C compiler: install one, or `pip install ziglang`"
-        ) from None
+        raise BuildError("no C compiler: install one, or `pip install ziglang`") from None
     return Compiler((sys.executable, "-m", "ziglang", "cc"), machine, system)
 
 

@@ -26,8 +26,7 @@ from fuzzyarm.controller.conventional import (
 from fuzzyarm.controller.law import LAW_ARRAYS, law_at_address, law_kernel, summed_drives
 from fuzzyarm.controller.on_plant import text_law
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.inference import enveloped, integrated, reduced
-from fuzzyarm.inference import kernel as inference_kernel
+from fuzzyarm.inference.programs import BLOCKS
 from fuzzyarm.inference.row_functions import (
     built_in_curve,
     hedged_polyline_row,
@@ -41,7 +40,7 @@ from fuzzyarm.model.rulebase import Hedge
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.library import LIBRARY
 from fuzzyarm.plant.plant import ARRAYS as PLANT_ARRAYS
-from fuzzyarm.plant.plant import dynamics_of
+from fuzzyarm.plant.plant import BY_PROGRAM, dynamics_of, run_plant
 from fuzzyarm.plant.setting import Arithmetic, stored_double, stored_single
 from fuzzyarm.table import lookup
 
@@ -84,26 +83,6 @@ LAWS = (
     DECENTRALISED_LAW,
     MODEL_REFERENCE_LAW,
 )
-
-BLOCKS: tuple[Callable[..., Any], ...] = (
-    inference_kernel.evaluate,
-    inference_kernel.sweep,
-    inference_kernel.run,
-    inference_kernel.closed_centroid,
-    inference_kernel.weighted,
-    enveloped.sampled_centroid,
-    enveloped.enveloped_centroid,
-    integrated.integrated_centroid,
-    integrated.integrated_bisector,
-    reduced.karnik_mendel_values,
-    reduced.karnik_mendel_samples,
-    reduced.karnik_mendel_envelope,
-    reduced.karnik_mendel_integral,
-    reduced.nie_tan_samples,
-    reduced.nie_tan_envelope,
-    reduced.nie_tan_integral,
-)
-"""Kernels that take a block, see :mod:`fuzzyarm.inference.kernel`."""
 
 
 def roots() -> Iterator[Root]:
@@ -155,3 +134,4 @@ def _plants() -> Iterator[Root]:
             for finely in (False, True):
                 dynamics_of(plant, arithmetic, finely=finely, address=asked)
     yield from found
+    yield from (Root(run_plant, PLANT_ARRAYS, bindings) for bindings in BY_PROGRAM)

@@ -18,15 +18,15 @@ import math
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from fuzzyarm.kernels import call, is_kernel
-from fuzzyarm.native.types import Array, Nothing, Record, Scalar, Type, wider, widest
+from fuzzyarm.native.types import Array, Nothing, Record, Scalar, Type, Value, wider, widest
 
 if TYPE_CHECKING:
     from fuzzyarm.native.targets import Target
 
-__all__ = ["NotTranslatedError", "Translation", "Value"]
+__all__ = ["NotTranslatedError", "Translation"]
 
 REAL, WHOLE, TRUTH = Scalar.REAL, Scalar.WHOLE, Scalar.TRUTH
 
@@ -47,13 +47,6 @@ class NotTranslatedError(NotImplementedError):
         super().__init__(f"a kernel has '{self.text}', which is not translated to {language}")
 
 
-class Value(NamedTuple):
-    """The text of an expression, and its type."""
-
-    text: str
-    type: Type
-
-
 class Translation:
     """Functions in one language, each behind those that it calls.
 
@@ -61,10 +54,17 @@ class Translation:
     ----------
     target : Target
         The language.
+
+    Attributes
+    ----------
+    structures : list of str
+        Definitions of the types of tuples that were met, in a language that declares types.
     """
 
     def __init__(self, target: Target) -> None:
         self.target = target
+        self.structures: list[str] = []
+        self._tuples: dict[tuple[Type, ...], str] = {}
         self._functions: dict[tuple[Any, ...], Function] = {}
         self._finished: list[Function] = []
         self._names: dict[str, int] = {}
@@ -99,6 +99,21 @@ class Translation:
         """Return a name that no function has yet."""
         count = self._names[name] = self._names.get(name, 0) + 1
         return name if count == 1 else f"{name}__{count}"
+
+    def type_name(self, type_: Type) -> str:
+        """Return the name of a type; that of a tuple is defined when it is met first."""
+        if not self.target.types:
+            return ""
+        if not isinstance(type_, Record):
+            return self.target.types[type_]
+        if type_.parts not in self._tuples:
+            parts = [self.type_name(part) for part in type_.parts]
+            name = self._tuples[type_.parts] = f"tuple_{len(self._tuples) + 1}"
+            fields = [f"{part} part_{index};" for index, part in enumerate(parts)]
+            if type_.uniform:  # an index may be computed
+                fields = [f"{parts[0]} part[{len(parts)}];"]
+            self.structures.append(self.target.structure.format(fields=" ".join(fields), name=name))
+        return self._tuples[type_.parts]
 
     def text(self) -> str:
         """Return all functions; what calls stands behind what is called."""
@@ -151,7 +166,7 @@ class Function:
 
     def translate(self) -> None:
         """Write the text: again, until no name has become wider meanwhile."""
-        own = self.target.own(self.function)
+        own = self.target.own.get(self.function)
         if own is not None:
             self.text = own
             return
@@ -160,9 +175,19 @@ class Function:
             before = dict(self.types), self._returns
             self._temporaries = 0
             body = self.block(self.source.body)
-        local = {name: self.types[name] for name in self.types if name not in self.parameters}
-        parameters = {name: self.types[name] for name in self.parameters}
-        self.text = self.target.function(self.name, parameters, local, self.returned, body)
+        parameters = [self.declared(self.target.parameter, name) for name in self.parameters]
+        local = [name for name in self.types if name not in self.parameters]
+        head = self.target.definition.format(
+            returned=self.whole.type_name(self.returned),
+            name=self.name,
+            parameters=", ".join(parameters),
+        )
+        declarations = [f"  {self.declared(self.target.local, name)}" for name in local]
+        self.text = "\n".join([head, *declarations, *body, "}", ""])
+
+    def declared(self, template: str, name: str) -> str:
+        type_ = self.whole.type_name(self.types[name])
+        return template.format(type=type_, name=self.variable(name))
 
     # --- Statements: lists of lines ---
 
@@ -180,7 +205,9 @@ class Function:
         return [] if docstring else [f"{self.value(node.value).text};"]
 
     def return_(self, node: ast.Return) -> list[str]:
-        if node.value is None or (isinstance(node.value, ast.Constant) and node.value.value is None):
+        if node.value is None or (
+            isinstance(node.value, ast.Constant) and node.value.value is None
+        ):
             return ["return;"]
         value = self.value(node.value)
         self.returned = self._returns = wider(self._returns, value.type)
@@ -191,10 +218,10 @@ class Function:
             return self.assigned(node.targets[0], node.value)
         value = self.value(node.value)
         name = self.temporary()
-        lines = [self.target.constant(name, value)]
+        lines = [self.named(name, value)]
         for target in node.targets:
             lines += self.stored(target, Value(name, value.type))
-        return self.target.together(lines)
+        return _together(lines)
 
     def typed_assignment(self, node: ast.AnnAssign) -> list[str]:
         assert node.value is not None
@@ -206,10 +233,10 @@ class Function:
         # All values first: they may be made of what is assigned.
         values = [self.value(part) for part in source.elts]
         names = [self.temporary() for _ in values]
-        lines = [self.target.constant(*pair) for pair in zip(names, values, strict=True)]
+        lines = [self.named(*pair) for pair in zip(names, values, strict=True)]
         for part, name, value in zip(target.elts, names, values, strict=True):
             lines += self.stored(part, Value(name, value.type))
-        return self.target.together(lines)
+        return _together(lines)
 
     def stored(self, target: ast.expr, value: Value) -> list[str]:
         """Return the lines that write a value into a name, an element, or several of these."""
@@ -217,16 +244,15 @@ class Function:
             return []
         if isinstance(target, ast.Name):
             self.widen(target.id, value.type)
-            name = self.target.variable(target.id)
+            name = self.variable(target.id)
             return [f"{name} = {self.as_type(value, self.types[target.id])};"]
         if isinstance(target, ast.Tuple):
             assert isinstance(value.type, Record)
             name = self.temporary()
-            lines = [self.target.constant(name, value)]
+            lines = [self.named(name, value)]
             for index, part in enumerate(target.elts):
-                field = self.target.field(name, value.type, index)
-                lines += self.stored(part, Value(field, value.type.parts[index]))
-            return self.target.together(lines)
+                lines += self.stored(part, self.part_of(Value(name, value.type), index))
+            return _together(lines)
         place = self.value(target)
         return [f"{place.text} = {self.as_type(value, place.type)};"]
 
@@ -260,7 +286,7 @@ class Function:
         index = self.temporary()
         head = self.target.counted.format(index=index, start=start, end=end, sign=sign, step=step)
         kept = self.stored(target, Value(index, WHOLE))
-        return [f"{head} {{", *(f"  {line}" for line in kept), *self.block(node.body), "}"]
+        return [head, *(f"  {line}" for line in kept), *self.block(node.body), "}"]
 
     _STATEMENTS: ClassVar[dict[type, Callable[..., list[str]]]] = {
         ast.Expr: plain,
@@ -286,11 +312,24 @@ class Function:
             message = f"'{name}' of the kernel {self.function.__name__}: {error}"
             raise TypeError(message) from None
 
+    def variable(self, name: str) -> str:
+        return self.target.variable.format(name)
+
+    def named(self, name: str, value: Value) -> str:
+        """Return the statement that gives a value a name."""
+        type_ = self.whole.type_name(value.type)
+        return self.target.constant.format(type=type_, name=name, value=value.text)
+
     def as_type(self, value: Value, type_: Type) -> str:
         """Return the text of a value as one of another type."""
         if value.type == type_:
             return value.text
-        return self.target.converted(value, type_)
+        if not isinstance(type_, Record):
+            return self.target.cast.format(type=self.whole.type_name(type_), value=value.text)
+        parts = [
+            self.as_type(self.part_of(value, index), part) for index, part in enumerate(type_.parts)
+        ]
+        return self.tuple_of(parts, type_)
 
     # --- Expressions ---
 
@@ -305,7 +344,7 @@ class Function:
 
     def number(self, value: object, node: ast.expr) -> Value:
         if isinstance(value, bool):
-            return Value(self.target.truth(value), TRUTH)
+            return Value(self.target.truths[value], TRUTH)
         if isinstance(value, int):
             return Value(str(value), WHOLE)
         if isinstance(value, float):
@@ -317,7 +356,7 @@ class Function:
 
     def name_(self, node: ast.Name) -> Value:
         if node.id in self.types:
-            return Value(self.target.variable(node.id), self.types[node.id])
+            return Value(self.variable(node.id), self.types[node.id])
         return self.number(self.globals.get(node.id), node)  # a constant of the module
 
     def binary(self, node: ast.BinOp) -> Value:
@@ -360,7 +399,11 @@ class Function:
 
     def record(self, values: Sequence[Value], names: tuple[str, ...] = ()) -> Value:
         type_ = Record(tuple(value.type for value in values), names)
-        return Value(self.target.record(type_, [value.text for value in values]), type_)
+        return Value(self.tuple_of([value.text for value in values], type_), type_)
+
+    def tuple_of(self, parts: Sequence[str], type_: Record) -> str:
+        template = self.target.uniform_record if type_.uniform else self.target.record
+        return template.format(type=self.whole.type_name(type_), parts=", ".join(parts))
 
     def subscript(self, node: ast.Subscript) -> Value:
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
@@ -369,20 +412,27 @@ class Function:
         if isinstance(node.slice, ast.Slice):
             ends = (node.slice.lower, node.slice.upper)
             start, end = (None if part is None else self.value(part).text for part in ends)
-            return Value(self.target.part(whole, start or "0", end), whole.type)
+            text = self.target.stretch.format(
+                kind=Array(whole.type).value,
+                array=whole.text,
+                start=start or "0",
+                end=end or self.target.length.format(whole.text),
+            )
+            return Value(text, whole.type)
         if isinstance(whole.type, Array):
             index = self.value(node.slice).text
-            return Value(self.target.element(whole.text, index), whole.type.element)
+            return Value(self.target.element.format(whole.text, index), whole.type.element)
         assert isinstance(whole.type, Record)
         if isinstance(node.slice, ast.Constant):
-            return self.field(whole, node.slice.value)
+            return self.part_of(whole, int(str(node.slice.value)))
         assert whole.type.uniform
         index = self.value(node.slice).text
-        return Value(self.target.uniform_field(whole.text, index), whole.type.parts[0])
+        return Value(self.target.uniform_part.format(whole.text, index), whole.type.parts[0])
 
-    def field(self, whole: Value, index: int) -> Value:
+    def part_of(self, whole: Value, index: int) -> Value:
         assert isinstance(whole.type, Record)
-        return Value(self.target.field(whole.text, whole.type, index), whole.type.parts[index])
+        template = self.target.uniform_part if whole.type.uniform else self.target.part
+        return Value(template.format(whole.text, index), whole.type.parts[index])
 
     def attribute(self, node: ast.Attribute) -> Value:
         if ast.unparse(node.value) == "math":
@@ -392,18 +442,18 @@ class Function:
             return self.length(whole)
         if not isinstance(whole.type, Record) or node.attr not in whole.type.names:
             raise NotTranslatedError(node, self.target.name)
-        return self.field(whole, whole.type.names.index(node.attr))
+        return self.part_of(whole, whole.type.names.index(node.attr))
 
     def length(self, whole: Value) -> Value:
         if isinstance(whole.type, Record):
             return Value(str(len(whole.type.parts)), WHOLE)
-        return Value(self.target.length(whole.text), WHOLE)
+        return Value(self.target.length.format(whole.text), WHOLE)
 
     # --- Calls ---
 
     def called(self, node: ast.Call) -> Value:
         if isinstance(node.func, ast.Attribute) and node.func.attr == "view":
-            return Value(self.target.wholes(self.value(node.func.value).text), Array.WHOLES)
+            return Value(self.target.wholes.format(self.value(node.func.value).text), Array.WHOLES)
         if isinstance(node.func, ast.Attribute) and ast.unparse(node.func.value) in {"math", "np"}:
             return self.function_called(node, getattr(_module(node), node.func.attr))
         if not isinstance(node.func, ast.Name):
@@ -417,7 +467,7 @@ class Function:
     def function_called(self, node: ast.Call, function: Any) -> Value:
         arguments = [self.value(argument) for argument in node.args]
         if function is call:
-            return Value(self.target.call(arguments), Nothing.NOTHING)
+            return Value(self.target.call(arguments[0].text, arguments[1:]), Nothing.NOTHING)
         if isinstance(function, type) and issubclass(function, tuple):
             return self.record(arguments, function._fields)  # type: ignore[attr-defined]
         if is_kernel(function):
@@ -428,10 +478,22 @@ class Function:
             return Value(f"{made.name}({', '.join(texts)})", made.returned)
         if function is len:
             return self.length(arguments[0])
-        value = self.target.function_of_python(function, arguments)
-        if value is None:
+        return self.spelled(node, function, arguments)
+
+    def spelled(self, node: ast.Call, function: Any, arguments: Sequence[Value]) -> Value:
+        """Return a call of a function of Python or NumPy, as the language spells it."""
+        type_ = widest([argument.type for argument in arguments])
+        assert isinstance(type_, Scalar)
+        if (function, type_) not in self.target.functions:
             raise NotTranslatedError(node, self.target.name)
-        return value
+        text, returned = self.target.functions[function, type_]
+        texts = [self.as_type(argument, type_) for argument in arguments]
+        if function not in {min, max}:
+            return Value(text.format(", ".join(texts)), returned)
+        value = texts[0]
+        for other in texts[1:]:  # two at a time, in their order
+            value = text.format(f"{value}, {other}")
+        return Value(value, returned)
 
     _VALUES: ClassVar[dict[type, Callable[..., Value]]] = {
         ast.Constant: constant,
@@ -451,6 +513,11 @@ class Function:
 _BUILTINS: dict[str, Any] = {
     function.__name__: function for function in (min, max, abs, int, float, len)
 }
+
+
+def _together(lines: Sequence[str]) -> list[str]:
+    """Return statements whose names nobody else sees."""
+    return ["{", *(f"  {line}" for line in lines), "}"]
 
 
 def _counted(type_: Type) -> Type:

@@ -65,6 +65,14 @@ class Nothing(Enum):
 
 Type = Scalar | Array | Record | Nothing
 
+
+class Value(NamedTuple):
+    """The text of an expression in some language, and its type."""
+
+    text: str
+    type: Type
+
+
 _WIDTH = list(Scalar)
 
 
@@ -80,10 +88,10 @@ def wider(one: Type | None, other: Type) -> Type:
         return other
     if isinstance(one, Scalar) and isinstance(other, Scalar):
         return max(one, other, key=_WIDTH.index)
-    if isinstance(one, Record) and isinstance(other, Record):
-        if len(one.parts) == len(other.parts):
-            parts = (wider(a, b) for a, b in zip(one.parts, other.parts, strict=True))
-            return Record(tuple(parts), one.names or other.names)
+    both = isinstance(one, Record) and isinstance(other, Record)
+    if both and len(one.parts) == len(other.parts):
+        parts = (wider(a, b) for a, b in zip(one.parts, other.parts, strict=True))
+        return Record(tuple(parts), one.names or other.names)
     raise TypeError(f"{_word(one)} and {_word(other)} under one name")
 
 

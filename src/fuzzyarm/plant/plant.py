@@ -13,7 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.kernels import address_of, is_kernel, kernel, with_names
+from fuzzyarm.kernels import (
+    address_of,
+    call,
+    has_machine_code,
+    is_built,
+    is_kernel,
+    kernel,
+    with_names,
+)
+from fuzzyarm.plant.equations import traced
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
@@ -433,12 +442,60 @@ ARRAYS = "fffff"
 """Of a kernel of a plant, see :func:`fuzzyarm.kernels.address_of`."""
 
 
+@kernel
+def find_slopes_by_program(
+    t: float, x: list[float], u: list[float], p: list[float], slopes: list[float]
+) -> None:
+    """Fill in the rates of the states by a program, whose address stands behind the parameters."""
+    behind = len(p) - 2
+    slopes[0] = t  # what the program reads is copied before it writes
+    call(int(p[behind]), slopes[0:1], x, u, p[0:behind], slopes)
+
+
+@kernel
+def measure_by_program(
+    x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
+) -> None:
+    """Measure what a program says, whose address stands behind that of the rates."""
+    behind = len(p) - 2
+    y[0] = clock[0]
+    call(int(p[behind + 1]), y[0:1], x[0 : len(x) // 4], u, p[0:behind], y)
+
+
 def is_compiled(plant: Plant) -> bool:
-    """Whether the equations of a plant are kernels."""
-    if plant.dynamics is not None:
-        return True
+    """Whether the equations of a plant can run as machine code: as kernels, or traced."""
+    return plant.dynamics is not None or _is_of_kernels(plant) or is_traced(plant)
+
+
+def _is_of_kernels(plant: Plant) -> bool:
     equations = [each for each in (plant.derivative, plant.measure) if each is not None]
     return plant.step is None and all(is_kernel(each) for each in equations)
+
+
+def is_traced(plant: Plant) -> bool:
+    """Whether the equations of a plant run as programs of operations."""
+    if plant.dynamics is not None or plant.step is not None or not has_machine_code():
+        return False
+    return not _is_built(plant) and traced(plant) is not None
+
+
+def _is_built(plant: Plant) -> bool:
+    """Whether the equations are part of the machine code."""
+    return _is_of_kernels(plant) and is_built(*_bound(plant))
+
+
+def _bound(plant: Plant) -> tuple[Callable[..., None], str, dict[str, Any]]:
+    bindings: dict[str, Any] = {"derivative": plant.derivative}
+    if plant.measure is not None:
+        bindings |= {"measure_states": measure_outputs, "measure": plant.measure}
+    return run_plant, ARRAYS, bindings
+
+
+BY_PROGRAM: tuple[dict[str, Callable[..., Any]], ...] = (
+    {"find_slopes": find_slopes_by_program},
+    {"find_slopes": find_slopes_by_program, "measure_states": measure_by_program},
+)
+"""What a plant of traced equations is bound to: without and with outputs of its own."""
 
 
 def dynamics_of(
@@ -466,10 +523,10 @@ def dynamics_of(
         address = _address_in(arithmetic)
     if plant.dynamics is not None:  # the arm, whose numerics are those of the study
         return plant.dynamics(arithmetic, address, finely=finely)
-    if plant.measure is None:
-        return Dynamics(address(run_plant, derivative=plant.derivative))
-    bound = {"measure_states": measure_outputs, "measure": plant.measure}
-    return Dynamics(address(run_plant, derivative=plant.derivative, **bound))
+    if arithmetic.compiled and is_traced(plant):
+        return Dynamics(address(run_plant, **BY_PROGRAM[plant.measure is not None]))
+    function, _, bindings = _bound(plant)
+    return Dynamics(address(function, **bindings))
 
 
 def _address_in(arithmetic: Arithmetic) -> Callable[..., int]:
@@ -535,7 +592,12 @@ def numbers_of(
     own = getattr(plant, "pack", None)
     if own is not None:
         return np.asarray(own(driven, arithmetic), float)
-    return np.array([parameter(plant, name).value for name in plant.parameters], float)
+    numbers = [parameter(plant, name).value for name in plant.parameters]
+    if arithmetic.compiled and is_traced(plant):
+        equations = traced(plant)
+        assert equations is not None
+        numbers += equations.addresses
+    return np.array(numbers, float)
 
 
 def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:

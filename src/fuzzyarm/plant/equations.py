@@ -1,0 +1,147 @@
+"""Equations of a user's plant as machine code, without a compiler: traced into programs.
+
+A plant in plain Python is asked for its rates with symbols in place of numbers. Where it answers
+with arithmetic and functions of :mod:`math`, the answer is an expression, and as a program of
+operations (:mod:`fuzzyarm.expression.programs`) it runs in the loop as machine code. What asks a
+symbol for its value (``if x[0] > 0``), and what answers differently when it is asked again, is not
+traced and is called as Python.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import math
+from array import array
+from collections.abc import Callable, Sequence
+from types import FunctionType, MethodType
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+from fuzzyarm.expression import op
+from fuzzyarm.expression.nodes import Node, as_node, symbol
+from fuzzyarm.expression.programs import program_of
+
+__all__ = ["Equations", "traced"]
+
+
+class Equations(NamedTuple):
+    """What a plant computes, as programs of time, states, inputs and parameters in a row.
+
+    Attributes
+    ----------
+    rates : array of float
+        Of the states.
+    outputs : array of float or None
+        What is measured; None where it is the first states.
+    """
+
+    rates: array[float]
+    outputs: array[float] | None
+
+    @property
+    def addresses(self) -> tuple[float, float]:
+        """Where the programs stand, as kernels call them; 0 for none. Good while this lives."""
+        return _address(self.rates), _address(self.outputs)
+
+
+def _address(program: array[float] | None) -> float:
+    """Return the odd address of a program; a float holds it exactly."""
+    return 0.0 if program is None else float(program.buffer_info()[0] + 1)
+
+
+_known: WeakKeyDictionary[Any, Equations | None] = WeakKeyDictionary()
+
+
+def traced(plant: Any) -> Equations | None:
+    """Return the equations of a plant as programs; None where they cannot be traced.
+
+    Parameters
+    ----------
+    plant : Plant
+        With `derivative`, and `measure` or None.
+    """
+    try:
+        return _known[plant]
+    except (KeyError, TypeError):  # new, or it cannot be referred to weakly
+        equations = _traced(plant)
+    with contextlib.suppress(TypeError):
+        _known[plant] = equations
+    return equations
+
+
+def _traced(plant: Any) -> Equations | None:
+    if plant.derivative is None:
+        return None
+    sizes = len(plant.states), len(plant.inputs), len(plant.parameters)
+    names = [["t"]]
+    for letter, size in zip("xup", sizes, strict=True):
+        names.append([f"{letter}{k}" for k in range(size)])
+    flat = [name for group in names for name in group]
+    rates = _roots(plant.derivative, names, len(plant.states))
+    if rates is None:
+        return None
+    outputs = None
+    if plant.measure is not None:
+        roots = _roots(plant.measure, names, len(plant.outputs))
+        if roots is None:
+            return None
+        outputs = program_of(roots, (), flat)
+    return Equations(program_of(rates, (), flat), outputs)
+
+
+def _roots(
+    function: Callable[..., Any], names: Sequence[Sequence[str]], count: int
+) -> list[Node] | None:
+    """Return what a function answers to symbols; None where it is no expression of them."""
+    (time,), *groups = names
+    arguments = (symbol(time), *([symbol(name) for name in group] for group in groups))
+    asked = over_symbols(function)
+    try:
+        first, again = ([as_node(rate) for rate in asked(*arguments)] for _ in range(2))
+    except Exception:  # whatever the code of a user raises when it meets no numbers
+        return None
+    # What draws at random, or counts its calls, answers differently.
+    return first if first == again and len(first) == count else None
+
+
+def over_symbols(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that knows the functions of :mod:`math` for symbols, too."""
+    plain = getattr(function, "__func__", function)
+    if not isinstance(plain, FunctionType):
+        return function
+    space = dict(plain.__globals__)
+    space.setdefault("min", functools.partial(_folded, op.minimum))
+    space.setdefault("max", functools.partial(_folded, op.maximum))
+    for name, value in plain.__globals__.items():
+        if value is math:
+            space[name] = _Math()
+        elif callable(value) and getattr(math, getattr(value, "__name__", ""), None) is value:
+            space[name] = _for_symbols(value.__name__)
+    copy = FunctionType(
+        plain.__code__, space, plain.__name__, plain.__defaults__, plain.__closure__
+    )
+    copy.__kwdefaults__ = plain.__kwdefaults__
+    owner = getattr(function, "__self__", None)
+    return copy if owner is None else MethodType(copy, owner)
+
+
+class _Math:
+    """The module :mod:`math` for symbols and numbers."""
+
+    def __getattr__(self, name: str) -> Any:
+        return _for_symbols(name)
+
+
+def _for_symbols(name: str) -> Any:
+    return getattr(op, _OTHER_NAMES.get(name, name), None) or getattr(math, name)
+
+
+_OTHER_NAMES = {"fabs": "absolute", "pow": "power", "trunc": "truncate"}
+
+
+def _folded(norm: Callable[..., Any], *values: Any) -> Any:
+    (first, *others) = values if len(values) > 1 else values[0]
+    for other in others:
+        first = norm(first, other)
+    return first
