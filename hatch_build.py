@@ -35,9 +35,11 @@ class KernelBuildHook(BuildHookInterface):
         if self.target_name != "wheel" or _is_pure():
             return
         source = Path(self.root) / "src"
+        # The environment of the build may stand on the path of this process only.
+        path = os.pathsep.join([str(source), *filter(None, sys.path)])
         done = subprocess.run(
             [sys.executable, "-m", "fuzzyarm.native.build", str(source / "fuzzyarm")],
-            env={**os.environ, "PYTHONPATH": str(source), "FUZZYARM_NATIVE": "0"},
+            env={**os.environ, "PYTHONPATH": path, "FUZZYARM_NATIVE": "0"},
             capture_output=True, text=True, check=False,
         )  # fmt: skip
         if done.returncode:
