@@ -3,7 +3,7 @@
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
 is given (it makes none, and never counts from their end), and calls nothing but :mod:`math` and
 other kernels by their bare names. It runs as plain Python, line by line, for a debugger; or as
-machine code that was printed from its source (:mod:`fuzzyarm.native`) and compiled when fuzzyarm
+machine code that was printed from its source (:mod:`fuzzyarm.translation`) and compiled when fuzzyarm
 was built. Both give the same bits: the compiled code neither reorders nor fuses floating-point
 operations.
 
@@ -110,7 +110,7 @@ def _is_checkout() -> bool:
 _HERE = Path(__file__).resolve().parent
 
 SOURCE_FOLDERS = (
-    "expression", "inference", "table", "plant", "controller", "loop", "native",
+    "expression", "inference", "table", "plant", "controller", "loop", "translation", "native",
 )  # fmt: skip
 """Packages whose modules have kernels or decide how they are printed."""
 
@@ -351,23 +351,35 @@ def with_names(function: Callable[..., Any], bindings: _Bindings) -> Callable[..
         Functions to put in the place of those that the kernel, or a kernel that it calls, knows
         under these names.
     """
-    return cast(Callable[..., Any], _copied(function, bindings, {}))
+    return copied(function, bindings)
 
 
-def _copied(
+def copied(
     function: Callable[..., Any],
     bindings: _Bindings,
-    done: dict[Callable[..., Any], Callable[..., Any]],
-) -> Callable[..., Any]:
-    """Copy a kernel and those it calls, each over globals that name the copies."""
+    finish: Callable[[FunctionType], Any] | None = None,
+    done: dict[Callable[..., Any], Any] | None = None,
+) -> Any:
+    """Copy a kernel and those it calls, each over globals that name the copies.
+
+    Parameters
+    ----------
+    function, bindings
+        See :func:`with_names`.
+    finish : callable, optional
+        What is done to each copy that another one calls.
+    done : dict, optional
+        Copies that were made before.
+    """
     if not is_kernel(function):
         return function  # printed from an expression; or a user's, bound to a name
+    done = {} if done is None else done
     if function not in done:
         plain = cast(FunctionType, function)
-        names = {
-            name: _copied(called, bindings, done)
-            for name, called in called_by(plain, bindings).items()
-        }
+        names = {}
+        for name, called in called_by(plain, bindings).items():
+            copy = copied(called, bindings, finish, done)
+            names[name] = finish(copy) if finish and isinstance(copy, FunctionType) else copy
         space = {**plain.__globals__, **names}
         copy = FunctionType(plain.__code__, space, plain.__name__, plain.__defaults__)
         copy.__qualname__, copy.__module__ = plain.__qualname__, plain.__module__

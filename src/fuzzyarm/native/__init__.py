@@ -1,8 +1,6 @@
-"""Kernels in other languages: printed from their own source, and compiled when fuzzyarm is built.
+"""Machine code of the kernels: which are built, how they are compiled, and the module for Python.
 
-A kernel is plain Python over scalars and arrays (:mod:`fuzzyarm.kernels`).
-:mod:`fuzzyarm.native.translation` reads its source and finds the type of every name; a
-:class:`~fuzzyarm.native.targets.Target` says how a language spells what was read.
-:mod:`fuzzyarm.native.roots` lists the kernels that are built, :mod:`fuzzyarm.native.build` writes
-and compiles them.
+:mod:`fuzzyarm.native.roots` lists the kernels, :mod:`fuzzyarm.native.build` prints them in C
+(:mod:`fuzzyarm.translation`) and compiles them with ``module.c``, when fuzzyarm itself is built. A
+running fuzzyarm needs nothing of this package; :mod:`fuzzyarm.kernels` loads what it made.
 """

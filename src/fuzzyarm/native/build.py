@@ -23,10 +23,10 @@ from typing import NamedTuple
 
 from fuzzyarm.kernels import digest_of_sources
 from fuzzyarm.native.roots import Root, roots
-from fuzzyarm.native.targets import C99, HEAD_OF_C, POINTERS
-from fuzzyarm.native.translation import Translation
-from fuzzyarm.native.types import ARRAYS, Array
 from fuzzyarm.native.walker import WALKER
+from fuzzyarm.translation.functions import Translation
+from fuzzyarm.translation.targets import C99, HEAD_OF_C, POINTERS
+from fuzzyarm.translation.types import ARRAYS, Array
 
 __all__ = ["BuildError", "Compiler", "build", "kernels_in_c"]
 

@@ -4,16 +4,18 @@ A plant in plain Python is asked for its rates with symbols in place of numbers.
 with arithmetic and functions of :mod:`math`, the answer is an expression, and as a program of
 operations (:mod:`fuzzyarm.expression.programs`) it runs in the loop as machine code. What asks a
 symbol for its value (``if x[0] > 0``), and what answers differently when it is asked again, is not
-traced and is called as Python.
+traced and is called as Python; or compiled by numba, where that is installed and the equations are
+marked as kernels.
 """
 
 from __future__ import annotations
 
 import contextlib
 import functools
+import importlib.util
 import math
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType, MethodType
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -21,8 +23,9 @@ from weakref import WeakKeyDictionary
 from fuzzyarm.expression import op
 from fuzzyarm.expression.nodes import Node, as_node, symbol
 from fuzzyarm.expression.programs import program_of
+from fuzzyarm.kernels import copied, with_names
 
-__all__ = ["Equations", "traced"]
+__all__ = ["Equations", "compiled_by_numba", "has_numba", "traced"]
 
 
 class Equations(NamedTuple):
@@ -145,3 +148,50 @@ def _folded(norm: Callable[..., Any], *values: Any) -> Any:
     for other in others:
         first = norm(first, other)
     return first
+
+
+# --- Kernels of a user, compiled by numba ---
+
+
+def has_numba() -> bool:
+    """Whether numba is installed."""
+    return importlib.util.find_spec("numba") is not None
+
+
+@functools.cache
+def _compiled(
+    function: Callable[..., None], types: str, bindings: tuple[tuple[str, Any], ...]
+) -> Callable[..., None]:
+    import numba
+
+    def compiled(kernel: FunctionType) -> Any:
+        return numba.njit(error_model="numpy", nogil=True)(kernel)
+
+    run = compiled(copied(function, dict(bindings), compiled))
+    words = ", ".join(f"at_{k}, size_{k}" for k in range(len(types)))
+    arrays = ", ".join(f"carray(at_{k}, size_{k})" for k in range(len(types)))
+    space = {"run": run, "carray": numba.carray}
+    exec(f"def entry({words}):\n    run({arrays})\n", space)
+    pointer = numba.types.CPointer(numba.types.float64)
+    signature = numba.types.void(*[pointer, numba.types.int64] * len(types))
+    entry = numba.cfunc(signature)(space["entry"])
+
+    def interpreted(*given: Any) -> None:
+        with_names(function, dict(bindings))(*given)
+
+    interpreted.__address__ = entry.address  # type: ignore[attr-defined]
+    interpreted.entry = entry  # type: ignore[attr-defined]
+    return interpreted
+
+
+def compiled_by_numba(
+    function: Callable[..., None], types: str, bindings: Mapping[str, Callable[..., Any]]
+) -> Callable[..., None]:
+    """Return a kernel that numba compiles now, with an address for the loop.
+
+    Parameters
+    ----------
+    function, types, bindings
+        See :func:`fuzzyarm.kernels.address_of`; arrays of floats.
+    """
+    return _compiled(function, types, tuple(sorted(bindings.items(), key=lambda pair: pair[0])))

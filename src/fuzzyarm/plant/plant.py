@@ -22,7 +22,7 @@ from fuzzyarm.kernels import (
     kernel,
     with_names,
 )
-from fuzzyarm.plant.equations import traced
+from fuzzyarm.plant.equations import compiled_by_numba, has_numba, traced
 from fuzzyarm.plant.setting import Arithmetic
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import one_line
@@ -463,8 +463,12 @@ def measure_by_program(
 
 
 def is_compiled(plant: Plant) -> bool:
-    """Whether the equations of a plant can run as machine code: as kernels, or traced."""
-    return plant.dynamics is not None or _is_of_kernels(plant) or is_traced(plant)
+    """Whether the loop calls a plant by address: its equations are kernels, or traced."""
+    if plant.dynamics is not None:
+        return True
+    if not has_machine_code():
+        return _is_of_kernels(plant)
+    return _is_built(plant) or is_traced(plant) or _is_for_numba(plant)
 
 
 def _is_of_kernels(plant: Plant) -> bool:
@@ -477,6 +481,11 @@ def is_traced(plant: Plant) -> bool:
     if plant.dynamics is not None or plant.step is not None or not has_machine_code():
         return False
     return not _is_built(plant) and traced(plant) is not None
+
+
+def _is_for_numba(plant: Plant) -> bool:
+    """Whether the equations are kernels of a user that numba compiles."""
+    return _is_of_kernels(plant) and not _is_built(plant) and has_numba()
 
 
 def _is_built(plant: Plant) -> bool:
@@ -525,7 +534,9 @@ def dynamics_of(
         return plant.dynamics(arithmetic, address, finely=finely)
     if arithmetic.compiled and is_traced(plant):
         return Dynamics(address(run_plant, **BY_PROGRAM[plant.measure is not None]))
-    function, _, bindings = _bound(plant)
+    function, types, bindings = _bound(plant)
+    if arithmetic.compiled and _is_for_numba(plant):
+        return Dynamics(address(compiled_by_numba(function, types, bindings)))
     return Dynamics(address(function, **bindings))
 
 

@@ -21,10 +21,10 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from fuzzyarm.kernels import call, is_kernel
-from fuzzyarm.native.types import Array, Nothing, Record, Scalar, Type, Value, wider, widest
+from fuzzyarm.translation.types import Array, Nothing, Record, Scalar, Type, Value, wider, widest
 
 if TYPE_CHECKING:
-    from fuzzyarm.native.targets import Target
+    from fuzzyarm.translation.targets import Target
 
 __all__ = ["NotTranslatedError", "Translation"]
 

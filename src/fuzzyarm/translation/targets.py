@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from fuzzyarm.expression.printing import javascript_number
-from fuzzyarm.inference import integrated
-from fuzzyarm.native.types import Array, Nothing, Scalar, Type, Value
+from fuzzyarm.translation.types import Array, Nothing, Scalar, Type, Value
 
 __all__ = ["C99", "JAVASCRIPT", "Target"]
 
@@ -304,22 +303,6 @@ JAVASCRIPT = Target(
     stretch="{array}.subarray({start}, {end})",
     wholes="{}.whole",
     call=_javascript_call,
-    own={
-        # It reads floats as whole numbers.
-        integrated.move_bits: """\
-const ONE_FLOAT = new Float64Array(1);
-const ITS_WORDS = new Uint32Array(ONE_FLOAT.buffer); // the lower half first
-
-function move_bits(row, index, steps) {
-  ONE_FLOAT[0] = row[index];
-  const lower = ITS_WORDS[0] + steps;
-  ITS_WORDS[0] = lower;
-  if (lower < 0) ITS_WORDS[1] -= 1;
-  else if (lower > 0xffffffff) ITS_WORDS[1] += 1;
-  row[index] = ONE_FLOAT[0];
-}
-""",
-    },
 )
 """JavaScript: it computes in double precision too, without fusing or reordering.
 
