@@ -3,8 +3,8 @@
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
 is given (it makes none, and never counts from their end), and calls nothing but :mod:`math` and
 other kernels by their bare names. It runs as plain Python, line by line, for a debugger; or as
-machine code that was printed from its source (:mod:`fuzzyarm.translation`) and compiled when fuzzyarm
-was built. Both give the same bits: the compiled code neither reorders nor fuses floating-point
+machine code that was printed from its source (:mod:`fuzzyarm.translation`) and compiled when
+fuzzyarm was built. Both give the same bits: the compiled code neither reorders nor fuses floating-point
 operations.
 
 - :func:`address_of` gives an address, under which another kernel may :func:`call` it. So what a
@@ -21,6 +21,7 @@ kinds, the equations of a user's plant) is a program of operations
 from __future__ import annotations
 
 import functools
+import importlib
 import os
 import warnings
 from array import array

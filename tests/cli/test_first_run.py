@@ -11,7 +11,6 @@ import pytest
 
 from fuzzyarm.cli import command as commands
 from fuzzyarm.cli import main
-from fuzzyarm.machine_code import Compiling
 from fuzzyarm.shipped_files import shipped, shipped_names
 
 
@@ -27,36 +26,6 @@ def display_on(out):
     console = Console(file=out, force_terminal=True, width=100, color_system=None)
     columns = (TextColumn("{task.description}"), BarColumn(20), TextColumn("{task.percentage:.0f}"))
     return Progress(*columns, console=console, transient=True, auto_refresh=False)
-
-
-def test_compiling_is_told_with_a_bar_that_goes_away(monkeypatch):
-    out = io.StringIO()
-    monkeypatch.setattr(commands, "_display", lambda: display_on(out))
-    bar = commands.CompilingBar()
-    for done in range(5):
-        bar.show(Compiling(f"part_{done}", done, 4))
-        bar._display.refresh()
-    bar.show(None)
-    told = words_of(out)
-    assert "compiling machine code, once on this machine: part_0" in told
-    shares = [int(x) for x in re.findall(r"(\d+)\s*$", told, re.MULTILINE)]
-    assert shares[0] == 0
-    assert 75 in shares
-    assert max(shares) < 100  # more functions than there were to be: the bar is not full
-    assert told.rstrip().splitlines()[-1].count("compiling") <= 1
-    bar.show(None)  # nothing was begun
-
-
-def test_within_other_work_the_bar_is_part_of_its_display():
-    out = io.StringIO()
-    with display_on(out) as display:
-        display.add_task("running pd", total=None)
-        bar = commands.CompilingBar(display)
-        bar.show(Compiling("run_loop", 0, 0))
-        display.refresh()
-        assert [task.description for task in display.tasks][1].endswith("run_loop")
-        bar.show(None)
-        assert len(display.tasks) == 1
 
 
 def test_nothing_is_shown_where_there_is_no_terminal(capsys):

@@ -11,7 +11,6 @@ import pytest
 
 from fuzzyarm.cli import main
 from fuzzyarm.cli.main import COMMANDS
-from fuzzyarm.machine_code import watch_compiling
 from fuzzyarm.shipped_files import shipped
 
 PD7, TABLE = str(shipped("pd7.frb")), str(shipped("thesis-6.1.lut"))
@@ -204,13 +203,6 @@ def test_the_difference_of_a_file_is_shown_clean_on_a_terminal_only(files, capsy
     shown = capsys.readouterr().out
     assert "\x1b" not in shown
     assert "\ufffd" in shown
-
-
-def test_what_is_compiled_is_shown_during_a_command_only(capsys, monkeypatch):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    watch_compiling(None)
-    assert main(["shipped"]) == 0
-    assert watch_compiling(None) is None
 
 
 def test_json_says_what_it_is_about_in_escapes(files, capsys):

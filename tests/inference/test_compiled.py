@@ -24,7 +24,6 @@ from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.layout import lay_out
 from fuzzyarm.inference.plan import plan
 from fuzzyarm.language import parse
-from fuzzyarm.machine_code import Compiling, watch_compiling
 from fuzzyarm.model.rulebase import (
     And,
     Consequent,
@@ -384,22 +383,6 @@ def test_threads_do_not_disturb_each_other(pd7: RuleBase) -> None:
     wanted = [fast.at(*pair) for pair in values]
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(lambda pair: fast.at(*pair), values)) == wanted
-
-
-def test_an_edited_rule_base_compiles_nothing(pd7: RuleBase) -> None:
-    compiled(pd7)(e=1.0, ce=1.0)
-    compiled(norms_base("min", "max", "max"))(a=0.5, b=0.5, c=0.5)
-    found: list[Compiling | None] = []
-    watch_compiling(found.append)
-    try:
-        edited = dataclasses.replace(
-            pd7, blocks=(dataclasses.replace(pd7.blocks[0], threshold=0.1),)
-        )
-        compiled(edited)(e=1.0, ce=1.0)
-        compiled(norms_base("min", "max", "max"))(a=0.25, b=0.5, c=0.5)
-    finally:
-        watch_compiling(None)
-    assert found == []
 
 
 @pytest.mark.parametrize("implication", ["min", "product"])

@@ -16,10 +16,9 @@ ORDER = (
     "lazy",
     "errors",
     "text",
-    "machine_code",
     "kernels",
-    "compilers",
     "expression",
+    "translation",
     "model",
     "language",
     "formats",
@@ -44,6 +43,7 @@ ORDER = (
     "lsp",
     "studio",
     "designer",
+    "native",
     "cli",
 )
 """Every package, and every module beside them: each imports only what stands before it."""

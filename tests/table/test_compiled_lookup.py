@@ -90,8 +90,7 @@ def test_a_nan_is_no_number_on_any_axis(mode, axis):
 def test_large_arrays_of_any_shape_go_through_it(monkeypatch):
     a, b = np.linspace(-3, 6, 400)[:, None], np.linspace(-7, 7, 300)[None, :]
     plain = UNEVEN.lookup(a, 1.0, b, 0.5, mode="linear")
-    monkeypatch.setattr(lookup, "ONCE_LOADED", 1)
-    monkeypatch.setattr(lookup, "WORTH_LOADING", 1)
+    monkeypatch.setattr(lookup, "WORTH_CALLING", 1)
     used = []
     monkeypatch.setattr(
         lookup, "interpolator", lambda *words: used.append(1) or interpolator(*words)
@@ -112,18 +111,12 @@ def test_a_finder_counts_smaller_points(points, seed):
     random = np.random.default_rng(seed)
     near = [math.nextafter(x, way) for x in points for way in (-math.inf, math.inf)]
     x = np.array([*points, *near, *random.uniform(-2e6, 2e6, 5), np.inf, -np.inf])
-    index = np.zeros(x.size, np.int32)
+    index, missing = np.zeros(x.size, np.int32), np.zeros(1, np.int64)
+    points_of_axis, start, edge, numbers = lookup._arrays_of(finder, 1)
     with np.errstate(invalid="ignore"):
-        assert lookup.add_cells(x, finder, 1, index)
+        lookup.add_cells(x, points_of_axis, start, edge, numbers, index, missing)
     assert index.tolist() == np.searchsorted(points, x).tolist()
-    assert not lookup.add_cells(np.array([np.nan]), finder, 1, index[:1])
-
-
-def test_small_arrays_do_not_load_numba():
-    code = (
-        "import sys, numpy; from fuzzyarm.table import Axis, LookupTable;"
-        "t = LookupTable((Axis('x', (0, 1, 2)),), 'y', [1, 2, 3]);"
-        "t.lookup(numpy.zeros(100_000)); t.lookup(1.0); print('numba' in sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "False\n"
+    assert not missing[0]
+    nan = np.array([np.nan])
+    lookup.add_cells(nan, points_of_axis, start, edge, numbers, index[:1], missing)
+    assert missing[0] == 1

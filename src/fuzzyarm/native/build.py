@@ -70,7 +70,16 @@ def kernels_in_c(level: str = "baseline", kernels: Sequence[Root] | None = None)
         f"const table_row fuzzyarm_{level}[] = {{", *rows, "  {0, 0},", "};", "",
     ]  # fmt: skip
     body = translation.text()  # names the structures
+    if level == "baseline":  # for Python, which asks for one only
+        table.append(_WALK)
     return "\n".join([HEAD_OF_C, WALKER, *translation.structures, body, *entries, *table])
+
+
+_WALK = """\
+void fuzzyarm_run_program(int64_t address, const reals *arrays, int count) {
+  run_program(address, arrays, count);
+}
+"""
 
 
 def _entry(name: str, function: str, types: Sequence[Array]) -> str:

@@ -21,6 +21,9 @@ extern const table_row fuzzyarm_v3[];
 #endif
 extern const char fuzzyarm_sources[];
 
+typedef struct { double *at; int64_t length; } fuzzyarm_reals;
+void fuzzyarm_run_program(int64_t address, const fuzzyarm_reals *arrays, int count);
+
 static const table_row *table_of(const char *level) {
 #ifdef FUZZYARM_V3
   if (strcmp(level, "x86-64-v3") == 0) return fuzzyarm_v3;
@@ -242,11 +245,35 @@ static PyObject *bind(PyObject *module, PyObject *arguments) {
   return function;
 }
 
+/* Run a program of operations by itself, as kernels call it: rows, numbers, and what is filled. */
+static PyObject *walk(PyObject *module, PyObject *arguments) {
+  (void)module;
+  unsigned long long address;
+  PyObject *arrays;
+  if (!PyArg_ParseTuple(arguments, "KO!", &address, &PyTuple_Type, &arrays)) return NULL;
+  Py_buffer buffers[MOST_ARRAYS];
+  fuzzyarm_reals given[MOST_ARRAYS];
+  const Py_ssize_t count = PyTuple_Size(arrays);
+  if (address % 2 == 0 || count < 2 || count > MOST_ARRAYS)
+    return PyErr_Format(PyExc_ValueError, "not a program of operations");
+  int taken = 0;
+  while (taken < count && take(PyTuple_GetItem(arrays, taken), 'f', &buffers[taken]) == 0) {
+    given[taken].at = buffers[taken].buf;
+    given[taken].length = buffers[taken].len / buffers[taken].itemsize;
+    taken++;
+  }
+  if (taken == count) fuzzyarm_run_program((int64_t)address, given, (int)count);
+  for (int k = 0; k < taken; k++) PyBuffer_Release(&buffers[k]);
+  if (taken < count) return NULL;
+  Py_RETURN_NONE;
+}
+
 static PyMethodDef methods[] = {
     {"levels", levels, METH_NOARGS, "Return the levels that this processor runs, the best first."},
     {"addresses", addresses, METH_O, "Return the address of each entry of a level, by its key."},
     {"routine", routine, METH_VARARGS, "Return a function of arrays that runs an entry."},
     {"bind", bind, METH_VARARGS, "Return a function that runs an entry on the same arrays."},
+    {"walk", walk, METH_VARARGS, "Run a program of operations on arrays."},
     {NULL, NULL, 0, NULL}};
 
 static int execute(PyObject *module) {

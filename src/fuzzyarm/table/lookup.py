@@ -601,7 +601,7 @@ def _fill(
     chunks = np.nditer(  # type: ignore[call-overload]
         [*inputs, values],
         flags=["external_loop", "buffered", "zerosize_ok"],
-        op_flags=[*([["readonly"]] * len(inputs)), ["writeonly"]],
+        op_flags=[*([["readonly", "contig"]] * len(inputs)), ["writeonly", "contig"]],
         buffersize=_CHUNK,
         order="C",
     )
