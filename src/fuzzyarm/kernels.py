@@ -3,9 +3,9 @@
 A function marked with :func:`kernel` uses scalars, tuples, named tuples and arrays that it
 is given (it makes none, and never counts from their end), and calls nothing but :mod:`math` and
 other kernels by their bare names. It runs as plain Python, line by line, for a debugger; or as
-machine code that was printed from its source (:mod:`fuzzyarm.translation`) and compiled when
-fuzzyarm was built. Both give the same bits: the compiled code neither reorders nor fuses floating-point
-operations.
+machine code, which is printed from its source (:mod:`fuzzyarm.translation`) and compiled when
+fuzzyarm is built. Both give the same bits: the compiled code neither reorders nor fuses
+floating-point operations.
 
 - :func:`address_of` gives an address, under which another kernel may :func:`call` it. So what a
   program is asked to do with the rows that it holds (a norm, a shape, a control law) is one
@@ -88,14 +88,14 @@ def _switch() -> str:
 def _module() -> ModuleType | None:
     """Load the module that was built; None where there is none that fits, which is said once."""
     try:
-        from fuzzyarm import _kernels
+        module = importlib.import_module("fuzzyarm._kernels")
     except ImportError:
         _warn("no machine code was built")
         return None
-    if _is_checkout() and digest_of_sources() != _kernels.SOURCES:
+    if _is_checkout() and digest_of_sources() != module.SOURCES:
         _warn("the machine code is of other sources; `make native` builds it anew")
         return None
-    return cast(ModuleType, _kernels)
+    return module
 
 
 def _warn(reason: str) -> None:

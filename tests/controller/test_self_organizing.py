@@ -9,7 +9,7 @@ from fuzzyarm.controller import Controller, Sources, controller
 from fuzzyarm.controller.catalogue import CATALOGUE, Choice, text_controller
 from fuzzyarm.controller.on_plant import learned
 from fuzzyarm.controller.text import teaching
-from fuzzyarm.kernels import jit_wanted
+from fuzzyarm.kernels import has_machine_code
 from fuzzyarm.language import RuleBaseError
 from fuzzyarm.learning.self_organizing import train
 from fuzzyarm.loop import simulate
@@ -31,7 +31,7 @@ def taught(name, rate=None, delay=None, **sources):
 
 def kept_by(made, run):
     """Return what it has learned in a run."""
-    return learned(made.law, Arithmetic(compiled=jit_wanted()), run.memory)
+    return learned(made.law, Arithmetic(compiled=has_machine_code()), run.memory)
 
 
 SHORT = pick_and_place(segment=0.4)

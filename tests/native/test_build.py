@@ -26,7 +26,8 @@ def test_a_named_compiler_comes_first(monkeypatch):
 
 
 def test_a_compiler_that_fails_says_what_it_said(tmp_path):
-    compiler = Compiler((sys.executable, "-c", "import sys; sys.exit('no such flag')"), "x", "linux")
+    words = (sys.executable, "-c", "import sys; sys.exit('no such flag')")
+    compiler = Compiler(words, "x", "linux")
     with pytest.raises(BuildError, match="no such flag"):
         build(tmp_path, compiler)
     assert list(tmp_path.iterdir()) == []

@@ -46,7 +46,7 @@ def counted_down(n):
 def mixed(a):
     value = a[0]
     value = a
-    return value
+    return len(value)
 
 
 @kernel
