@@ -2,13 +2,15 @@
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
+ZIG    := 0.17.1 # compiles the kernels where there is no C compiler
 PIP    := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 
-.PHONY: demo test lint unit docs bench mutants fuzz editors designer lock clean help
+.PHONY: demo test native lint unit docs bench mutants fuzz editors designer lock clean help
 
 help:
 	@echo "make demo   set up and run the whole story on rulebases/pd7.frb"
 	@echo "make test   set up and run linters, types and the whole test suite"
+	@echo "make native build the machine code of the kernels anew"
 	@echo "make docs   set up and build the pages as a site, in build/docs"
 	@echo "make bench  set up and measure against C and the peers that are installed"
 	@echo "make mutants  change the source in 100 ways and see which a test notices"
@@ -47,6 +49,9 @@ fuzz: $(VENV)/.dev
 	$(BIN)/python tests/fuzz/random_rule_bases.py --count 20000
 	$(BIN)/python tests/fuzz/random_proofs.py --count 200
 
+native: $(VENV)/.run
+	$(BIN)/python -m fuzzyarm.native.build
+
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit("fuzzyarm needs Python 3.11 or later") if sys.version_info < (3, 11) else None'
 	$(PYTHON) -m venv $(VENV)
@@ -54,12 +59,14 @@ $(VENV)/bin/python:
 $(VENV)/.run: requirements/run.lock pyproject.toml | $(VENV)/bin/python
 	$(PIP) --require-hashes -r requirements/run.lock
 	$(PIP) --require-hashes -r requirements/build.lock
+	@command -v cc gcc clang >/dev/null || $(PIP) ziglang==$(ZIG)
 	$(PIP) --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m compileall -q src
 	@touch $@
 
 $(VENV)/.dev: requirements/dev.lock pyproject.toml | $(VENV)/bin/python
 	$(PIP) --require-hashes -r requirements/dev.lock
+	@command -v cc gcc clang >/dev/null || $(PIP) ziglang==$(ZIG)
 	$(PIP) --no-deps --no-build-isolation -e .
 	@$(BIN)/python -m compileall -q src
 	@touch $@ $(VENV)/.run

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import budget
 import pytest
 from hypothesis import settings
 
+from fuzzyarm.kernels import digest_of_sources
 from fuzzyarm.model.rulebase import RuleBase
 
 settings.register_profile("fuzzyarm", deadline=None, derandomize=True, print_blob=True)
@@ -30,6 +34,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Say how many cases are wanted, before modules with settings are imported."""
     budget.take_all(bool(config.getoption("--thorough")))
+    if not hasattr(config, "workerinput"):  # before there are several processes
+        build_kernels()
+
+
+def build_kernels() -> None:
+    """Build the machine code anew after an edit of a kernel; without a compiler it stays away."""
+    try:
+        from fuzzyarm import _kernels
+    except ImportError:
+        pass
+    else:
+        if _kernels.SOURCES == digest_of_sources():
+            return
+    # In a process of its own: a module that is loaded stays what it is.
+    command = [sys.executable, "-m", "fuzzyarm.native.build"]
+    subprocess.run(command, env={**os.environ, "FUZZYARM_NATIVE": "0"}, check=False)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

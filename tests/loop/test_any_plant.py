@@ -15,7 +15,7 @@ from fuzzyarm.language import parse
 from fuzzyarm.loop import Options, Sensor, Signal, read_signal, simulate
 from fuzzyarm.plant import PLANTS, Plant, PlantError, Port, find_plant, reach
 from fuzzyarm.plant.own import as_plant
-from fuzzyarm.plant.plant import interface_of, with_actuators, with_parameters
+from fuzzyarm.plant.plant import interface_of, is_traced, with_actuators, with_parameters
 
 
 def text(*lines, axis="shaft", period="1 ms", every=1, head=()):
@@ -48,7 +48,7 @@ SENSORS = {"motor": {"position": Sensor(0.01, 0.002, 0.003), "velocity": Sensor(
 
 
 class Plain(Plant):
-    """The equations of a shipped plant called as plain Python."""
+    """The equations of a shipped plant, as a user writes them."""
 
     def __init__(self, inner):
         self.inner = inner
@@ -61,6 +61,13 @@ class Plain(Plant):
 
     def derivative(self, t, x, u, p):
         return list(self.inner.derivative(t, x, u, p))
+
+
+class Opaque(Plain):
+    """Equations that ask for the value of a state, and so cannot be traced."""
+
+    def derivative(self, t, x, u, p):
+        return super().derivative(t, [float(value) for value in x], u, p)
 
 
 @pytest.mark.parametrize("name", DRIVERS)
@@ -76,9 +83,18 @@ def test_machine_code_the_interpreter_and_plain_python_have_the_same_bits(name):
             (plant, Options(**{**vars(options), "compiled": False})),
             (Plain(plant), options),
             (Plain(plant), Options(**{**vars(options), "compiled": False})),
+            (Opaque(plant), options),
+            (Opaque(plant), Options(**{**vars(options), "compiled": False})),
         )
     ]
-    assert [run.compiled for run in runs] == [True, False, False, False]
+    assert [run.compiled for run in runs] == [
+        True,
+        False,
+        is_traced(Plain(plant)),
+        False,
+        False,
+        False,
+    ]
     for run in runs[1:]:
         assert (run.errors == runs[0].errors).all()
         for port, values in runs[0].outputs.items():

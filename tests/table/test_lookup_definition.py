@@ -10,7 +10,6 @@ import table_definition as definition
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzyarm.kernels import build
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.table.lookup import (
     interpolator,
@@ -97,18 +96,6 @@ def test_the_kernels_of_a_closed_loop(data, table, mode):
     agree(found, expected(table, point, mode), mode)
 
 
-@pytest.mark.slow
-def test_the_kernels_of_a_closed_loop_as_machine_code():
-    look_up = build(looked_up, compiled=True)
-    axes = (Axis("e", (-2.0, -1.0, 1.0, 3.0), (-1.0, 0.0, 2.5)), Axis("ce", (0.0, 0.5, 1.0)))
-    table = LookupTable(axes, "u", np.arange(12.0).reshape(4, 3) ** 2)
-    for mode in MODES:
-        for e in (-3, -2, -1.5, -1, 0, 0.5, 1, 2, 2.5, 3, 4):
-            for ce in (-1, 0, 0.25, 0.5, 0.75, 1, 2):
-                found = in_the_loop(look_up, table, (float(e), float(ce)), mode)
-                assert found == expected(table, (e, ce), mode)
-
-
 def test_not_a_number_in_the_loop_is_the_lowest_cell():
     axes = (Axis("e", (-1.0, 1.0), (0.0,)), Axis("ce", (0.0, 1.0, 2.0)))
     table = LookupTable(axes, "u", [[1, 2, 3], [4, 5, 6]])
@@ -126,7 +113,7 @@ def test_threads_give_what_one_thread_gives(mode, monkeypatch):
     plain = table.lookup(e, ce, mode=mode)
     flat = table.lookup(*map(np.ravel, np.broadcast_arrays(e, ce)), mode=mode)
     monkeypatch.setattr(lookup, "worthwhile", lambda points: True)
-    monkeypatch.setattr(lookup, "_machine", lambda function: function)
+    monkeypatch.setattr(lookup, "_machine", lambda function, compiled: function)
     monkeypatch.setattr(lookup, "WORTH_THREADS", 1)
     monkeypatch.setattr(lookup.os, "cpu_count", lambda: 3)
     for x, y in ((e, ce), (e.T, ce[:, None])):
