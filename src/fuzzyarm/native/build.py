@@ -33,15 +33,15 @@ __all__ = ["BuildError", "Compiler", "build", "kernels_in_c"]
 FLAGS = (
     # The bits of Python: nothing is fused or reordered. That no error number is set and no trap is
     # looked at changes no result, and lets square roots and comparisons be vectorised.
-    "-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
+    "-std=gnu99", "-O3", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math",
     # GCC 12 drops a rounding to single precision where it makes one vector of two numbers.
     "-fno-tree-slp-vectorize",
     # The block of a rule base is read as whole numbers and as floats.
     "-fno-strict-aliasing", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
 
-LEVELS = {"baseline": (), "v3": ("-march=x86-64-v3",)}
-"""Flags of the levels of a processor; the second for x86-64 only."""
+LEVELS = {"baseline": "", "v3": "x86-64-v3"}
+"""Processors of the levels; the second for x86-64 only."""
 
 
 class BuildError(RuntimeError):
@@ -114,11 +114,20 @@ class Compiler(NamedTuple):
     @property
     def levels(self) -> dict[str, tuple[str, ...]]:
         """Flags of each level that the machine has."""
-        return {name: flags for name, flags in LEVELS.items() if not flags or self._is_x86}
+        if self.machine not in {"x86_64", "AMD64", "amd64"}:
+            return {"baseline": ()}
+        # The compiler of the wheel spells processors in its own way.
+        flags = {
+            name: f"-mcpu={processor.replace('-', '_')}" if self.is_zig else f"-march={processor}"
+            for name, processor in LEVELS.items()
+            if processor
+        }
+        return {name: (flags[name],) if name in flags else () for name in LEVELS}
 
     @property
-    def _is_x86(self) -> bool:
-        return self.machine in {"x86_64", "AMD64", "amd64"}
+    def is_zig(self) -> bool:
+        """Whether it is that of the ``ziglang`` wheel."""
+        return "ziglang" in self.words
 
     def compile(self, source: Path, result: Path, *flags: str) -> None:
         """Compile one file."""
@@ -170,7 +179,16 @@ def find_compiler() -> Compiler:
         import ziglang  # noqa: F401
     except ImportError:
         raise BuildError("no C compiler: install one, or `pip install ziglang`") from None
-    return Compiler((sys.executable, "-m", "ziglang", "cc"), machine, system)
+    return zig(machine, system)
+
+
+def zig(machine: str, system: str) -> Compiler:
+    """Return the compiler of the ``ziglang`` wheel for a machine and a system, this or another."""
+    machine = {"AMD64": "x86_64", "amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    # By name, or it would compile for the processor at hand; of Linux with an old glibc.
+    platform = {"linux": "linux-gnu.2.28", "macos": "macos", "windows": "windows-gnu"}[system]
+    words = (sys.executable, "-m", "ziglang", "cc", "-target", f"{machine}-{platform}")
+    return Compiler(words, machine, system)
 
 
 _SYSTEMS = {"darwin": "macos", "win32": "windows"}

@@ -31,15 +31,30 @@ static const table_row *table_of(const char *level) {
   return strcmp(level, "baseline") == 0 ? fuzzyarm_baseline : NULL;
 }
 
+#ifdef FUZZYARM_V3
+#include <cpuid.h>
+
+/* Whether the processor has what x86-64-v3 names, and the system keeps its wide registers. */
+static int has_v3(void) {
+  unsigned a, b, c, d, low, high;
+  const unsigned fma_movbe_xsave_avx_f16c = 1u << 12 | 1u << 22 | 1u << 27 | 1u << 28 | 1u << 29;
+  const unsigned bmi1_avx2_bmi2 = 1u << 3 | 1u << 5 | 1u << 8;
+  if (!__get_cpuid(1, &a, &b, &c, &d)) return 0;
+  if ((c & fma_movbe_xsave_avx_f16c) != fma_movbe_xsave_avx_f16c) return 0;
+  if (!__get_cpuid_count(7, 0, &a, &b, &c, &d)) return 0;
+  if ((b & bmi1_avx2_bmi2) != bmi1_avx2_bmi2) return 0;
+  if (!__get_cpuid(0x80000001, &a, &b, &c, &d) || !(c & 1u << 5)) return 0; /* lzcnt */
+  __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  return (low & 6) == 6;
+}
+#endif
+
 /* The levels that this processor can run, the best one first. */
 static PyObject *levels(PyObject *module, PyObject *unused) {
   (void)module;
   (void)unused;
 #ifdef FUZZYARM_V3
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
-      __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma"))
-    return Py_BuildValue("(ss)", "x86-64-v3", "baseline");
+  if (has_v3()) return Py_BuildValue("(ss)", "x86-64-v3", "baseline");
 #endif
   return Py_BuildValue("(s)", "baseline");
 }
