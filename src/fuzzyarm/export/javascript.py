@@ -21,10 +21,11 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.expression.lines import degree_on_corners
 from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace, symbol
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
-from fuzzyarm.expression.records import Kind, degree_on_polyline
+from fuzzyarm.expression.records import Kind
 from fuzzyarm.inference import enveloped, integrated, kernel, reduced
 from fuzzyarm.inference.block import Layout, NotCoveredError
 from fuzzyarm.inference.layout import lay_out
@@ -106,7 +107,7 @@ class Functions:
     def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
         described: dict[str, Any] = {"hedges": _hedges(hedges)} if hedges else {}
-        if shape.kind == "points":
+        if SHAPES[shape.kind].function is None and shape.kind != "formula":
             corners = tuple(number for corner in polyline(shape) for number in corner)
             return Curve(self._number({"shape": "points", **described}), corners)
         height = () if shape.height == 1.0 else (shape.height,)
@@ -226,7 +227,7 @@ def kernel_source() -> str:
     """Return the kernel, translated from its own source."""
     from fuzzyarm.export.translation import javascript_of
 
-    first: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep, degree_on_polyline)
+    first: tuple[Callable[..., Any], ...] = (kernel.evaluate, kernel.sweep, degree_on_corners)
     roots = (*first, *PROGRAMS)
     names = ", ".join(program.__name__ for program in PROGRAMS)
     return f"{javascript_of(roots)}\nconst PROGRAMS_BY_NAME = {{ {names} }};\n"
@@ -249,13 +250,15 @@ def _object(name: str, parts: dict[str, str]) -> str:
 
 
 def _is_set(name: str) -> bool:
-    return SHAPES[name].fuzzy and name != "formula"
+    """Whether a kind has a row of its own; those known by their corners share that of `points`."""
+    kind = SHAPES[name]
+    return kind.fuzzy and (kind.function is not None or name == "points")
 
 
 def _shape_row(name: str) -> str:
     """Return a function that fills a row with the degrees of a kind of shape."""
     if name == "points":
-        body = "into[i] = degree_on_polyline(numbers, x_row[i]);"
+        body = "into[i] = degree_on_corners(numbers, x_row[i]);"
         return f"(x_row, numbers, into) => {{ for (let i = 0; i < into.length; i++) {body} }}"
     kind = SHAPES[name]
     root = replace(kind.expression, _plain_names(kind, "x"))
