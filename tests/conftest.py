@@ -45,7 +45,7 @@ def build_kernels() -> None:
     except ImportError:
         pass
     else:
-        if _kernels.SOURCES == digest_of_sources():
+        if digest_of_sources() == _kernels.SOURCES:
             return
     # In a process of its own: a module that is loaded stays what it is.
     command = [sys.executable, "-m", "fuzzyarm.native.build"]

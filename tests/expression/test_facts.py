@@ -1,9 +1,7 @@
 """What the records of norms and hedges state beside the formula is true of the formula."""
 
 import itertools
-import math
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,7 +9,6 @@ from test_definitions import SHAPE_VALUES
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.expression.nodes import symbol
-from fuzzyarm.expression.records import degree_on_polyline, degrees_on_polyline
 
 degree = st.floats(0.0, 1.0)
 TENTHS = [k / 10 for k in range(11)]
@@ -68,30 +65,6 @@ def test_the_curvature_jumps_at_the_bends_and_nowhere_else(name):
     assert jumps == list(HEDGES[name].bends)
 
 
-heights = st.lists(st.sampled_from([0.0, 0.25, 0.5, 1.0]), min_size=1, max_size=2)
-
-
-def flat(corners):
-    return [number for corner in corners for number in corner]
-
-
-UPRIGHT = st.dictionaries(st.sampled_from([0.0, 1.0, 1.5, 2.0]), heights, min_size=2).map(
-    lambda edges: [(x, y) for x in sorted(edges) for y in edges[x]]
-)
-
-
-@given(UPRIGHT)
-def test_polylines_with_upright_edges_over_arrays_are_those_at_points(corners):
-    edges = [x for x, _ in corners]
-    near = [math.nextafter(x, way) for x in edges for way in (-math.inf, math.inf)]
-    points = [*edges, *near, -1.0, 0.5, 1.25, 3.0]
-    found = degrees_on_polyline(corners, np.array(points))
-    assert found.tolist() == pytest.approx([degree_on_polyline(flat(corners), x) for x in points])
-    for edge in set(edges):  # on an upright edge the highest point holds
-        height = max(y for x, y in corners if x == edge)
-        assert degree_on_polyline(flat(corners), edge) == height
-
-
 SAMPLES = [(kind, numbers) for kind, numbers, _ in SHAPE_VALUES]
 SAMPLES += [("sigmoid", (1, -50)), ("bell", (1, 2, 0.5))]
 CASES = [pytest.param(SHAPES[kind], numbers, id=f"{kind} {numbers}") for kind, numbers in SAMPLES]
@@ -100,17 +73,6 @@ CASES = [pytest.param(SHAPES[kind], numbers, id=f"{kind} {numbers}") for kind, n
 def on(x):
     """Return a position that formulas take: far out where it is infinite."""
     return min(1e6, max(-1e6, x))
-
-
-@pytest.mark.parametrize(("kind", "numbers"), CASES)
-def test_corners_are_those_of_the_formula(kind, numbers):
-    if kind.corners is None:
-        return
-    corners = kind.corners(*map(float, numbers))
-    for x in np.linspace(-10, 10, 81):
-        assert degree_on_polyline(flat(corners), x) == pytest.approx(
-            kind.scalar(x, *numbers), abs=1e-14
-        )
 
 
 @pytest.mark.parametrize(("kind", "numbers"), CASES)

@@ -58,7 +58,7 @@ def arrays_of(root, seed, size):
     return [*rows, np.sort(random.uniform(-0.2, 1.2, 8)), np.zeros(size)]
 
 
-@pytest.mark.parametrize("key", [key for key in ROWS if "hedged_polyline" not in key])
+@pytest.mark.parametrize("key", [key for key in ROWS if "hedged_corners" not in key])
 def test_rows_have_the_bits_of_plain_python(key):
     root = ROOTS[key]
     for seed, size in enumerate((1, 7, 33, 100)):
@@ -145,7 +145,7 @@ def test_a_symbol_without_a_value_is_an_error():
 
 
 def test_a_routine_refuses_arrays_that_machine_code_would_misread():
-    root = ROOTS["fuzzyarm.inference.row_functions.polyline_row(fff)"]
+    root = ROOTS["fuzzyarm.inference.row_functions.corners_row(fff)"]
     run = routine(root.function, "fff", compiled=True)
     good = np.zeros(4)
     for bad in (good.astype(np.float32), good.astype(np.int64), np.zeros(8)[::2], [1.0]):
@@ -156,7 +156,7 @@ def test_a_routine_refuses_arrays_that_machine_code_would_misread():
 
 
 def test_a_bound_routine_keeps_its_arrays_alive():
-    root = ROOTS["fuzzyarm.inference.row_functions.polyline_row(fff)"]
+    root = ROOTS["fuzzyarm.inference.row_functions.corners_row(fff)"]
     into = np.zeros(3)
     arrays = (np.array([0.0, 0.5, 2.0]), np.array([0.0, 0.0, 1.0, 1.0]), into)
     run = bound_routine(root.function, "fff", arrays)

@@ -79,7 +79,8 @@ class Marked(Pendulum):
 def run(plant, **options):
     servo = load(shipped("servo.frb"))
     step = {"position": Signal("step", (1.5,))}
-    return simulate(servo, as_plant(plant), references=step, duration=0.3, options=Options(**options))
+    chosen = Options(**options)
+    return simulate(servo, as_plant(plant), references=step, duration=0.3, options=chosen)
 
 
 def same(one, other):

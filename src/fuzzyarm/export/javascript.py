@@ -22,10 +22,11 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS, Norm
+from fuzzyarm.expression.lines import degree_on_corners
 from fuzzyarm.expression.nodes import Constant, Node, Symbol, children, replace, symbol
 from fuzzyarm.expression.operations import OPERATIONS
 from fuzzyarm.expression.printing import JAVASCRIPT, printed
-from fuzzyarm.expression.records import Kind, degree_on_polyline
+from fuzzyarm.expression.records import Kind
 from fuzzyarm.inference import integrated, kernel
 from fuzzyarm.inference.block import Layout, NotCoveredError
 from fuzzyarm.inference.layout import lay_out
@@ -93,7 +94,7 @@ class Functions:
     def curve(self, shape: Shape, hedges: tuple[Hedge, ...]) -> Curve:
         """See :class:`fuzzyarm.inference.layout.Addresses`."""
         described: dict[str, Any] = {"hedges": _hedges(hedges)} if hedges else {}
-        if shape.kind == "points":
+        if SHAPES[shape.kind].function is None and shape.kind != "formula":
             corners = tuple(number for corner in polyline(shape) for number in corner)
             return Curve(self._number({"shape": "points", **described}), corners)
         height = () if shape.height == 1.0 else (shape.height,)
@@ -234,7 +235,7 @@ def kernel_source() -> str:
     translation = Translation(replace_fields(TARGET, own={integrated.move_bits: _MOVE_BITS}))
     for program in BLOCKS:
         translation.function(program, [Array.REALS])
-    translation.function(degree_on_polyline, [Array.REALS, Scalar.REAL])
+    translation.function(degree_on_corners, [Array.REALS, Scalar.REAL])
     names = ", ".join(program.__name__ for program in PROGRAMS)
     return f"{translation.text()}\nconst PROGRAMS_BY_NAME = {{ {names} }};\n"
 
@@ -256,13 +257,15 @@ def _object(name: str, parts: dict[str, str]) -> str:
 
 
 def _is_set(name: str) -> bool:
-    return SHAPES[name].fuzzy and name != "formula"
+    """Whether a kind has a row of its own; those known by their corners share that of `points`."""
+    kind = SHAPES[name]
+    return kind.fuzzy and (kind.function is not None or name == "points")
 
 
 def _shape_row(name: str) -> str:
     """Return a function that fills a row with the degrees of a kind of shape."""
     if name == "points":
-        body = "into[i] = degree_on_polyline(numbers, x_row[i]);"
+        body = "into[i] = degree_on_corners(numbers, x_row[i]);"
         return f"(x_row, numbers, into) => {{ for (let i = 0; i < into.length; i++) {body} }}"
     kind = SHAPES[name]
     root = replace(kind.expression, _plain_names(kind, "x"))

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from fuzzyarm.export.names import Names
 from fuzzyarm.export.routine import plain
 from fuzzyarm.export.samples import SampleSums, sample_sums
@@ -21,7 +23,6 @@ from fuzzyarm.export.sets import (
     Part,
     clipped,
     clipped_union,
-    degree_in_loop,
     degree_of,
     hedged,
     minus,
@@ -111,23 +112,21 @@ class Program:
         known = dict(values)
         for sums in self.sums:
             known |= sums.over_arrays(known, real)
-        return evaluate_arrays(self.result, known, real, self._order)
+        # C has the functions of its library, in double precision those of Python.
+        in_doubles = np.dtype(real) == np.float64
+        return evaluate_arrays(self.result, known, real, self._order, as_floats=in_doubles)
 
     @cached_property
     def _order(self) -> Schedule:
         return schedule(self.result)
 
 
-def make_program(
-    rulebase: RuleBase, output: str, parameters: Sequence[str], *, in_loop: bool = False
-) -> Program:
+def make_program(rulebase: RuleBase, output: str, parameters: Sequence[str]) -> Program:
     """Write down one output of a rule base; an ExportError names what cannot be exported.
 
     No variable takes one of `parameters`, the names of the inputs in the target language.
-    `in_loop` gives it the bits that a controller has, whose kernel multiplies by slopes; a
-    program without it divides, as the array engine does.
     """
-    return _Builder(rulebase, output, parameters, in_loop=in_loop).build()
+    return _Builder(rulebase, output, parameters).build()
 
 
 def rule_words(index: int, antecedent: Antecedent) -> str:
@@ -152,13 +151,10 @@ def _words(expression: Antecedent) -> str:
 
 
 class _Builder:
-    def __init__(
-        self, rulebase: RuleBase, target: str, parameters: Sequence[str], *, in_loop: bool
-    ) -> None:
+    def __init__(self, rulebase: RuleBase, target: str, parameters: Sequence[str]) -> None:
         self.plan: Plan = plan(rulebase)
         # An interval type-2 rule is read twice, under one number.
         self.numbers = {i: rule for rule, own in enumerate(self.plan.readings) for i in own}
-        self.in_loop = in_loop
         self.target = target
         self.names = Names(taken=set(parameters))
         self.variables: list[Assign | SampleSums] = []
@@ -320,15 +316,6 @@ class _Builder:
 
     def _degree(self, part: Is) -> Node:
         key = (part.variable, part.term, part.hedges)
-        if key not in self.degrees and self.in_loop:
-            variable = self.plan.rulebase.variable(part.variable)
-            if isinstance(variable, Input):
-                x, term = self.values[part.variable], variable.term(part.term)
-                straight = degree_in_loop(term, part.hedges, variable, x)
-                if straight is not None:
-                    words = [*(hedge.name for hedge in part.hedges), part.term]
-                    name = f"{part.variable}_{'_'.join(words)}"
-                    self.degrees[key] = self.fresh(straight, name)
         if key not in self.degrees:
             plain = (part.variable, part.term, ())
             if plain not in self.degrees:

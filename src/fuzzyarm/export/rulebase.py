@@ -20,7 +20,6 @@ from fuzzyarm.export.program import Program, make_program
 from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
-from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.engine import infer_many
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
@@ -205,11 +204,7 @@ class DirectRoutine:
         }
         last = self._last() if held is None else held
         holding = {o.name: last for o in self.rulebase.outputs if o.no_rule == "hold"}
-        # The array engine divides as the exported program does; where the inference jumps, the
-        # kernel, which multiplies by slopes, may stand on the other side by one last bit.
-        # (It reduces interval type-2 sets one after the other, which the kernel does at once.)
-        evaluate = infer_many if self.rulebase.is_type2 else infer_arrays
-        found = evaluate(_forgiving(self.rulebase), named, holding)[self.name]
+        found = infer_many(_forgiving(self.rulebase), named, holding)[self.name]
         return np.broadcast_to(np.asarray(found), np.broadcast_shapes(*(x.shape for x in inputs)))
 
     def _last(self) -> float:
@@ -267,20 +262,15 @@ def direct_routine(
     output: str | None = None,
     precision: str = "mixed",
     source: str | Path | None = None,
-    *,
-    in_loop: bool = False,
 ) -> DirectRoutine:
-    """Prepare the direct inference of one output; an ExportError names what cannot be exported.
-
-    `in_loop` as in :func:`fuzzyarm.export.program.make_program`.
-    """
+    """Prepare the direct inference of one output; an ExportError names what cannot be exported."""
     target = choose_output(rulebase, output)
     names = Names()
     arguments = [variable.name for variable in rulebase.inputs]
     if target.no_rule == "hold":
         arguments.append(f"last {target.name}")
     parameters = [names.new(argument) for argument in arguments]
-    program = make_program(rulebase, target.name, parameters, in_loop=in_loop)
+    program = make_program(rulebase, target.name, parameters)
     types = precision_named(precision, arithmetic=True)
     constants = [n.value for n in program.nodes if isinstance(n, Constant)]
     finite = [value for value in constants if math.isfinite(value)]

@@ -14,7 +14,7 @@ from fuzzyarm.expression.evaluation import evaluate_arrays
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.expression.nodes import Node, replace, symbol
 from fuzzyarm.expression.printing import Assign
-from fuzzyarm.inference.aggregate import positions, weights
+from fuzzyarm.inference.aggregate import positions, sampled_set, weights
 from fuzzyarm.inference.plan import OutputPlan
 
 Array = NDArray[Any]
@@ -68,12 +68,14 @@ class SampleSums:
         columns: dict[str, Array] = {
             name: np.array(column, real).reshape(-1, *ones) for name, column in self.columns.items()
         }
+        in_doubles = np.dtype(real) == np.float64
         known: dict[str, Any] = {
-            name: evaluate_arrays(p, values, real) for name, p in self.parts.items()
+            name: evaluate_arrays(p, values, real, as_floats=in_doubles)
+            for name, p in self.parts.items()
         }
         known |= columns
         for step in self.body[:-2]:
-            known[self.height] = evaluate_arrays(step.value, known, real)
+            known[self.height] = evaluate_arrays(step.value, known, real, as_floats=in_doubles)
         height = known[self.height]
         terms = {self.area: height, self.moment: height * columns["position"]}
         # accumulate() adds from first to last; sum() may go about it in another order.
@@ -103,7 +105,8 @@ def sample_sums(
     for member, strength, remark in fired:
         found = output.members[member]
         degree, cut = f"degree {member}", f"strength {len(parts)}"
-        columns[degree] = tuple(map(found.membership, samples))
+        sampled = sampled_set(found.term.shape, found.hedges, model.low, model.high, way)
+        columns[degree] = sampled.over(way.resolution)
         wanted[degree] = f"{model.name}_{found.term.name}"
         parts[cut] = strength
         implied = {"a": symbol(cut), "b": symbol(degree)}

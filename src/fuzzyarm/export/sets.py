@@ -1,29 +1,26 @@
 """The terms and sets of a rule base as expressions: degrees, and exact areas of straight sets.
 
-Straight terms run through the corners of their records, curved ones and formulas are the
+Straight terms are the lines of :mod:`fuzzyarm.expression.lines`, curved ones and formulas the
 expressions of their records with the numbers of the term in place. Products with zero and
 one are folded here, where most of them come from coefficients that are zero or one.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import combinations, groupby, pairwise
+from itertools import combinations, pairwise
 
 from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.expression import op
 from fuzzyarm.expression.evaluation import specialise
 from fuzzyarm.expression.formulas import FormulaError
 from fuzzyarm.expression.kinds import HEDGES, SHAPES
+from fuzzyarm.expression.lines import Line, Lines
 from fuzzyarm.expression.nodes import Constant, Node, Number, apply, constant, replace, symbol
-from fuzzyarm.inference.cells import ZERO_LINE, Line, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import Member, OutputPlan
-from fuzzyarm.inference.point import is_straight
 from fuzzyarm.inference.sets import formula_of
-from fuzzyarm.model.rulebase import POSITION, Hedge, Input, Shape, Term
-from fuzzyarm.model.shapes import polyline
+from fuzzyarm.model.rulebase import POSITION, Hedge, Term
 
 ZERO, ONE = constant(0.0), constant(1.0)
 
@@ -71,8 +68,6 @@ def where(condition: Node, then: Number, otherwise: Number) -> Node:
 MOST_CORNERS = 100
 """Corners of a term: each is a comparison inside the one before (C compilers take 127)."""
 
-Corner = tuple[float, float]
-
 
 def degree_of(term: Term, variable: str, x: Node) -> Node:
     """Return the degree of `x` in a term of an input, or of an output that rules read."""
@@ -80,14 +75,14 @@ def degree_of(term: Term, variable: str, x: Node) -> Node:
     if shape.kind == "formula":
         return times(_formula_of_x(term, variable, x), shape.height)
     kind = SHAPES[shape.kind]
-    corners = _finite_corners(shape)
-    if corners is not None:
-        if len(corners) > MOST_CORNERS:
+    if kind.straight:
+        lines = kind.lines(*shape.parameters, height=shape.height)
+        if len(lines.edges) > MOST_CORNERS:
             raise refuse(
-                f"term '{term.name}' of '{variable}' has {len(corners)} corners, and"
+                f"term '{term.name}' of '{variable}' has {len(lines.edges)} corners, and"
                 f" {MOST_CORNERS} are the most"
             )
-        return _through(corners, x)
+        return _on_lines(lines, x)
     if kind.function is None:
         raise refuse(f"term '{term.name}' of '{variable}' has no degrees that C could compute")
     numbers = dict(zip(kind.symbols[1:], shape.parameters, strict=True))
@@ -102,73 +97,28 @@ def _formula_of_x(term: Term, variable: str, x: Node) -> Node:
         raise refuse(f"term '{term.name}' of '{variable}' is a formula of several") from None
 
 
-def _finite_corners(shape: Shape) -> list[Corner] | None:
-    """Return the corners of a straight shape; None of a curved, endless or pointlike one."""
-    if not SHAPES[shape.kind].straight or shape.kind == "singleton":
-        return None
-    corners = polyline(shape)
-    return corners if all(math.isfinite(x) and math.isfinite(y) for x, y in corners) else None
-
-
-def _through(corners: Sequence[Corner], x: Node) -> Node:
-    """Return lines through corners; on a vertical edge the greatest value holds."""
-    edges = [(edge, [y for _, y in group]) for edge, group in groupby(corners, lambda c: c[0])]
-    degree: Node = constant(edges[-1][1][-1])
-    for k in range(len(edges) - 1, -1, -1):
-        edge, heights = edges[k]
-        left = heights[0]
-        before: Node = constant(left)
-        if k > 0:
-            before = _line(x, edges[k - 1][0], edges[k - 1][1][-1], edge, left)
-        highest = max(heights)
-        # The edge itself belongs to the side that is as high as its highest point.
-        if highest in {left, heights[-1]}:
-            closed = left == highest and heights[-1] != highest
-            degree = where(x <= edge if closed else x < edge, before, degree)
+def _on_lines(lines: Lines, x: Node) -> Node:
+    """Return the degree on lines through corners, each rounding as in every engine."""
+    degree = _on_line(lines.between[-1], x)
+    for i in range(len(lines.edges) - 1, -1, -1):
+        edge, height = constant(lines.edges[i]), lines.heights[i]
+        before = _on_line(lines.between[i], x)
+        # The corner goes with the side that has its degree; where neither does it stands apart.
+        if lines.between[i + 1].at(lines.edges[i]) == height:
+            degree = degree if before is degree else where(x < edge, before, degree)
+        elif lines.between[i].at(lines.edges[i]) == height:
+            degree = where(x <= edge, before, degree)
         else:
-            degree = where(x < edge, before, where(op.equal(x, edge), highest, degree))
+            degree = where(x < edge, before, where(op.equal(x, edge), height, degree))
     return degree
 
 
-def _line(x: Node, x0: float, y0: float, x1: float, y1: float) -> Node:
-    if y0 == y1:
-        return constant(y0)
-    # From the foot upwards, so that nothing is left of it at the foot and all at the top.
-    foot = minus(x, constant(x0)) if y1 > y0 else x1 - x
-    width = x1 - x0
-    # A product takes a fraction of the time of a division; by a power of two it is the same.
-    exact = abs(math.frexp(width)[0]) == 0.5
-    share = times(foot, 1.0 / width) if exact else foot / width
-    return plus(constant(min(y0, y1)), times(share, abs(y1 - y0)))
-
-
-def degree_in_loop(term: Term, hedges: Sequence[Hedge], variable: Input, x: Node) -> Node | None:
-    """Return the degree of `x` with the bits of the kernel, by which controllers infer.
-
-    It multiplies by slopes where :func:`degree_of` divides by widths. None of a term that
-    bends, for which both are the same.
-    """
-    if not is_straight(term.shape, hedges):
-        return None
-    bounded = variable.outside != "extend"
-    ends = (variable.low, variable.high) if bounded else (-math.inf, math.inf)
-    cells = cut_into_cells([(0, term.shape, hedges)], *ends)
-    if len(cells.lines) > MOST_CORNERS:
-        return None
-    values = [_kernel_line(each.get(0, ZERO_LINE), x) for each in cells.lines]
-    degree = values[-1]
-    for edge, value in zip(reversed(cells.edges[1:-1]), reversed(values[:-1]), strict=True):
-        degree = value if value is degree else where(x < edge, value, degree)
-    return degree
-
-
-def _kernel_line(line: Line, x: Node) -> Node:
-    """Return the line of a cell; at its foot it cannot fall below 0, elsewhere rounding may."""
-    y0, x0, slope = line
-    if slope == 0.0:
-        return constant(y0)
-    value = plus(constant(y0), minus(x, constant(x0)) * slope)
-    return value if y0 == 0.0 else op.maximum(0.0, value)
+def _on_line(line: Line, x: Node) -> Node:
+    """Return a line; from its foot it cannot fall below 0, elsewhere rounding may."""
+    if line.slope == 0.0:
+        return constant(line.height)
+    value = plus(constant(line.height), times(minus(x, constant(line.x_0)), line.slope))
+    return value if line.height == 0.0 else op.maximum(0.0, value)
 
 
 def hedged(hedges: Sequence[Hedge], degree: Node) -> Node:

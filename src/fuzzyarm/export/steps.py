@@ -500,7 +500,7 @@ class _Walk:
             key = (id(rulebase), output.name)
             if key not in self.asked:
                 try:
-                    routine = direct_routine(rulebase, output.name, self._inner(), in_loop=True)
+                    routine = direct_routine(rulebase, output.name, self._inner())
                 except ExportError as error:
                     hint = "--table looks the rules up in a table"
                     raise ExportError(error.message, hint=hint) from None

@@ -249,11 +249,11 @@ class Formula:
         return self._compiled[names](*(values[name] for name in names))
 
     def evaluate_arrays(self, values: Mapping[str, Any]) -> Any:
-        """Return the values over arrays that broadcast."""
+        """Return the values over arrays that broadcast, with the bits of :meth:`evaluate`."""
         import numpy as np
 
         root = self.with_constants(tuple(values))
-        return np.asarray(evaluate_arrays(root, values), dtype=float)
+        return np.asarray(evaluate_arrays(root, values, as_floats=True), dtype=float)
 
 
 # ── reading ──────────────────────────────────────────────────────────────────────────

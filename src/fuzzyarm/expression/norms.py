@@ -280,6 +280,6 @@ def _register_hedges() -> None:
         names={"fll": "any", "fcl": "any", "fis": "0.99", "fml": "any"},
     )
     kind(
-        "power", op.power, parameters=("exponent",),
+        "power", op.raised, parameters=("exponent",),
         doc="d to the power in parentheses",
     )  # fmt: skip

@@ -77,3 +77,13 @@ floor = _function("floor", "Return the largest whole number that is not above.")
 ceil = _function("ceil", "Return the smallest whole number that is not below.")
 round = _function("round", "Return the nearest whole number; of two the even one.")  # noqa: A001
 truncate = _function("truncate", "Return the whole number next towards 0.")
+
+
+def raised(base: Any, exponent: Any) -> Any:
+    """Return a power of what is not negative, a square and a root as such.
+
+    C compilers write a product for a constant exponent of 2, and one of 0.5 becomes a root in
+    machine code: their last bits are others than those of the library's power.
+    """
+    other = where(equal(exponent, 0.5), sqrt(base), power(base, exponent))
+    return where(equal(exponent, 2.0), base * base, other)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import wraps
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.nodes import Node, Number, apply, constant
@@ -86,6 +87,15 @@ class Operation(NamedTuple):
         """Whether its value is true or false."""
         return self.sort in {"comparisons", "logic"}
 
+    @property
+    def of_library(self) -> bool:
+        """Whether its last bit is the C library's, of which NumPy has functions of its own."""
+        return self.sort == "functions" and not self.exact and self.name not in _CORRECTLY_ROUNDED
+
+
+_CORRECTLY_ROUNDED = frozenset({"sqrt", "remainder"})
+"""Functions of which every machine gives the same bits."""
+
 
 # ── floats ───────────────────────────────────────────────────────────────────────────
 
@@ -99,6 +109,7 @@ def _divide(a: float, b: float) -> float:
         return math.copysign(math.inf, a) * math.copysign(1.0, b)
 
 
+@wraps(math.pow)
 def _power(base: float, exponent: float) -> float:
     try:
         return math.pow(base, exponent)
@@ -112,6 +123,7 @@ def _power(base: float, exponent: float) -> float:
 
 
 def _quiet(function: Callable[..., float]) -> Callable[..., float]:
+    @wraps(function)
     def quiet(*arguments: float) -> float:
         try:
             return float(function(*arguments))
@@ -128,6 +140,7 @@ def _sinh(x: float) -> float:
 
 
 def _logarithm(function: Callable[[float], float]) -> Callable[[float], float]:
+    @wraps(function)
     def logarithm(x: float) -> float:
         if x == 0.0:
             return -math.inf

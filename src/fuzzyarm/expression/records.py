@@ -16,6 +16,7 @@ from itertools import chain, pairwise, product
 from typing import Any, ClassVar, Generic, TypeVar
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.expression.lines import Corner, Lines, lines_through
 from fuzzyarm.expression.nodes import Node, apply, symbol, symbols, trace
 
 __all__ = [
@@ -34,7 +35,6 @@ __all__ = [
     "tnorm",
 ]
 
-Corner = tuple[float, float]
 Definition = Callable[..., Any]
 
 ENTRY_POINT = "fuzzyarm.kinds"
@@ -109,10 +109,11 @@ class Kind:
         return python_function(self.expression, self.symbols)
 
     def array(self, *arguments: Any) -> Any:
-        """Return the value over arrays: the arguments, then the parameters."""
+        """Return the value over arrays: the arguments, then the parameters; bits as of floats."""
         from fuzzyarm.expression.evaluation import evaluate_arrays
 
-        return evaluate_arrays(self.expression, dict(zip(self.symbols, arguments, strict=True)))
+        values = dict(zip(self.symbols, arguments, strict=True))
+        return evaluate_arrays(self.expression, values, as_floats=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,17 +168,29 @@ class Shape(Kind):
     @cached_property
     def scalar(self) -> Callable[..., float]:
         """The degree of a float: x, then the parameters."""
-        if self.function is None and self.corners is not None:
-            return lambda x, *parameters: self.at(*parameters)(x)
+        if self.straight:
+            return lambda x, *parameters: self.lines(*parameters).at(x)
         return super().scalar
 
     def at(self, *parameters: float) -> Callable[[float], float]:
-        """Return the degree as a function of x alone; the corners of a line are found once."""
-        if self.function is None and self.corners is not None:
-            corners = [number for corner in self.corners(*parameters) for number in corner]
-            return lambda x: degree_on_polyline(corners, x)
+        """Return the degree as a function of x alone; lines are found once."""
+        if self.straight:
+            return self.lines(*parameters).at
         scalar = self.scalar
         return lambda x: scalar(x, *parameters)
+
+    def lines(self, *parameters: float, height: float = 1.0) -> Lines:
+        """Return the lines of a straight shape, which have all its degrees.
+
+        Parameters
+        ----------
+        *parameters : float
+            Its numbers.
+        height : float
+            Of a term: what the heights of the corners are multiplied by.
+        """
+        assert self.corners is not None
+        return lines_through([(x, height * y) for x, y in self.corners(*parameters)])
 
     def fault(self, parameters: Sequence[float]) -> tuple[int, str] | None:
         """Return what keeps numbers from being those of such a shape; None if nothing does.
@@ -211,57 +224,11 @@ class Shape(Kind):
 
     def array(self, *arguments: Any) -> Any:
         """Return the degrees over an array: x, then the parameters."""
-        if self.function is None and self.corners is not None:
-            return degrees_on_polyline(self.corners(*arguments[1:]), arguments[0])
+        if self.straight:
+            import numpy as np
+
+            return self.lines(*arguments[1:]).over(np.asarray(arguments[0], dtype=float))
         return super().array(*arguments)
-
-
-def degree_on_polyline(corners: Sequence[float], x: float) -> float:
-    """Return the height of a line through corners (x, y, x, y …); the greatest on a vertical edge.
-
-    A line is followed from its lower end: it is above 0 next to a foot, and never above its top.
-    Plain enough for a compiler, which the kernel has for `points`.
-    """
-    count = len(corners) // 2
-    after, end = 0, count  # the first corner that is not in front of x, by bisection
-    while after < end:
-        middle = (after + end) // 2
-        if corners[2 * middle] < x:
-            after = middle + 1
-        else:
-            end = middle
-    if after == count:
-        return corners[2 * count - 1]
-    height = corners[2 * after + 1]
-    if corners[2 * after] == x:
-        while after + 1 < count and corners[2 * after + 2] == x:
-            after += 1
-            height = max(height, corners[2 * after + 1])
-        return height
-    if after == 0:
-        return height
-    x_0, y_0, x_1 = corners[2 * after - 2], corners[2 * after - 1], corners[2 * after]
-    if y_0 <= height:
-        return min(height, y_0 + (height - y_0) * (x - x_0) / (x_1 - x_0))
-    return min(y_0, height + (y_0 - height) * (x_1 - x) / (x_1 - x_0))
-
-
-def degrees_on_polyline(corners: Sequence[Corner], x: Any) -> Any:
-    """Return what :func:`degree_on_polyline` does for every element of an array."""
-    import numpy as np
-
-    xs, ys = np.array(corners, dtype=float).T
-    edges, first = np.unique(xs, return_index=True)
-    tops = np.maximum.reduceat(ys, first)
-    nearest = np.searchsorted(edges, x).clip(0, edges.size - 1)
-    after = np.searchsorted(xs, x).clip(1, xs.size - 1)
-    x_0, y_0, x_1, y_1 = xs[after - 1], ys[after - 1], xs[after], ys[after]
-    way = np.where(y_0 <= y_1, x - x_0, x_1 - x)
-    with np.errstate(divide="ignore", invalid="ignore"):  # on a vertical edge, replaced below
-        heights = np.minimum(y_0, y_1) + np.abs(y_1 - y_0) * way / (x_1 - x_0)
-    heights = np.minimum(heights, np.maximum(y_0, y_1))
-    heights = np.where(x < xs[0], ys[0], np.where(x > xs[-1], ys[-1], heights))
-    return np.where(edges[nearest] == x, tops[nearest], heights)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,8 @@
 
 A definition is the whole truth about a shape: what it computes at a point, over arrays, as
 machine code and in exported programs is derived from it, and so are its derivatives and
-bounds. A straight shape also lists its corners, of which the exact centroid is made. On a
-vertical edge the higher value holds.
+bounds. Of a straight shape it is the list of its corners, of which the exact centroid is made,
+too. On a vertical edge the higher value holds.
 
 Sources: the shapes of the Fuzzy Logic Toolbox (MathWorks, *Fuzzy Logic Toolbox User's
 Guide*) and those that fuzzylite adds (J. Rada-Vilela, *The FuzzyLite Libraries for Fuzzy
@@ -26,51 +26,12 @@ X = Any
 """An expression, a number or an array; a definition takes and gives any of them."""
 
 # ── straight shapes ──────────────────────────────────────────────────────────────────
-
-
-def triangle(x: X, left: X, peak: X, right: X) -> X:
-    """Rise from `left` to `peak`, fall to `right`; 1 at the peak even on a vertical edge."""
-    flank = op.where(x < peak, (x - left) / (peak - left), (right - x) / (right - peak))
-    inside = op.where(op.either(x <= left, x >= right), 0.0, flank)
-    return op.where(op.equal(x, peak), 1.0, inside)
-
-
-def trapezoid(x: X, left: X, top_left: X, top_right: X, right: X) -> X:
-    """Rise, flat top, fall; an infinite foot is a shoulder that never ends."""
-    # An infinite foot gives inf / inf: the shoulder is taken before the division.
-    rise = op.where(op.equal(left, -op.inf), 1.0, (x - left) / (top_left - left))
-    fall = op.where(op.equal(right, op.inf), 1.0, (right - x) / (right - top_right))
-    flank = op.where(x < top_left, rise, fall)
-    outside = op.either(x <= left, x >= right)
-    on_top = op.both(top_left <= x, x <= top_right)
-    return op.where(on_top, 1.0, op.where(outside, 0.0, flank))
-
-
-def rectangle(x: X, start: X, end: X) -> X:
-    """1 between `start` and `end`, both included."""
-    return op.where(op.both(start <= x, x <= end), 1.0, 0.0)
-
-
-def ramp(x: X, zero: X, one: X) -> X:
-    """0 at `zero`, 1 at `one`, straight between, constant beyond; a step where they are equal."""
-    line = op.minimum(1.0, op.maximum(0.0, (x - zero) / (one - zero)))
-    return op.where(op.equal(zero, one), op.where(x >= one, 1.0, 0.0), line)
-
-
-def binary(x: X, start: X, direction: X) -> X:
-    """1 from `start` on, towards `direction`."""
-    holds = op.either(
-        op.both(direction > start, x >= start), op.both(direction <= start, x <= start)
-    )
-    return op.where(holds, 1.0, 0.0)
-
-
-def singleton(x: X, value: X) -> X:
-    """1 at exactly `value`."""
-    return op.where(op.equal(x, value), 1.0, 0.0)
+#
+# Their corners are the whole definition; see `lines.py` for the degree between two of them.
 
 
 def _trapezoid_corners(*p: float) -> Sequence[tuple[float, float]]:
+    """Return the corners that are finite: a shoulder has no foot."""
     corners = zip(p, (0.0, 1.0, 1.0, 0.0), strict=True)
     # Without any it is 1 everywhere, which one corner on a flat line says.
     return [corner for corner in corners if abs(corner[0]) < op.inf] or [(0.0, 1.0)]
@@ -254,7 +215,7 @@ def register() -> None:
     kind(
         "triangle",
         ("left", "peak", "right"),
-        triangle,
+        None,
         doc="straight up from left to peak, straight down to right",
         ordered=True,
         corners=lambda left, peak, right: [(left, 0.0), (peak, 1.0), (right, 0.0)],
@@ -264,7 +225,7 @@ def register() -> None:
     kind(
         "trapezoid",
         _FOUR,
-        trapezoid,
+        None,
         doc="up, flat, down; infinite or equal corners make shoulders",
         ordered=True,
         unbounded=_FOUR,
@@ -275,7 +236,7 @@ def register() -> None:
     kind(
         "rectangle",
         ("start", "end"),
-        rectangle,
+        None,
         doc="1 between start and end, both included",
         ordered=True,
         unbounded=("start", "end"),
@@ -286,7 +247,7 @@ def register() -> None:
     kind(
         "ramp",
         ("zero", "one"),
-        ramp,
+        None,
         doc="0 at the first number, 1 at the second and beyond, either way round",
         corners=lambda zero, one: sorted([(zero, 0.0), (one, 1.0)]),
         inverse=lambda degree, zero, one: zero + degree * (one - zero),
@@ -297,7 +258,7 @@ def register() -> None:
     kind(
         "binary",
         ("start", "direction"),
-        binary,
+        None,
         doc="1 from start on, towards direction (inf or -inf)",
         unbounded=("direction",),
         corners=_binary_corners,
@@ -315,7 +276,7 @@ def register() -> None:
     kind(
         "singleton",
         ("value",),
-        singleton,
+        None,
         doc="1 at one value, 0 elsewhere",
         # Its corners are those of a set without a width: an output takes it as a number.
         corners=lambda value: [(value, 0.0), (value, 1.0), (value, 0.0)],

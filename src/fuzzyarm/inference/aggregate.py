@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.kinds import SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.lines import sampled_degrees
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.sets import BELOW_ONE, degrees, plateaus, term_function
 from fuzzyarm.model.rulebase import Defuzzifier, Hedge, Shape
+from fuzzyarm.model.shapes import apply_hedges
 
 # --- Where a sampled defuzzifier looks, in plain Python and over arrays alike ---
 
@@ -97,7 +99,7 @@ def _without_peak(member: Member) -> Callable[[float], float]:
 
 
 MOST_PLAIN_SAMPLES = 20_000
-"""Samples of a set that are found one by one; more are found by NumPy, to the last bit or two."""
+"""Samples of a set that are found one by one; more are found by NumPy, with the same bits."""
 
 
 class SampledSet(NamedTuple):
@@ -105,6 +107,11 @@ class SampledSet(NamedTuple):
 
     first: int
     heights: tuple[float, ...]
+
+    def over(self, count: int) -> tuple[float, ...]:
+        """Return a height for each of so many samples."""
+        behind = count - self.first - len(self.heights)
+        return (*[0.0] * self.first, *self.heights, *[0.0] * behind)
 
 
 @lru_cache(maxsize=512)
@@ -117,10 +124,14 @@ def sampled_set(
 ) -> SampledSet:
     """Return a set at the samples of a defuzzifier; the last few are remembered."""
     samples = sample_positions(low, high, defuzzifier)
-    if len(samples) > MOST_PLAIN_SAMPLES:
+    corners = SHAPES[shape.kind].corners
+    if corners is not None:
+        plain = sampled_degrees(corners(*shape.parameters), samples)
+        heights = [apply_hedges(hedges, shape.height * degree) for degree in plain]
+    elif len(samples) > MOST_PLAIN_SAMPLES:
         import numpy as np
 
-        heights: list[float] = degrees(shape, np.array(samples), hedges).tolist()
+        heights = degrees(shape, np.array(samples), hedges).tolist()
     else:
         heights = list(map(term_function(shape, hedges), samples))
     inside = [i for i, height in enumerate(heights) if height > 0.0]
@@ -153,14 +164,25 @@ def sampled_aggregate_at_point(plan: OutputPlan, fired: Fired) -> tuple[list[flo
 
 
 def fold_at_point(plan: OutputPlan, fired: Fired) -> dict[int, float]:
-    """Return one strength for each member: those of its rules under the aggregation."""
+    """Return one strength for each member, in their order: its rules under the aggregation."""
     norm = SNORMS[plan.output.aggregation].scalar
     folded: dict[int, float] = {}
     for member, strength in fired:
         folded[member] = norm(folded[member], strength) if member in folded else strength
-    return folded
+    return dict(sorted(folded.items()))
 
 
 def folded_where_max(plan: OutputPlan, fired: Fired) -> Fired:
     """Return one strength for each member under max: a T-norm rises with the strength."""
     return list(fold_at_point(plan, fired).items()) if plan.output.aggregation == "max" else fired
+
+
+def added_up(numbers: Iterable[float]) -> float:
+    """Return the sum from left to right, each addition rounded.
+
+    ``sum`` of Python 3.12 and later keeps what was lost, and other engines do not.
+    """
+    total = 0.0
+    for number in numbers:
+        total += number
+    return total

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.inference.aggregate import positions, weights
+from fuzzyarm.inference.aggregate import positions, sampled_set, weights
 from fuzzyarm.inference.plan import Member, OutputPlan
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
@@ -31,6 +32,9 @@ Array = NDArray[np.float64]
 class Strengths:
     """Firing strengths of the members of an output over a chunk of points.
 
+    They come in the order of the members where rules that share one are united, else in that of
+    the rules, whichever of them fire in the chunk.
+
     Parameters
     ----------
     shape : tuple of int
@@ -42,37 +46,37 @@ class Strengths:
     def __init__(self, shape: tuple[int, ...], *, folded: bool) -> None:
         self.shape = shape
         self._folded = folded
-        self._entries: list[tuple[int, Array]] = []
-        self._index_of: dict[int, int] = {}
+        self._entries: dict[int, tuple[int, Array]] = {}
         self._owned: set[int] = set()
 
     def __iter__(self) -> Iterator[tuple[int, Array]]:
-        return iter(self._entries)
+        return iter([entry for _, entry in sorted(self._entries.items(), key=itemgetter(0))])
 
     def __len__(self) -> int:
         return len(self._entries)
 
-    def add(self, member: int, strength: Array) -> None:
-        """Add the strength of one rule; it is not changed, but may be kept."""
-        index = self._index_of.get(member)
-        if not self._folded or index is None:
-            self._index_of[member] = len(self._entries)
-            self._entries.append((member, strength))
+    def add(self, contribution: int, member: int, strength: Array) -> None:
+        """Add the strength of one rule; it is not changed, but may be kept.
+
+        `contribution` is its number among what the rules say of the output.
+        """
+        key = member if self._folded else contribution
+        if key not in self._entries:
+            self._entries[key] = (member, strength)
             return
-        mine = self._entries[index][1]
+        mine = self._entries[key][1]
         # On an open mesh a rule on more inputs has strengths of a larger shape.
         fits = np.broadcast_shapes(mine.shape, strength.shape) == mine.shape
-        if member in self._owned and fits:
+        if key in self._owned and fits:
             np.maximum(mine, strength, out=mine)
         else:
-            self._entries[index] = (member, np.maximum(mine, strength))
-            self._owned.add(member)
+            self._entries[key] = (member, np.maximum(mine, strength))
+            self._owned.add(key)
 
     def flat(self) -> list[tuple[int, Array]]:
         """Return the entries as one-dimensional arrays over all points of the chunk."""
         return [
-            (member, np.broadcast_to(strength, self.shape).ravel())
-            for member, strength in self._entries
+            (member, np.broadcast_to(strength, self.shape).ravel()) for member, strength in self
         ]
 
 
@@ -87,7 +91,7 @@ def fold_over_arrays(plan: OutputPlan, entries: list[tuple[int, Array]]) -> dict
     folded: dict[int, Array] = {}
     for member, strength in entries:
         folded[member] = norm(folded[member], strength) if member in folded else strength
-    return folded
+    return dict(sorted(folded.items()))
 
 
 def _aggregate_at(plan: OutputPlan, entries: list[tuple[int, Array]], xs: Array) -> Array:
@@ -124,22 +128,20 @@ def _support(member: Member) -> tuple[float, float]:
 def sampled_aggregate_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
     """Return the N samples of the output and the aggregate there.
 
-    The aggregate has the shape (points of the chunk, N). Only the stretch where a set is not
+    The aggregate has the shape (N, points of the chunk). Only the stretch where a set is not
     zero is touched: 0 changes no aggregate.
     """
     output, count = plan.output, plan.output.defuzzifier.resolution
     assert count is not None
     samples = np.array(positions(output.low, output.high, count, output.defuzzifier.sampling))
     norm = SNORMS[output.aggregation].array
-    total = np.zeros((int(np.prod(strengths.shape)), samples.size))
+    total = np.zeros((samples.size, int(np.prod(strengths.shape))))
     for member, strength in strengths.flat():
-        degree = _member_at(plan.members[member], samples)
-        where = np.flatnonzero(degree > 0.0)
-        if not where.size:
-            continue
-        part = slice(where[0], where[-1] + 1)
-        cut = TNORMS[plan.members[member].implication].array(strength[:, None], degree[None, part])
-        total[:, part] = norm(total[:, part], cut)
+        term, hedges, implication = plan.members[member][:3]
+        found = sampled_set(term.shape, hedges, output.low, output.high, output.defuzzifier)
+        degree = np.array(found.heights)[:, None]
+        part = slice(found.first, found.first + len(degree))
+        total[part] = norm(total[part], TNORMS[implication].array(strength, degree))
     return samples, total
 
 
@@ -161,14 +163,12 @@ def sum_by_point(point: NDArray[np.intp], amounts: Array, count: int) -> Array:
 
 Entries = list[tuple[int, Array]]
 
-_NODES = np.array([*(-node for node in reversed(NODES)), *NODES])
-_WEIGHTS = np.array([*reversed(WEIGHTS), *WEIGHTS])
 _AT_ONCE = 1 << 14
 
 
 @dataclass(frozen=True, slots=True)
 class Leaves:
-    """Finished panels of many points, in no order: arrays of one length."""
+    """Finished panels, point by point from left to right: arrays of one length."""
 
     point: NDArray[np.intp]
     x0: Array
@@ -229,7 +229,8 @@ def leaves_over_arrays(plan: OutputPlan, entries: Entries, count: int) -> Leaves
         area = np.concatenate([area_a[open_], area_b[open_]])
         moment = np.concatenate([moment_a[open_], moment_b[open_]])
     columns = [np.concatenate(column) for column in zip(*finished, strict=True)]
-    return Leaves(*columns)
+    order = np.lexsort((columns[1], columns[0]))
+    return Leaves(*(column[order] for column in columns))
 
 
 def _first_panels(
@@ -288,13 +289,19 @@ def panel_rule(
     for start in range(0, point.size, _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
         middle, half = 0.5 * (x0[part] + x1[part]), 0.5 * (x1[part] - x0[part])
-        steps = half[:, None] * _NODES
         own = [(member, strength[point[part]]) for member, strength in entries]
-        xs = middle[:, None] + steps
-        xs[:, 0] = np.nextafter(x0[part], x1[part])
-        xs[:, -1] = np.nextafter(x1[part], x0[part])
-        values = _aggregate_at(plan, own, xs) * _WEIGHTS
-        total = values.sum(axis=1)
-        area[part] = half * total
-        moment[part] = half * ((values * steps).sum(axis=1) + (middle - centre) * total)
+        xs = np.empty((2 * len(NODES), middle.size))
+        for i, node in enumerate(NODES):
+            step = half * node
+            xs[2 * i], xs[2 * i + 1] = middle - step, middle + step
+        xs[-2] = np.nextafter(x0[part], x1[part])
+        xs[-1] = np.nextafter(x1[part], x0[part])
+        heights = _aggregate_at(plan, own, xs.T).T
+        whole, torque = np.zeros(middle.size), np.zeros(middle.size)
+        for i, (node, weight) in enumerate(zip(NODES, WEIGHTS, strict=True)):
+            left, right = heights[2 * i], heights[2 * i + 1]
+            whole += weight * (left + right)
+            torque += weight * (half * node) * (right - left)
+        area[part] = half * whole
+        moment[part] = half * (torque + (middle - centre) * whole)
     return area, moment

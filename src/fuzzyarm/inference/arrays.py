@@ -266,13 +266,13 @@ class _Chunk:
         whole = {name for name, array in arrays.items() if self.values[name].size == array.size}
         self._shared, self._whole = shared, whole
         self._degrees: Degrees = {}
-        self._members: dict[int, list[tuple[str, int]]] = {}
+        self._members: dict[int, list[tuple[str, int, int]]] = {}
         self._strengths: dict[str, Strengths] = {}
         for name, output in prepared.outputs.items():
             folded = output.output.aggregation == "max"
             self._strengths[name] = Strengths(self.shape, folded=folded)
-            for member, rule in output.contributions:
-                self._members.setdefault(rule, []).append((name, member))
+            for number, (member, rule) in enumerate(output.contributions):
+                self._members.setdefault(rule, []).append((name, number, member))
 
     def outputs(self, strengths: Array | None = None) -> dict[str, Array]:
         """Evaluate the chunk; note in `strengths`, where it is wanted, how far each rule fires."""
@@ -294,8 +294,8 @@ class _Chunk:
             strength = strength * planned.rule.weight
         if planned.threshold > 0.0:
             strength = np.where(strength > planned.threshold, strength, 0.0)
-        for output, member in self._members.get(index, ()):
-            self._strengths[output].add(member, strength)
+        for output, number, member in self._members.get(index, ()):
+            self._strengths[output].add(number, member, strength)
         return strength
 
     def _truth(self, expression: Expression, planned: PlannedRule) -> Array | None:

@@ -1,8 +1,9 @@
-"""An input cut at the corners of its terms.
+"""An input as the cells of the kernel.
 
 Between two corners every straight term is one line, so a cell lists the lines that are not
-zero there. A corner with a vertical edge gets a cell of its own, as narrow as floats are:
-the value there belongs to the set. Even buckets lead from a value to its cell.
+zero there. A corner that belongs to the set, where the line on its right does not (a vertical edge,
+a peak that the line misses by its rounding), gets a cell of its own, as narrow as floats are. Even
+buckets lead from a value to its cell.
 """
 
 from __future__ import annotations
@@ -10,20 +11,12 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from fuzzyarm.inference.point import line_at
-from fuzzyarm.inference.sets import term_function
-from fuzzyarm.model.rulebase import Hedge, Shape
-from fuzzyarm.model.shapes import polyline
-
-Line = tuple[float, float, float]
-"""y0, x0 and slope: y = y0 + (x − x0) slope."""
-
-ZERO_LINE: Line = (0.0, 0.0, 0.0)
+from fuzzyarm.expression.lines import Line, Lines
+from fuzzyarm.inference.partition import cut_at_corners
 
 FINENESS = 8
 """Most buckets for each cell."""
@@ -52,15 +45,13 @@ class Cells(NamedTuple):
     starts: tuple[int, ...]
 
 
-def cut_into_cells(
-    propositions: Sequence[tuple[int, Shape, Sequence[Hedge]]], low: float, high: float
-) -> Cells:
+def cut_into_cells(propositions: Sequence[tuple[int, Lines]], low: float, high: float) -> Cells:
     """Cut an input at the corners of its straight propositions.
 
     Parameters
     ----------
-    propositions : sequence of (int, Shape, sequence of Hedge)
-        Number, shape and hedges of each.
+    propositions : sequence of (int, Lines)
+        Number and lines of each.
     low, high : float
         Values that can occur.
 
@@ -69,67 +60,23 @@ def cut_into_cells(
     Cells
         All cells that hold values from `low` to `high`.
     """
-    corners = [polyline(shape) for _, shape, _ in propositions]
-    steps = {a[0] for line in corners for a, b in pairwise(line) if a[0] == b[0]}
-    corner_points = sorted({x for line in corners for x, _ in line})
-    edges = [-math.inf]
-    for x in corner_points:
-        if x in steps:
-            edges += [x, math.nextafter(x, math.inf)]
-        else:
-            edges.append(x)
-    edges = _within(sorted(set(edges[1:])), low, high, steps)
-    reaches = [
-        _reach(line, hedges) for line, (_, _, hedges) in zip(corners, propositions, strict=True)
-    ]
-    lines = []
-    for left, right in pairwise(edges):
-        left, right = max(left, low), min(right, high)  # noqa: PLW2901
-        at_step = left in steps and right in {left, math.nextafter(left, math.inf)}
-        cell: dict[int, Line] = {}
-        middle = _between(left, right)
-        for line, (begin, end), (number, shape, hedges) in zip(
-            corners, reaches, propositions, strict=True
-        ):
-            if at_step:
-                found: Line | None = (term_function(shape, tuple(hedges))(left), 0.0, 0.0)
-            elif not begin < middle < end:
-                continue
-            else:
-                found = _line(line, hedges, middle)
-            if found is not None and found != ZERO_LINE:
-                cell[number] = found
-        lines.append(cell)
-    first, scale, starts = _buckets(edges)
-    return Cells(tuple(edges), tuple(lines), first, scale, starts)
-
-
-def _within(edges: list[float], low: float, high: float, steps: set[float]) -> list[float]:
-    """Drop the edges that no value passes."""
-    inside = [x for x in edges if low < x < high or (x == high and x in steps)]
-    return [-math.inf, *inside, math.inf]
-
-
-def _reach(corners: list[tuple[float, float]], hedges: Sequence[Hedge]) -> tuple[float, float]:
-    """Return between what a term may not be 0; most terms end soon."""
-    (first, below), (last, above) = corners[0], corners[-1]
-    begin = first if below == 0.0 and not hedges else -math.inf
-    return begin, last if above == 0.0 and not hedges else math.inf
-
-
-def _between(left: float, right: float) -> float:
-    if math.isinf(left) and math.isinf(right):
-        return 0.0
-    if math.isinf(left):
-        return right - 1.0 - abs(right)
-    return left + 1.0 + abs(left) if math.isinf(right) else 0.5 * (left + right)
-
-
-def _line(
-    corners: list[tuple[float, float]], hedges: Sequence[Hedge], position: float
-) -> Line | None:
-    found = line_at(corners, hedges, position)
-    return None if found is None else (found[1], found[0], found[2])
+    cut = cut_at_corners(propositions)
+    edges, lines = [-math.inf], [cut.cells[0]]
+    for edge, degrees, cell in zip(cut.edges, cut.at, cut.cells[1:], strict=True):
+        parts = [(edge, cell)]
+        if edge in cut.apart:
+            own = {number: Line(degree, 0.0, 0.0) for number, degree in degrees.items()}
+            parts = [(edge, own), (math.nextafter(edge, math.inf), cell)]
+        for start, found in parts:
+            # What lies in front of the range does not occur; a corner may stand on the float behind
+            # another that has a cell of its own.
+            if start <= low or start == edges[-1]:
+                lines[-1] = found
+            elif start < high or (start == high and edge in cut.apart):
+                edges.append(start)
+                lines.append(found)
+    first, scale, buckets = _buckets([*edges, math.inf])
+    return Cells((*edges, math.inf), tuple(lines), first, scale, buckets)
 
 
 def _buckets(edges: list[float]) -> tuple[float, float, tuple[int, ...]]:

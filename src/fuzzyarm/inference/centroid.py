@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 
 from fuzzyarm.inference.aggregate import (
     Fired,
+    added_up,
     aggregate,
     fold_at_point,
     sampled_aggregate_at_point,
 )
-from fuzzyarm.inference.overlap import ClosedForm, Layers
+from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import OutputPlan
 
 if TYPE_CHECKING:
@@ -40,8 +41,8 @@ def sampled_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     if plan.output.defuzzifier.sampling == "trapezoid":
         heights[0] *= 0.5
         heights[-1] *= 0.5
-    area = sum(heights)
-    moment = sum(map(mul, heights, samples))
+    area = added_up(heights)
+    moment = added_up(map(mul, heights, samples))
     return moment / area if area > 0.0 else None
 
 
@@ -52,11 +53,11 @@ def sampled_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tupl
     from fuzzyarm.inference.aggregate_arrays import sample_weights, sampled_aggregate_over_arrays
 
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
-    # Sums along rows rather than a matrix product: the same digits for every chunking.
-    heights *= sample_weights(plan)
-    area = heights.sum(axis=1)
-    heights *= samples
-    moment = heights.sum(axis=1)
+    heights *= sample_weights(plan)[:, None]
+    area, moment = np.zeros(heights.shape[1]), np.zeros(heights.shape[1])
+    for sample, height in zip(samples.tolist(), heights, strict=True):  # in their order
+        area += height
+        moment += height * sample
     value = np.divide(moment, area, out=np.zeros_like(area), where=area > 0.0)
     return value.reshape(strengths.shape), area.reshape(strengths.shape)
 
@@ -70,9 +71,9 @@ def integrated_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None
 
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
     parts = leaves_at_point(aggregate(plan, fired, integrated=True), edges_of(plan, fired), noise)
-    area = sum(part.area for part in parts)
+    area = added_up(part.area for part in parts)
     centre = 0.5 * (plan.output.low + plan.output.high)
-    return centre + sum(part.moment for part in parts) / area if area > 0.0 else None
+    return centre + added_up(part.moment for part in parts) / area if area > 0.0 else None
 
 
 def integrated_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
@@ -103,39 +104,32 @@ def closed_centroid_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     if plan.output.aggregation == "max":
         heights = fold_at_point(plan, fired)
         for member, height in heights.items():
-            a, m = _sum(form.own[member], height)
-            area, moment = area + a, moment + m
+            area, moment = _with_layers(area, moment, form.own[member], height, 1.0)
         if len(heights) > 1:
-            a, m = _overlapping(form, heights)
-            area, moment = area - a, moment - m
+            for member, others, layers in form.overlaps:
+                height = heights.get(member, 0.0)
+                if height > 0.0:
+                    above = max([heights.get(other, 0.0) for other in others])
+                    if above > 0.0:
+                        height = min(height, above)
+                        area, moment = _with_layers(area, moment, layers, height, -1.0)
     else:
         for member, height in fired:
-            a, m = _sum(form.own[member], height)
-            area, moment = area + a, moment + m
+            area, moment = _with_layers(area, moment, form.own[member], height, 1.0)
     return form.centre + moment / area if area > 0.0 else None
 
 
-def _overlapping(form: ClosedForm, heights: dict[int, float]) -> tuple[float, float]:
-    area = moment = 0.0
-    for member, others, layers in form.overlaps:
-        height = heights.get(member, 0.0)
-        if height > 0.0:
-            above = max([heights.get(other, 0.0) for other in others])
-            if above > 0.0:
-                a, m = _sum(layers, min(height, above))
-                area, moment = area + a, moment + m
-    return area, moment
-
-
-def _sum(layers: Layers, height: float) -> tuple[float, float]:
-    area = moment = 0.0
+def _with_layers(
+    area: float, moment: float, layers: Layers, height: float, sign: float
+) -> tuple[float, float]:
+    """Add layers up to a height, one after the other, to an area and a moment."""
     for start, depth, a1, a2, b1, b2, b3 in layers:
         x = height - start
         if x <= 0.0:
             break
         x = min(x, depth)
-        area += x * (a1 + a2 * x)
-        moment += x * (b1 + x * (b2 + b3 * x))
+        area += sign * (x * (a1 + a2 * x))
+        moment += sign * (x * (b1 + x * (b2 + b3 * x)))
     return area, moment
 
 
@@ -146,7 +140,7 @@ def closed_centroid_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple
     form = plan.closed
     assert form is not None
     work = _Accumulator(strengths.shape)
-    for member, height in strengths:
+    for member, height in strengths:  # in the order of the members, or of the rules
         work.add(form.own[member], height, 1.0)
     if plan.output.aggregation == "max":
         heights = dict(strengths)

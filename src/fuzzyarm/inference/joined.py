@@ -14,7 +14,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
-from fuzzyarm.inference.aggregate import Fired, folded_where_max, sample_positions, sampled_set
+from fuzzyarm.inference.aggregate import (
+    Fired,
+    added_up,
+    folded_where_max,
+    sample_positions,
+    sampled_set,
+)
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.inference.plan import OutputPlan
 from fuzzyarm.model.rulebase import JOINED
@@ -54,15 +60,16 @@ def joined_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     _check(plan)
     xs, ys = _vertices(plan, fired)
     areas = [0.5 * (b - a) * (y + z) for (a, b), (y, z) in zip(pairwise(xs), pairwise(ys))]  # noqa: B905
-    total = sum(areas)
+    total = added_up(areas)
     if not total > 0.0:
         return None
     if plan.output.defuzzifier.method == "bisector":
         return _half(xs, ys, areas, 0.5 * total)
-    return sum(
-        (b - a) * (a * (2.0 * y + z) + b * (y + 2.0 * z)) / 6.0
+    moment = added_up(
+        (b - a) * (a * (2.0 * y + z) + b * (y + 2.0 * z))
         for (a, b), (y, z) in zip(pairwise(xs), pairwise(ys))  # noqa: B905
-    ) / total  # fmt: skip
+    )
+    return moment / 6.0 / total
 
 
 def _vertices(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]:
@@ -88,7 +95,7 @@ def _vertices(plan: OutputPlan, fired: Fired) -> tuple[list[float], list[float]]
             for part, y, z in zip(parts, before, after, strict=True)
             if part.crosses(i)
         }
-        for share in sorted(shares):
+        for share in sorted(shares - {0.0, 1.0}):
             xs.append(a + share * (b - a))
             ys.append(height([y + share * (z - y) for y, z in zip(before, after, strict=True)]))
         xs.append(b)
@@ -101,18 +108,17 @@ def _part(plan: OutputPlan, index: int, strength: float, count: int) -> _Part:
     found = sampled_set(
         member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
     )
-    dense = [0.0] * count
-    dense[found.first : found.first + len(found.heights)] = found.heights
     cut = TNORMS[member.implication].scalar
-    return _Part(dense, strength, cut, member.implication == "min")
+    return _Part(found.over(count), strength, cut, member.implication == "min")
 
 
 def _half(xs: list[float], ys: list[float], areas: list[float], half: float) -> float:
     """Return where the area from the left reaches `half`."""
+    before = 0.0
     for (a, b), (y, z), area in zip(pairwise(xs), pairwise(ys), areas):  # noqa: B905
-        if area >= half:
-            return a + _reach(b - a, y, z, half)
-        half -= area
+        if before + area >= half:
+            return a + _reach(b - a, y, z, half - before)
+        before += area
     return xs[-1]
 
 
@@ -170,18 +176,34 @@ def _some(plan: OutputPlan, entries: list[tuple[int, Array]]) -> tuple[Array, Ar
     share = np.sort(np.stack(shares, axis=-1), axis=-1)
     norm, heights = SNORMS[output.aggregation].array, np.zeros_like(share)
     for (member, strength), degree in zip(entries, sets, strict=True):
-        line = degree[:-1, None] + share * np.diff(degree)[:, None]
+        line = _between(degree, share)
         cut = TNORMS[plan.members[member].implication].array
         heights = norm(heights, cut(strength[:, None, None], line))
-    xs = samples[:-1, None] + share * np.diff(samples)[:, None]
+    xs = _between(samples, share)
     width = np.diff(xs, axis=-1)
     y, z = heights[..., :-1], heights[..., 1:]
     areas = 0.5 * width * (y + z)
-    total = areas.sum(axis=(1, 2))
+    total = _added_up(areas)
     if output.defuzzifier.method == "bisector":
         return _halves(xs[..., :-1], width, y, z, areas, total), total
-    moment = (width * (xs[..., :-1] * (2.0 * y + z) + xs[..., 1:] * (y + 2.0 * z))).sum(axis=(1, 2))
+    moment = _added_up(width * (xs[..., :-1] * (2.0 * y + z) + xs[..., 1:] * (y + 2.0 * z)))
     return np.divide(moment / 6.0, total, out=np.zeros_like(total), where=total > 0.0), total
+
+
+def _between(values: Array, share: Array) -> Array:
+    """Return what lies at some shares of the ways from value to value, exactly at both ends."""
+    import numpy as np
+
+    line: Array = values[:-1, None] + share * np.diff(values)[:, None]
+    return np.where(share == 1.0, values[1:, None], line)
+
+
+def _added_up(parts: Array) -> Array:
+    """Return the sum over all cells of each point, from left to right."""
+    import numpy as np
+
+    flat = parts.reshape(len(parts), -1)
+    return np.asarray(np.add.accumulate(flat, axis=1)[:, -1])
 
 
 def _halves(xs: Array, width: Array, y: Array, z: Array, areas: Array, total: Array) -> Array:
@@ -191,11 +213,12 @@ def _halves(xs: Array, width: Array, y: Array, z: Array, areas: Array, total: Ar
     flat = [each.reshape(len(total), -1) for each in (xs, width, y, z, areas)]
     running = np.cumsum(flat[4], axis=1)
     index = (running >= 0.5 * total[:, None]).argmax(axis=1)
-    a, w, y, z, area, reached = (
-        np.take_along_axis(each, index[:, None], axis=1)[:, 0] for each in (*flat, running)
-    )
-    wanted = 0.5 * total - (reached - area)
+    before = np.concatenate([np.zeros((len(total), 1)), running[:, :-1]], axis=1)
+    a, w, y, z, reached = [
+        np.take_along_axis(each, index[:, None], axis=1)[:, 0] for each in (*flat[:4], before)
+    ]
+    wanted = 0.5 * total - reached
     slope = np.divide(z - y, w, out=np.zeros_like(w), where=w > 0.0)
     root = np.sqrt(np.maximum(0.0, y * y + 2.0 * slope * wanted))
     far = np.divide(2.0 * wanted, y + root, out=np.zeros_like(w), where=y + root > 0.0)
-    return a + np.minimum(w, np.maximum(0.0, far))
+    return np.asarray(a + np.minimum(w, np.maximum(0.0, far)))

@@ -512,10 +512,20 @@ def _fired(k: Any, f: Any, room: Any, rule: int, width: int, operands: int) -> f
     first = rule + RULE_HEAD
     strength: float = room[k[first] * width]
     for operand in range(min(first + 1, first + operands - 1), first + operands):
-        strength = joined(k, room, norm, strength, room[k[operand] * width])
+        if is_joined(norm, k[operand]):
+            strength = joined(k, room, norm, strength, room[k[operand] * width])
     if weight != 1.0 or threshold > 0.0:
         strength = weighed(strength, weight, threshold)
     return strength
+
+
+@kernel
+def is_joined(norm: int, row: int) -> bool:
+    """Whether an operand is one, and does not stand for those that a rule has fewer than others.
+
+    The norms that the kernel does by itself leave the bits of what a neutral one joins.
+    """
+    return row != ONES or MIN <= norm <= SUM
 
 
 @kernel
@@ -557,11 +567,12 @@ def fire(k: Any, f: Any, room: Any, rule: int, strength: Any) -> None:
     first = rule + RULE_HEAD
     begin = k[first] * width
     degrees = room[begin : begin + count]
-    # A rule of one operand has a neutral second one: the strength is written in any case.
+    # A rule of one operand has a neutral second one under min: the strength is always written.
     for operand in range(min(first + 1, first + k[OPERANDS] - 1), first + k[OPERANDS]):
-        begin = k[operand] * width
-        join(norm, degrees, room[begin : begin + count], strength)
-        degrees = strength
+        if is_joined(norm, k[operand]):
+            begin = k[operand] * width
+            join(norm, degrees, room[begin : begin + count], strength)
+            degrees = strength
     # At weight 1 and threshold 0 this changes nothing, and most rules are so.
     if weight != 1.0 or threshold > 0.0:
         for point in range(count):

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import product
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS, Norm
@@ -21,7 +20,6 @@ from fuzzyarm.inference.block import Layout, Mark, NotCoveredError
 from fuzzyarm.inference.cells import Cells, cut_into_cells
 from fuzzyarm.inference.overlap import Layers
 from fuzzyarm.inference.plan import CENTROIDS, OutputPlan, Plan, PlannedRule
-from fuzzyarm.inference.point import is_straight
 from fuzzyarm.inference.quadrature import (
     CLIPPING,
     DEEPEST,
@@ -47,7 +45,7 @@ from fuzzyarm.model.rulebase import (
     Or,
     Output,
 )
-from fuzzyarm.model.shapes import polyline
+from fuzzyarm.model.shapes import polyline, straight_lines
 
 MOST_PROGRAMS = 65_536
 MOST_ENTRIES = 400_000
@@ -258,8 +256,9 @@ class _Writer:
                 if name != variable.name:
                     continue
                 shape = variable.term(term).shape
-                if name not in uncut and is_straight(shape, hedges):
-                    straight.append((number, shape, hedges))
+                lines = None if name in uncut else straight_lines(shape, hedges)
+                if lines is not None:
+                    straight.append((number, lines))
                 else:
                     curves.append((number, self.addresses.curve(shape, hedges)))
             bounded = variable.outside != "extend"
@@ -365,11 +364,13 @@ class _Writer:
                 (number // step) % len(cells.lines)
                 for cells, step in zip(self.cells, strides, strict=True)
             ]
-            for c, lines in zip(cells_here, self.lines, strict=True):
+            rows = dict(self.truth_rows)  # of degrees in this cell
+            for c, lines, listed in zip(cells_here, self.lines, self.rows, strict=True):
                 self.whole += lines[c]
-            self._write_truths(cells_here)
+                rows |= listed[c]
+            self._write_truths(rows)
             for writer in writers:
-                writer.write(active, cells_here)
+                writer.write(active, rows)
 
     def _write_input(self, i: int, cells: Cells, row: int, stride: int) -> None:
         variable = self.plan.rulebase.inputs[i]
@@ -409,30 +410,26 @@ class _Writer:
     def _active(self, strides: Sequence[int], programs: int) -> list[list[_Rule]]:
         active: list[list[_Rule]] = [[] for _ in range(programs)]
         for rule in self.rules:
-            for combination in product(*self._alive(rule)):
-                number = sum(c * step for c, step in zip(combination, strides, strict=True))
+            numbers = [0]
+            for cells, step in zip(self._alive(rule), strides, strict=True):
+                numbers = [number + c * step for number in numbers for c in cells]
+            for number in numbers:
                 active[number].append(rule)
         return active
 
-    def _rows_of(self, parts: Sequence[int], cells: Sequence[int]) -> list[int]:
-        """Return the rows of degrees in a cell: that of zeros for a term that is 0 there."""
-        rows = dict(self.truth_rows)
-        for c, listed in zip(cells, self.rows, strict=True):
-            rows.update(listed[c])
-        return [rows.get(part, self.zero) for part in parts]
-
-    def _write_truths(self, cells: Sequence[int]) -> None:
+    def _write_truths(self, rows: Mapping[int, int]) -> None:
         self.whole.append(len(self.truths))
         for number, norm, operands, hedges in self.truths.values():
             self.whole += [self.truth_rows[number], norm, hedges, len(operands)]
-            self.whole += self._rows_of(operands, cells)
+            self.whole += [rows.get(part, self.zero) for part in operands]
 
-    def record(self, rule: _Rule, cells: Sequence[int]) -> list[int]:
-        """Return [norm, weight, operands …] of a rule in a cell."""
-        operands = self._rows_of(rule.parts, cells)
-        neutral = self.one if rule.conjunction else self.zero
-        operands += [neutral] * (self.operands - len(operands))
-        return [rule.norm, self.rule_floats[rule.number], *operands]
+    def record(self, rule: _Rule, rows: Mapping[int, int]) -> list[int]:
+        """Return [norm, weight, operands …] of a rule; that of zeros for a term that is 0 there."""
+        found = [rule.norm, self.rule_floats[rule.number]]
+        found += [rows.get(part, self.zero) for part in rule.parts]
+        own = rule.norm not in at.BY_ITSELF  # which passes over a row of ones
+        neutral = self.one if rule.conjunction or own else self.zero
+        return found + [neutral] * (self.operands - len(rule.parts))
 
 
 def _homes(cells: Cells) -> dict[int, list[int]]:
@@ -461,6 +458,7 @@ class _OutputWriter:
         for member, rule in plan.contributions:
             self.members.setdefault(rule, []).append(member)
         self.consequents = [0] * len(plan.members)
+        self.terms: dict[tuple[int, ...], list[int]] = {}  # by the sets that may fire
         detail = 0
         if self.defuzzifier is at.closed_centroid:
             self._write_layers(floats)
@@ -532,10 +530,9 @@ class _OutputWriter:
             found = sampled_set(
                 member.term.shape, member.hedges, output.low, output.high, output.defuzzifier
             )
-            begin, heights = found.first, list(found.heights)
+            begin, heights = found.first, found.heights
             if self.loose:  # a sample for each position, also where the set is 0 now
-                behind = count - begin - len(heights)
-                begin, heights = 0, [*[0.0] * begin, *heights, *[0.0] * behind]
+                begin, heights = 0, found.over(count)
             self.consequents[i] = len(self.base.whole)
             cut = self.base.norm(TNORMS[member.implication], "T")
             end, first = begin + len(heights), self._floats(heights)
@@ -661,7 +658,7 @@ class _OutputWriter:
         layers = (self.own, self.overlaps) if closed else None
         return self.members, self.consequents, united, values, layers
 
-    def write(self, active: Sequence[_Rule], cells: Sequence[int]) -> None:
+    def write(self, active: Sequence[_Rule], rows: Mapping[int, int]) -> None:
         """Append what is to be done for this output in one cell."""
         whole = self.base.whole
         groups = list(self._groups(active))
@@ -670,9 +667,12 @@ class _OutputWriter:
         for member, rules in groups:
             whole += [len(rules), self.consequents[member]]
             for rule in rules:
-                whole += self.base.record(rule, cells)
+                whole += self.base.record(rule, rows)
         if self.defuzzifier is at.closed_centroid:
-            self._write_terms([member for member, _ in groups])
+            members = tuple(member for member, _ in groups)
+            if members not in self.terms:
+                self.terms[members] = self._terms(members)
+            whole += self.terms[members]
 
     def _groups(self, active: Sequence[_Rule]) -> Iterator[tuple[int, list[_Rule]]]:
         entries = [(m, rule) for rule in active for m in self.members.get(rule.number, ())]
@@ -687,7 +687,8 @@ class _OutputWriter:
             for member, rule in entries:
                 yield member, [rule]
 
-    def _write_terms(self, members: Sequence[int]) -> None:
+    def _terms(self, members: Sequence[int]) -> list[int]:
+        """Return unions of heights and terms of the closed form, where these sets may fire."""
         terms = [(g, g, self.own[member]) for g, member in enumerate(members)]
         unions: list[list[int]] = []
         if self.plan.output.aggregation == "max":
@@ -700,19 +701,15 @@ class _OutputWriter:
                     unions.append(above)
                 top = above[0] if len(above) == 1 else len(members) + unions.index(above)
                 terms.append((group_of[member], top, layers))
-        whole = self.base.whole
-        whole.append(len(unions))
-        for union in unions:
-            whole += [len(union), *union]
-        entries = [
-            (own, other, floats + at.LAYER * i)
-            for own, other, (count, floats) in terms
-            for i in range(count)
-        ]
-        whole.append(len(entries))
-        for own, other, floats in entries:
-            whole += [own, other, floats]
         self.heights = max(self.heights, len(members) + len(unions))
+        found = [len(unions)]
+        for union in unions:
+            found += [len(union), *union]
+        found.append(sum(count for _, _, (count, _) in terms))
+        for own, other, (count, floats) in terms:
+            for layer in range(floats, floats + at.LAYER * count, at.LAYER):
+                found += (own, other, layer)
+        return found
 
 
 def _defuzzifier(plan: OutputPlan, *, loose: bool = False) -> Callable[[Any], None]:

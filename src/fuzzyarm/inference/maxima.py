@@ -9,11 +9,13 @@ import math
 from collections.abc import Callable
 from functools import reduce
 from itertools import accumulate, combinations, pairwise
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from fuzzyarm.expression.kinds import SNORMS, TNORMS
 from fuzzyarm.inference.aggregate import (
     Fired,
+    added_up,
     aggregate,
     fold_at_point,
     sampled_aggregate_at_point,
@@ -233,7 +235,7 @@ def _choose(method: str, intervals: Intervals) -> float:
     if length > 0.0:
         return moment / length
     spots = sorted({a for a, _ in intervals})
-    return sum(spots) / len(spots)
+    return added_up(spots) / len(spots)
 
 
 def maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array, Array]:
@@ -275,7 +277,7 @@ def _greatest_of(method: str, samples: list[float], heights: list[float]) -> flo
         return None
     top = [y for y, height in zip(samples, heights, strict=True) if height >= enough]
     if method == "mean-of-maximum":
-        return sum(top) / len(top)
+        return added_up(top) / len(top)
     return top[0] if method == "smallest-of-maximum" else top[-1]
 
 
@@ -289,18 +291,28 @@ def sampled_maxima_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[
 
 
 def _greatest_of_many(method: str, samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`_greatest_of` does for each row of `heights`, and the greatest."""
+    """Return what :func:`_greatest_of` does for each column of `heights`, and the greatest."""
     import numpy as np
 
-    top = heights.max(axis=1)
-    among = heights >= (top * (1.0 - SAME))[:, None]
+    top = heights.max(axis=0)
+    among = heights >= top * (1.0 - SAME)
     if method == "mean-of-maximum":
-        value = np.where(among, samples, 0.0).sum(axis=1) / among.sum(axis=1)
+        value = _added_up_rows(np.where(among, samples[:, None], 0.0)) / among.sum(axis=0)
     elif method == "smallest-of-maximum":
-        value = samples[among.argmax(axis=1)]
+        value = samples[among.argmax(axis=0)]
     else:
-        value = samples[samples.size - 1 - among[:, ::-1].argmax(axis=1)]
+        value = samples[samples.size - 1 - among[::-1].argmax(axis=0)]
     return value, top
+
+
+def _added_up_rows(rows: Array) -> Array:
+    """Return the sum of the rows in their order, as :func:`added_up` does."""
+    import numpy as np
+
+    total = np.zeros(rows.shape[1])
+    for row in rows:
+        total += row
+    return total
 
 
 # --- The position that halves the area of an aggregate ---
@@ -322,7 +334,7 @@ def bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
     function = aggregate(plan, fired, integrated=True)
     noise = noise_of(plan, max((strength for _, strength in fired), default=0.0))
     parts = leaves_at_point(function, edges_of(plan, fired), noise)
-    total = sum(part.area for part in parts)
+    total = added_up(part.area for part in parts)
     if not total > 0.0:
         return None
     found = []
@@ -358,8 +370,7 @@ def bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tuple[Array,
     size = int(np.prod(strengths.shape))
     entries = strengths.flat()
     found = leaves_over_arrays(plan, entries, size)
-    order = np.lexsort((found.x0, found.point))
-    point, x0, x1, area = found.point[order], found.x0[order], found.x1[order], found.area[order]
+    point, x0, x1, area = found.point, found.x0, found.x1, found.area
     total = sum_by_point(point, area, size)
     first = np.searchsorted(point, np.arange(size))
     last = np.append(first[1:], point.size) - 1
@@ -401,18 +412,18 @@ def sampled_bisector_at_point(plan: OutputPlan, fired: Fired) -> float | None:
 
 def _nearest_half(samples: list[float], heights: list[float]) -> float | None:
     """Return the sample at which the running sum is nearest to half of the total."""
-    total = sum(heights)
+    total = added_up(heights)
     if not total > 0.0:
         return None
     distances = [abs(running / total - 0.5) for running in accumulate(heights)]
     enough = min(distances) + SAME_HALF
     found = [y for y, far in zip(samples, distances, strict=True) if far <= enough]
-    return sum(found) / len(found)
+    return added_up(found) / len(found)
 
 
 def halve(samples: list[float], heights: list[float]) -> float | None:
     """Return the position at which the running sum of `heights` reaches half of the total."""
-    total = sum(heights)
+    total = added_up(heights)
     if not total > 0.0:
         return None
     low_share, high_share = (0.5 - SAME_HALF) * total, (0.5 + SAME_HALF) * total
@@ -431,7 +442,7 @@ def sampled_bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tupl
     from fuzzyarm.inference.aggregate_arrays import sample_weights, sampled_aggregate_over_arrays
 
     samples, heights = sampled_aggregate_over_arrays(plan, strengths)
-    heights *= sample_weights(plan)
+    heights *= sample_weights(plan)[:, None]
     midpoints = plan.output.defuzzifier.sampling == "midpoints"
     function = _nearest_half_many if midpoints else _halve_many
     value, total = function(samples, heights)
@@ -439,26 +450,26 @@ def sampled_bisector_over_arrays(plan: OutputPlan, strengths: Strengths) -> tupl
 
 
 def _nearest_half_many(samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`_nearest_half` does for each row of `heights`, and the totals."""
+    """Return what :func:`_nearest_half` does for each column of `heights`, and the totals."""
     import numpy as np
 
-    running = np.cumsum(heights, axis=1)
-    total = running[:, -1].copy()
-    running /= np.where(total > 0.0, total, 1.0)[:, None]
+    running = np.cumsum(heights, axis=0)
+    total = running[-1].copy()
+    running /= np.where(total > 0.0, total, 1.0)
     distance = np.abs(running - 0.5)
-    among = distance <= distance.min(axis=1, keepdims=True) + SAME_HALF
-    return np.where(among, samples, 0.0).sum(axis=1) / among.sum(axis=1), total
+    among = distance <= distance.min(axis=0) + SAME_HALF
+    return _added_up_rows(np.where(among, samples[:, None], 0.0)) / among.sum(axis=0), total
 
 
 def _halve_many(samples: Array, heights: Array) -> tuple[Array, Array]:
-    """Return what :func:`halve` does for each row of `heights`, and the totals."""
+    """Return what :func:`halve` does for each column of `heights`, and the totals."""
     import numpy as np
 
-    running = np.cumsum(heights, axis=1)
-    total = running[:, -1]
+    running = np.cumsum(heights, axis=0)
+    total = running[-1]
     value = np.zeros(total.size)
     for share in (0.5 - SAME_HALF, 0.5 + SAME_HALF):
-        value += 0.5 * samples[(running >= (share * total)[:, None]).argmax(axis=1)]
+        value += 0.5 * samples[(running >= share * total).argmax(axis=0)]
     return value, total
 
 
@@ -469,7 +480,8 @@ def discrete_at_point(
     plan: OutputPlan, fired: Fired, value_of: Callable[[int, float], float]
 ) -> float | None:
     """Return the value, or None where no rule fired."""
-    spikes = sorted((value_of(member, w), w) for member, w in fold_at_point(plan, fired).items())
+    folded = fold_at_point(plan, fired)
+    spikes = sorted(((value_of(m, w), w) for m, w in folded.items()), key=itemgetter(0))
     if not spikes:
         return None
     samples, heights = [y for y, _ in spikes], [w for _, w in spikes]
@@ -491,22 +503,18 @@ def discrete_over_arrays(
     if not folded:
         return np.zeros(strengths.shape), np.zeros(strengths.shape)
     size = int(np.prod(strengths.shape))
-    values, heights = np.empty((size, len(folded))), np.empty((size, len(folded)))
-    for column, (member, strength) in enumerate(folded.items()):
-        value = value_of(member, strength)
-        values[:, column] = np.broadcast_to(value, strengths.shape).ravel()
-        heights[:, column] = np.broadcast_to(strength, strengths.shape).ravel()
-    order = np.argsort(values, axis=1, kind="stable")
-    values, heights = np.take_along_axis(values, order, 1), np.take_along_axis(heights, order, 1)
+    values, heights = np.empty((len(folded), size)), np.empty((len(folded), size))
+    for row, (member, strength) in enumerate(folded.items()):
+        values[row] = np.broadcast_to(value_of(member, strength), strengths.shape).ravel()
+        heights[row] = np.broadcast_to(strength, strengths.shape).ravel()
+    order = np.argsort(values, axis=0, kind="stable")
+    values, heights = np.take_along_axis(values, order, 0), np.take_along_axis(heights, order, 0)
     value = np.empty(size)
     method = plan.output.defuzzifier.method
     function = _halve_many if method == "bisector" else _greatest_of_many
     # The order differs from point to point only where values depend on the inputs.
-    for row in range(size) if (values != values[0]).any() else [slice(None)]:
-        rows = slice(row, row + 1) if isinstance(row, int) else row
-        samples = values[rows][0]
-        args = (
-            (samples, heights[rows]) if method == "bisector" else (method, samples, heights[rows])
-        )
-        value[rows] = function(*args)[0]
-    return value.reshape(strengths.shape), heights.max(axis=1).reshape(strengths.shape)
+    for column in range(size) if (values != values[:, :1]).any() else [slice(None)]:
+        some = slice(column, column + 1) if isinstance(column, int) else column
+        own = (values[:, some][:, 0], heights[:, some])
+        value[some] = function(*(own if method == "bisector" else (method, *own)))[0]
+    return value.reshape(strengths.shape), heights.max(axis=0).reshape(strengths.shape)

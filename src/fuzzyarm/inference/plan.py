@@ -127,9 +127,8 @@ class OutputPlan(NamedTuple):
 
     @property
     def in_order(self) -> bool:
-        """Whether the order of its rules changes bits: sets that are added up, not united."""
-        sampled = self.output.defuzzifier.resolution is not None and not self.discrete
-        return self.output.aggregation != "max" and (sampled or self.integrated)
+        """Whether the order of its rules changes bits: they are added up, not united."""
+        return self.output.aggregation != "max"
 
 
 CENTROIDS = frozenset({"centroid"}) | TYPE_2

@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import pairwise, product
+from itertools import product
 from typing import Any, NamedTuple
 
-from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.kinds import SNORMS, TNORMS
+from fuzzyarm.expression.lines import Lines
 from fuzzyarm.inference.defuzzify import defuzzify_at_point
 from fuzzyarm.inference.errors import (
     MissingInputError,
@@ -22,6 +23,7 @@ from fuzzyarm.inference.errors import (
     OutsideRangeError,
     UnknownNameError,
 )
+from fuzzyarm.inference.partition import cut_at_corners
 from fuzzyarm.inference.plan import OutputPlan, Plan, PlannedRule, plan, remembered
 from fuzzyarm.inference.sets import term_function
 from fuzzyarm.model.rulebase import (
@@ -32,11 +34,10 @@ from fuzzyarm.model.rulebase import (
     Is,
     Output,
     RuleBase,
-    Shape,
     Variable,
     propositions,
 )
-from fuzzyarm.model.shapes import apply_hedges, polyline
+from fuzzyarm.model.shapes import apply_hedges, straight_lines
 
 # --- The terms of one variable that hold at a position, found by bisection ---
 #
@@ -50,12 +51,11 @@ class Proposition(NamedTuple):
     """A term with its hedges, under the number that rules know it by."""
 
     number: int
-    shape: Shape
-    hedges: tuple[Hedge, ...]
+    lines: Lines | None
     function: Callable[[float], float]
 
 
-class Partition:
+class Propositions:
     """The propositions about one variable.
 
     Parameters
@@ -65,71 +65,30 @@ class Partition:
     """
 
     def __init__(self, propositions: Sequence[Proposition]) -> None:
-        self._all = tuple((each.number, each.function) for each in propositions)
-        straight = [each for each in propositions if is_straight(each.shape, each.hedges)]
-        self._curved = tuple(
-            (each.number, each.function) for each in propositions if each not in straight
-        )
-        corners = {each.number: polyline(each.shape) for each in straight}
-        self._edges = sorted({x for line in corners.values() for x, _ in line})
+        curved = [each for each in propositions if each.lines is None]
+        self._curved = tuple((each.number, each.function) for each in curved)
+        cut = cut_at_corners([(each.number, each.lines) for each in propositions if each.lines])
+        self._edges = cut.edges
+        self._at = [list(degrees.items()) for degrees in cut.at]
         self._cells = [
-            tuple(
-                (each.number, *line)
-                for each in straight
-                if (line := line_at(corners[each.number], each.hedges, position)) is not None
-            )
-            for position in inside(self._edges)
+            tuple((number, *line) for number, line in cell.items()) for cell in cut.cells
         ]
 
     def at(self, x: float) -> list[Degree]:
         """Return (number, degree) of every proposition that is not zero at `x`."""
         edges = self._edges
         i = bisect_right(edges, x)
-        if i and edges[i - 1] == x:  # a vertical edge belongs to the set: ask the shape itself
-            return [(n, degree) for n, f in self._all if (degree := f(x)) > 0.0]
-        found = [
-            (n, degree)
-            for n, x0, y0, slope in self._cells[i]
-            if (degree := y0 + (x - x0) * slope) > 0.0
-        ]
+        if i and edges[i - 1] == x:
+            found = self._at[i - 1]
+        else:
+            found = [
+                (n, degree)
+                for n, height, x_0, slope in self._cells[i]
+                if (degree := height + (x - x_0) * slope) > 0.0
+            ]
         if self._curved:
-            found += [(n, degree) for n, f in self._curved if (degree := f(x)) > 0.0]
+            found = found + [(n, degree) for n, f in self._curved if (degree := f(x)) > 0.0]
         return found
-
-
-def is_straight(shape: Shape, hedges: Sequence[Hedge]) -> bool:
-    """Whether a proposition consists of straight lines, hedges included."""
-    if shape.kind == "singleton" or not SHAPES[shape.kind].straight:
-        return False
-    return all(HEDGES[hedge.name].straight for hedge in hedges)
-
-
-def inside(edges: list[float]) -> list[float]:
-    """Return one position inside each cell, the outer two included."""
-    if not edges:
-        return [0.0]
-    between = [0.5 * (a + b) for a, b in pairwise(edges)]
-    return [edges[0] - 1.0 - abs(edges[0]), *between, edges[-1] + 1.0 + abs(edges[-1])]
-
-
-def line_at(
-    corners: list[tuple[float, float]], hedges: Sequence[Hedge], position: float
-) -> tuple[float, float, float] | None:
-    """Return (x0, y0, slope) of the line around `position`; None where it is zero."""
-    if position <= corners[0][0]:
-        x0, y0, slope = 0.0, corners[0][1], 0.0
-    elif position >= corners[-1][0]:
-        x0, y0, slope = 0.0, corners[-1][1], 0.0
-    else:
-        i = bisect_right(corners, position, key=lambda corner: corner[0])
-        (x0, y0), (x1, y1) = corners[i - 1], corners[i]
-        slope = (y1 - y0) / (x1 - x0)
-        # From a foot, so that nothing is left of it there; else from the top, never above it.
-        if (slope < 0.0) == (min(y0, y1) == 0.0):
-            x0, y0 = x1, y1
-    for hedge in reversed(hedges):
-        y0, slope = (1.0 - y0, -slope) if hedge.name == "not" else (1.0, 0.0)
-    return None if y0 == 0.0 and slope == 0.0 else (x0, y0, slope)
 
 
 # --- Evaluation ---
@@ -197,18 +156,14 @@ class Prepared:
         self.plan: Plan = plan(rulebase)
         self._inputs = rulebase.inputs
         self._samples = sum(map(_samples_of, self.plan.outputs.values()))
-        # The kernel has the same bits under max, and where rules are added up in order.
-        outputs = self.plan.outputs.values()
-        if not all(each.output.aggregation == "max" or each.in_order for each in outputs):
-            self._samples = 0
         self._steps_so_far = 0
         self._names = tuple(variable.name for variable in rulebase.inputs)
         self._numbers: dict[Key, int] = {}
         self._consequents = self._rule_members()
         self._steps = self._compile_steps()
-        self._partitions = self._make_partitions()
+        self._fuzzifiers = self._make_fuzzifiers()
         self._input_steps = tuple(
-            (v.name, v.low, v.high, v.outside, self._partitions.get(v.name)) for v in self._inputs
+            (v.name, v.low, v.high, v.outside, self._fuzzifiers.get(v.name)) for v in self._inputs
         )
 
     def is_worth_a_kernel(self) -> bool:
@@ -233,14 +188,13 @@ class Prepared:
         key = (part.variable, part.term, part.hedges)
         return self._numbers.setdefault(key, len(self._numbers))
 
-    def _make_partitions(self) -> dict[str, Partition]:
+    def _make_fuzzifiers(self) -> dict[str, Propositions]:
         by_variable: dict[str, list[Proposition]] = {}
         for (variable, term, hedges), number in self._numbers.items():
             shape = self.plan.rulebase.variable(variable).term(term).shape
-            function = term_function(shape, hedges)
-            proposition = Proposition(number, shape, hedges, function)
-            by_variable.setdefault(variable, []).append(proposition)
-        return {name: Partition(group) for name, group in by_variable.items()}
+            lines, function = straight_lines(shape, hedges), term_function(shape, hedges)
+            by_variable.setdefault(variable, []).append(Proposition(number, lines, function))
+        return {name: Propositions(group) for name, group in by_variable.items()}
 
     def _compile_steps(self) -> list[_Action]:
         actions: list[_Action] = []
@@ -351,7 +305,7 @@ class Prepared:
 
         def degree(point: Point) -> float:
             total = 0.0
-            for member, strength in point.fired[part.variable]:
+            for member, strength in sorted(point.fired[part.variable]):
                 if member in members:
                     total = norm(total, strength)
             return apply_hedges(part.hedges, min(1.0, total))  # a sum may exceed a degree
@@ -381,9 +335,9 @@ class Prepared:
                 point.values[name] = self._no_rule(output, point)
             else:
                 point.values[name] = bring_into_range(output, value)
-            partition = self._partitions.get(name)
-            if partition is not None:
-                self._fuzzify(point, name, partition)
+            fuzzifier = self._fuzzifiers.get(name)
+            if fuzzifier is not None:
+                self._fuzzify(point, name, fuzzifier)
 
         return conclude
 
@@ -401,8 +355,8 @@ class Prepared:
         raise NoRuleFiredError(output.name, inputs)
 
     @staticmethod
-    def _fuzzify(point: Point, name: str, partition: Partition) -> None:
-        found = partition.at(point.values[name])
+    def _fuzzify(point: Point, name: str, fuzzifier: Propositions) -> None:
+        found = fuzzifier.at(point.values[name])
         point.active[name] = found
         for number, degree in found:
             point.degrees[number] = degree
@@ -410,7 +364,7 @@ class Prepared:
     def _take(self, point: Point, inputs: Mapping[str, float]) -> None:
         """Bring the inputs into their ranges and fuzzify them."""
         values, degrees = point.values, point.degrees
-        for name, low, high, outside, partition in self._input_steps:
+        for name, low, high, outside, fuzzifier in self._input_steps:
             try:
                 value = inputs[name]
             except KeyError:
@@ -421,8 +375,8 @@ class Prepared:
             if not low <= value <= high:
                 value = _outside(name, value, low, high, outside)
             values[name] = value
-            if partition is not None:
-                point.active[name] = found = partition.at(value)
+            if fuzzifier is not None:
+                point.active[name] = found = fuzzifier.at(value)
                 for number, degree in found:
                     degrees[number] = degree
         if len(inputs) > len(values):
@@ -446,7 +400,7 @@ class Prepared:
     @property
     def chained(self) -> tuple[str, ...]:
         """Outputs whose values later rules use."""
-        return tuple(name for name in self.plan.outputs if name in self._partitions)
+        return tuple(name for name in self.plan.outputs if name in self._fuzzifiers)
 
     def run(self, inputs: Mapping[str, float], held: Mapping[str, float] | None = None) -> Point:
         """Evaluate one point and return everything that was found on the way.

@@ -14,9 +14,9 @@ import numpy as np
 
 from fuzzyarm.expression.functions import row_function, row_source
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, Norm
+from fuzzyarm.expression.lines import degree_on_corners
 from fuzzyarm.expression.nodes import Node, constant, replace, symbol
 from fuzzyarm.expression.programs import program_of
-from fuzzyarm.expression.records import degree_on_polyline
 from fuzzyarm.inference import kernel as at
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.kernels import address_of, call, kernel
@@ -67,16 +67,16 @@ class Curve(NamedTuple):
 def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curve:
     """Return the row function of a term under hedges.
 
-    Terms that differ in their numbers only share it: shape, height and hedges become one
-    expression of `x` and their numbers.
+    Terms that differ in their numbers only share it: corners of straight ones are all numbers, and
+    shape, height and hedges of others become one expression of `x` and their numbers.
     """
-    if shape.kind == "points":
+    if SHAPES[shape.kind].straight:
         corners = [number for corner in polyline(shape) for number in corner]
         if not hedges:
-            return Curve(address_of(polyline_row, 3, compiled=compiled), tuple(corners))
+            return Curve(address_of(corners_row, 3, compiled=compiled), tuple(corners))
         # An address among floats: its bits are kept, its value as a float means nothing.
         (modified,) = struct.unpack("d", struct.pack("q", hedge_row(hedges, compiled=compiled)))
-        return Curve(address_of(hedged_polyline_row, 3, compiled=compiled), (modified, *corners))
+        return Curve(address_of(hedged_corners_row, 3, compiled=compiled), (modified, *corners))
     names: list[str] = []
     numbers: list[float] = []
 
@@ -90,7 +90,7 @@ def curve_of(shape: Shape, hedges: tuple[Hedge, ...], *, compiled: bool) -> Curv
         root = replace(root, {POSITION: symbol("x")})
     else:
         kind = SHAPES[shape.kind]
-        # Numbers are arguments, so that triangles share one function whatever their corners are.
+        # Numbers are arguments, so that bells share one function wherever they stand.
         own = [number(value) for value in shape.parameters]
         root = replace(kind.expression, dict(zip(kind.symbols[1:], own, strict=True)))
     root = number(shape.height) * root if shape.height != 1.0 else root
@@ -126,26 +126,26 @@ def built_in_curve(name: str) -> Callable[..., None]:
     return _row_function(replace(kind.expression, own), ("x",), tuple(names), name)
 
 
-kernel(degree_on_polyline)
+kernel(degree_on_corners)
 
 
 # Straight terms have lines in the kernel. Rows of corners are for sets that it asks by address:
-# under hedges, in an integral, and where a layout is loose.
+# under hedges that bend them, in an integral, and where a layout is loose.
 
 
 @kernel
-def polyline_row(x: Any, corners: Any, into: Any) -> None:
-    """Fill in the degrees of a polyline."""
+def corners_row(x: Any, corners: Any, into: Any) -> None:
+    """Fill in the degrees of a straight term."""
     for point in range(into.shape[0]):
-        into[point] = degree_on_polyline(corners, x[point])
+        into[point] = degree_on_corners(corners, x[point])
 
 
 @kernel
-def hedged_polyline_row(x: Any, numbers: Any, into: Any) -> None:
+def hedged_corners_row(x: Any, numbers: Any, into: Any) -> None:
     """Do the same and apply hedges, whose address stands as a whole number before the corners."""
     corners = numbers[1 : numbers.shape[0]]
     for point in range(into.shape[0]):
-        into[point] = degree_on_polyline(corners, x[point])
+        into[point] = degree_on_corners(corners, x[point])
     call(numbers.view(np.int64)[0], into, numbers[0:0], into)
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, TNORMS
 from fuzzyarm.inference.errors import InferenceError
 from fuzzyarm.model.rulebase import POSITION, Hedge, Shape
-from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, polyline
+from fuzzyarm.model.shapes import apply_hedge, apply_hedges, bends, membership_function, polyline
 
 if TYPE_CHECKING:
     import numpy as np
@@ -55,24 +55,16 @@ def term_function(shape: Shape, hedges: tuple[Hedge, ...] = ()) -> SetFunction:
     callable
         From a float to a float; for a ``linear`` consequent it raises InferenceError.
     """
-    height = shape.height
     if shape.kind == "formula":
         names = formula_of(shape).names
         if names not in {(), (POSITION,)}:  # a value: whoever asks it for a degree is at fault
             return _not_a_set(shape)
-        computed = formula_of(shape).function((POSITION,))
-
-        def degree(x: float) -> float:
-            return height * computed(x)
-
+        height, computed = shape.height, formula_of(shape).function((POSITION,))
+        degree: SetFunction = lambda x: height * computed(x)  # noqa: E731
     elif not SHAPES[shape.kind].fuzzy:
         return _not_a_set(shape)
     else:
-        function = SHAPES[shape.kind].at(*shape.parameters)
-
-        def degree(x: float) -> float:
-            return height * function(x)
-
+        degree = membership_function(shape)
     return (lambda x: apply_hedges(hedges, degree(x))) if hedges else degree
 
 
@@ -106,6 +98,9 @@ def degrees(
 
     if shape.kind == "formula":
         found = formula_of(shape).evaluate_arrays({POSITION: x})
+    elif SHAPES[shape.kind].straight:
+        found = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height).over(x)
+        return hedged(hedges, found) if hedges else found
     else:
         found = SHAPES[shape.kind].array(x, *shape.parameters)
     found = np.broadcast_to(found, np.broadcast_shapes(np.shape(found), x.shape))

@@ -29,6 +29,7 @@ from typing import Any, NamedTuple
 
 from fuzzyarm.inference.aggregate import (
     Fired,
+    added_up,
     aggregate,
     fold_at_point,
     sampled_aggregate_at_point,
@@ -158,11 +159,11 @@ class _Curve(NamedTuple):
 
     @property
     def area(self) -> float:
-        return sum(leaf.area for leaf in self.leaves)
+        return added_up(leaf.area for leaf in self.leaves)
 
     @property
     def moment(self) -> float:
-        return sum(leaf.moment for leaf in self.leaves)
+        return added_up(leaf.moment for leaf in self.leaves)
 
     def between(self, start: float, end: float) -> tuple[float, float]:
         """Return area and moment (about the centre of the range) between two positions."""
@@ -243,4 +244,5 @@ def _sums_of_samples(plan: OutputPlan, fired: Fired) -> tuple[float, float]:
     assert way.resolution is not None
     samples, heights = sampled_aggregate_at_point(plan, fired)
     parts = [f * y for f, y in zip(weights(way.resolution, way.sampling), heights, strict=True)]
-    return sum(parts), sum(part * x for part, x in zip(parts, samples, strict=True))
+    moments = [part * x for part, x in zip(parts, samples, strict=True)]
+    return added_up(parts), added_up(moments)

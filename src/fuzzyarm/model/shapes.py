@@ -14,6 +14,7 @@ from fractions import Fraction
 from itertools import pairwise
 
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
+from fuzzyarm.expression.lines import Line, Lines
 from fuzzyarm.expression.shapes import parameters_and_middles
 from fuzzyarm.model.rulebase import (
     Expression,
@@ -40,6 +41,7 @@ __all__ = [
     "membership_function",
     "polyline",
     "probe_points",
+    "straight_lines",
     "truth",
 ]
 
@@ -74,7 +76,10 @@ def membership(shape: Shape, x: float) -> float:
 
 def membership_function(shape: Shape) -> Callable[[float], float]:
     """Return :func:`membership` of `shape` as a function of x, for many of them."""
-    height, degree = shape.height, SHAPES[shape.kind].at(*shape.parameters)
+    kind, height = SHAPES[shape.kind], shape.height
+    if kind.straight:
+        return kind.lines(*shape.parameters, height=height).at
+    degree = kind.at(*shape.parameters)
     return lambda x: height * degree(x)
 
 
@@ -138,6 +143,40 @@ def polyline(shape: Shape) -> list[tuple[float, float]]:
     corners_of = SHAPES[shape.kind].corners
     assert corners_of is not None
     return [(x, shape.height * y) for x, y in corners_of(*shape.parameters)]
+
+
+def straight_lines(shape: Shape, hedges: Sequence[Hedge] = ()) -> Lines | None:
+    """Return a term under hedges as lines that have its degrees to the bit; None where it has none.
+
+    A level line stays level under any hedge. ``not`` turns a line that leaves its foot, for
+    1 − (0 + d) and (1 − 0) − d are rounded alike; what else slopes is bent, or rounded twice.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of any kind.
+    hedges : sequence of Hedge
+        The last acts first.
+    """
+    kind = SHAPES[shape.kind]
+    if not kind.straight:
+        return None
+    lines = kind.lines(*shape.parameters, height=shape.height)
+    for hedge in reversed(hedges):
+        between = [_hedged_line(hedge, line) for line in lines.between]
+        if None in between:
+            return None
+        heights = tuple(apply_hedge(hedge, height) for height in lines.heights)
+        lines = Lines(lines.edges, heights, tuple(line for line in between if line))
+    return lines
+
+
+def _hedged_line(hedge: Hedge, line: Line) -> Line | None:
+    if hedge.name == "any" or line.slope == 0.0:
+        return Line(apply_hedge(hedge, line.height), 0.0, 0.0)
+    if hedge.name == "not" and line.height == 0.0:
+        return Line(1.0, line.x_0, -line.slope)
+    return None
 
 
 def bends(shape: Shape) -> Sequence[float]:

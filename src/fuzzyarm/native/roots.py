@@ -29,10 +29,10 @@ from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
 from fuzzyarm.inference.programs import BLOCKS
 from fuzzyarm.inference.row_functions import (
     built_in_curve,
-    hedged_polyline_row,
+    corners_row,
+    hedged_corners_row,
     hedges_on_row,
     norm_row,
-    polyline_row,
 )
 from fuzzyarm.kernels import key_of, letters_of
 from fuzzyarm.loop.loop import LOOP_ARRAYS, run_loop
@@ -107,12 +107,12 @@ def _roots() -> Iterator[Root]:
 
 def _rows() -> Iterator[Root]:
     """Iterate over norms, curved terms and hedges, which take rows of numbers."""
-    yield Root(polyline_row, "fff")
-    yield Root(hedged_polyline_row, "fff")
+    yield Root(corners_row, "fff")
+    yield Root(hedged_corners_row, "fff")
     for norm in (*TNORMS.values(), *SNORMS.values()):
         yield Root(norm_row(norm), "ffff")
     for name in SHAPES:
-        if SHAPES[name].fuzzy and name not in {"points", "formula"}:
+        if SHAPES[name].fuzzy and not SHAPES[name].straight and name != "formula":
             yield Root(built_in_curve(name), "fff")
     for name, hedge in HEDGES.items():
         if len(hedge.symbols) == 1:  # others have an exponent, which is a constant of the row

@@ -22,7 +22,7 @@ import numpy as np
 
 from fuzzyarm.expression.evaluation import bounds, specialise
 from fuzzyarm.expression.kinds import HEDGES, SHAPES, SNORMS, TNORMS
-from fuzzyarm.inference.aggregate import sample_positions, weights
+from fuzzyarm.inference.aggregate import sample_positions, sampled_set, weights
 from fuzzyarm.inference.centroid_bounds import average_bounds, centroid_bounds
 from fuzzyarm.inference.plan import Member, OutputPlan, Plan, PlannedRule, needed, plan
 from fuzzyarm.inference.sets import formula_of
@@ -514,7 +514,7 @@ def membership_bounds(shape: Shape, low: float, high: float) -> tuple[float, flo
         found = bounds(root, {"x": (low, high)})
         least, most = shape.height * found.low, shape.height * found.high
     elif SHAPES[shape.kind].straight:
-        return _polyline_bounds(polyline(shape), low, high)
+        return _straight_bounds(shape, low, high)
     else:
         record = SHAPES[shape.kind]
         numbers = dict(zip(record.symbols[1:], shape.parameters, strict=True))
@@ -527,14 +527,10 @@ def membership_bounds(shape: Shape, low: float, high: float) -> tuple[float, flo
     return max(0.0, least - SLACK), min(shape.height, most + SLACK)
 
 
-def _polyline_bounds(
-    corners: Sequence[tuple[float, float]], low: float, high: float
-) -> tuple[float, float]:
-    from fuzzyarm.expression.records import degree_on_polyline
-
-    flat = [number for corner in corners for number in corner]
-    inside = [y for x, y in corners if low <= x <= high]
-    values = [degree_on_polyline(flat, low), degree_on_polyline(flat, high), *inside]
+def _straight_bounds(shape: Shape, low: float, high: float) -> tuple[float, float]:
+    lines = SHAPES[shape.kind].lines(*shape.parameters, height=shape.height)
+    inside = [y for x, y in polyline(shape) if low <= x <= high]
+    values = [lines.at(low), lines.at(high), *inside]
     least, most = min(values), max(values)
     return (least if least == 0.0 else max(0.0, least - SLACK)), (most and most + SLACK)
 
@@ -552,7 +548,13 @@ class _OfSamples:
         places = sample_positions(output.output.low, output.output.high, way)
         self.positions = np.array(places)
         self.weights = np.array(weights(way.resolution, way.sampling))
-        self.sets = [np.array([m.membership(y) for y in places]) for m in output.members]
+        model = output.output
+        self.sets = [
+            np.array(
+                sampled_set(m.term.shape, m.hedges, model.low, model.high, way).over(len(places))
+            )
+            for m in output.members
+        ]
 
     def __call__(self, strengths: list[tuple[int, Interval]], low: Array, high: Array) -> Interval:
         lower, upper = _aggregate(self.output, strengths, self.sets, self.sets)

@@ -10,6 +10,7 @@ const CORNERS = {
   trapezoid: (p) => [p[0], 0, p[1], 1, p[2], 1, p[3], 0],
   rectangle: (p) => [p[0], 0, p[0], 1, p[1], 1, p[1], 0],
   ramp: (p) => (p[0] <= p[1] ? [p[0], 0, p[1], 1] : [p[1], 1, p[0], 0]),
+  binary: (p) => (p[1] > p[0] ? [p[0], 0, p[0], 1] : [p[0], 1, p[0], 0]),
   singleton: (p) => [p[0], 0, p[0], 1, p[0], 0],
 };
 
@@ -192,15 +193,16 @@ export class Store {
   degrees(variable, shape, x, now = this.now(variable, shape)) {
     const numbers = Float64Array.from(this.numbersOf(shape, now));
     const found = this.curves.degrees(shape.curve.address, numbers, x);
-    const factor = shape.height === 1 && shape.kind !== "points" ? now.height : 1;
+    const factor = shape.height === 1 && !cornersOf(shape, now.parameters) ? now.height : 1;
     if (factor !== 1) for (let i = 0; i < found.length; i++) found[i] *= factor;
     return found;
   }
 
-  /** What the row function of a shape takes: its height only where the text has one. */
+  /** What the row function of a shape takes: corners, or numbers and the height that the text has. */
   numbersOf(shape, now) {
     if (now === shape) return shape.curve.numbers;
-    if (shape.kind === "points") return cornersOf(shape, now.parameters, now.height);
+    const corners = cornersOf(shape, now.parameters, now.height);
+    if (corners) return corners;
     return shape.height === 1 ? now.parameters : [...now.parameters, now.height];
   }
 
