@@ -194,6 +194,13 @@ def sheet_path(file: str, folder: Path) -> Path:
     return shipped(file) if not path.exists() and file in shipped_names() else path
 
 
+def sheet_files(text: ControllerText) -> list[Path]:
+    """Return the files of rule bases and tables that a controller uses."""
+    folder = Path(text.path).parent
+    names = dict.fromkeys(file for use in text.model.uses for file in use.files if file != ZERO)
+    return [sheet_path(name, folder) for name in names]
+
+
 @cache
 def _read_sheet(path: Path, _changed: int) -> Sheet:
     suffix = path.suffix.lower()

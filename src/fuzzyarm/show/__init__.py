@@ -4,6 +4,8 @@ The drawings are renderables of rich: ``make_console().print(rulebase_view(model
 """
 
 from fuzzyarm.lazy import lazily
+from fuzzyarm.show.controller import controller_view
+from fuzzyarm.show.controller_diff import compare_controllers, controller_diff_view
 from fuzzyarm.show.diagram import Diagram, DiagramBlock, DiagramWire, block_diagram
 from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
 from fuzzyarm.show.drawing import HeatGrid, Scale, make_console, number_words, plain_text, scale_of
@@ -25,7 +27,10 @@ __all__ = [
     "SurfaceMap",
     "TermPlots",
     "block_diagram",
+    "compare_controllers",
     "compare_rulebases",
+    "controller_diff_view",
+    "controller_view",
     "find_grids",
     "firing_view",
     "learned_view",

@@ -6,7 +6,6 @@ the same record. The order of lines in the text, and what a line means, come fro
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -29,6 +28,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.layers import Corner, Link, Pins, lay_out
 from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.text.numbers import number_text
 
 __all__ = ["BLOCK_KINDS", "Diagram", "DiagramBlock", "DiagramWire", "block_diagram", "time_text"]
 
@@ -251,7 +251,7 @@ def time_text(seconds: float) -> str:
     """
     unit = next(unit for unit, least in FROM.items() if not seconds < least)
     many, of = TIMES[unit]
-    return f"{number_words(seconds * of / many)} {unit}"
+    return f"{number_words(seconds * of / many, 12)} {unit}"
 
 
 # --- The lines of an axis as blocks and wires ---
@@ -327,7 +327,7 @@ class _Part:
         """Return what comes out of a gain; several numbers that follow one another are one."""
         label, details = "", []
         for factor in factors:
-            word = factor.value if isinstance(factor.value, str) else number_words(factor.value)
+            word = factor.value if isinstance(factor.value, str) else number_text(factor.value)
             if label:
                 label += f" / {word}" if factor.divides else f" * {word}"
             else:
@@ -439,17 +439,17 @@ class _Part:
     def _number(self, value: str | float) -> str:
         """Return a number, or the name of a gain with what it is."""
         if isinstance(value, float | int):
-            return number_words(value)
+            return number_text(value)
         return f"{value} = {gain_words(self.gains[value])}" if value in self.gains else value
 
     def _drive(self, line: Drive) -> None:
         pin = self._sum(line.products, line.span)
         if line.within is not None:
-            low, high = (number_words(end) for end in line.within)
+            low, high = (number_text(end) for end in line.within)
             limit = self._block("limit", "limit", [f"{low} .. {high}"], [(pin, "")], span=line.span)
             pin = (limit, 0, "")
         if line.slew is not None:
-            details = [f"{number_words(line.slew)} per s"]
+            details = [f"{number_text(line.slew)} per s"]
             pin = (self._block("slew", "slew", details, [(pin, "")], span=line.span), 0, "")
         self.driving.setdefault(line.port, []).append((pin, line.span))
 
@@ -475,7 +475,7 @@ def _amount_text(amount: Amount) -> str:
     text = ""
     for number, divides in amount.factors:
         text += ("/" if divides else "*") if text else ""
-        text += "π" if number is None else number_words(number)
+        text += "π" if number is None else number_text(number)
     return text
 
 
@@ -483,7 +483,7 @@ def _constant(factors: Sequence[Factor], gains: dict[str, GainModel]) -> tuple[s
     """Return what stands in a block that depends on nothing."""
     label, details = "", []
     for factor in factors:
-        word = factor.value if isinstance(factor.value, str) else number_words(factor.value)
+        word = factor.value if isinstance(factor.value, str) else number_text(factor.value)
         if label:
             label += " / " if factor.divides else " * "
         label += word
@@ -497,8 +497,7 @@ def option_words(source: Source) -> list[str]:
     words = []
     for word, value in source.options:
         if isinstance(value, tuple):
-            low, high = (number_words(end) if math.isfinite(end) else str(end) for end in value)
-            words.append(f"{word} {low} .. {high}")
+            words.append(f"{word} {number_text(value[0])} .. {number_text(value[1])}")
         elif value is True:
             words.append(f"{word} each set-point" if word == "cleared" else word)
         elif word == "anti-windup" and isinstance(value, float):
@@ -506,5 +505,5 @@ def option_words(source: Source) -> list[str]:
         elif word in ("filter", "time") and isinstance(value, float):
             words.append(f"{word} {time_text(value)}")
         else:
-            words.append(f"{word} {value if isinstance(value, str) else number_words(value)}")
+            words.append(f"{word} {value if isinstance(value, str) else number_text(value)}")
     return words

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.model.controller import ControllerModel
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.diagram import Diagram, block_diagram
 from fuzzyarm.show.figures.labels import text_width
@@ -53,14 +54,15 @@ TIP = 0.07
 SIGNS = {"+": "+", "-": "−", "*": "×", "/": "÷"}
 
 
-def diagram_figure(diagram: Diagram) -> Figure:
-    """Return a block diagram.
+def diagram_figure(controller: ControllerText | ControllerModel) -> Figure:
+    """Return the block diagram of a controller.
 
     Parameters
     ----------
-    diagram : Diagram
-        From :func:`fuzzyarm.show.diagram.block_diagram`.
+    controller : ControllerText or ControllerModel
+        As for :func:`fuzzyarm.show.diagram.block_diagram`.
     """
+    diagram = block_diagram(controller)
     picture = place(diagram, PEN)
     figure = new_figure(_width(picture), picture.height + 0.55)
     _draw(figure.subplots(), picture)
