@@ -66,9 +66,9 @@ def find_controller(
         raise wrong_kind(name, "name of a controller")
     name = os.fspath(name)
     choice = Choice(start, variant, sources)
-    if name in CATALOGUE or not _is_file(name):
-        return controller(name, start=start, variant=variant, sources=sources)
     words = [part.strip() for part in name.split("+")]
+    if name in CATALOGUE or not any(map(_is_file, words)):
+        return controller(name, start=start, variant=variant, sources=sources)
     # The name of one file may have a plus sign.
     if len(words) == 1 or Path(name).exists() or not all(map(_is_there, words)):
         return _part(name, choice)
