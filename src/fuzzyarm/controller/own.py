@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from fuzzyarm.controller.catalogue import (
@@ -76,6 +76,42 @@ def find_controller(
     if not any(map(_is_text, words)):
         require_taken(name, known, sources)
     return Sum([_part(word, choice) for word in words])
+
+
+def find_controllers(
+    names: Sequence[str],
+    *,
+    start: Start = "warm",
+    variant: Variant = "as-printed",
+    sources: Sources = NONE_GIVEN,
+) -> list[Controller]:
+    """Make several controllers; where two would be called the same, those of files say which file.
+
+    Parameters
+    ----------
+    names : sequence of str
+        See :func:`find_controller`.
+    start, variant, sources
+        Of all of them.
+    """
+    found = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
+    called: dict[str, set[str]] = {}
+    for name, made in zip(names, found, strict=True):
+        called.setdefault(made.name, set()).add(name)
+    for name, made in zip(names, found, strict=True):
+        others = called[made.name]
+        if len(others) > 1 and name != made.name:
+            made.name = f"{made.name} ({_shortest(name, others)})"
+    return found
+
+
+def _shortest(path: str, others: Collection[str]) -> str:
+    """Return the end of a path that no other path has."""
+    parts = Path(path).parts
+    for count in range(1, len(parts)):
+        if all(other == path or Path(other).parts[-count:] != parts[-count:] for other in others):
+            return str(Path(*parts[-count:]))
+    return path
 
 
 def _is_file(word: str) -> bool:
