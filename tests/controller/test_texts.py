@@ -392,7 +392,7 @@ def test_files_of_other_formats_are_used(tmp_path):
         assert drives[0] != 0.0
 
 
-@pytest.mark.parametrize("words", [["show"], ["eval"], ["compile", "-o", "x.lut"]])
+@pytest.mark.parametrize("words", [["prove", "--range"], ["eval"], ["compile", "-o", "x.lut"]])
 def test_commands_for_rule_bases_say_that_it_is_a_controller(capsys, words):
     command, *options = words
     assert main([command, str(shipped("stfc.frb")), *options]) == 1

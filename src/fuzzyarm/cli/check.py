@@ -11,7 +11,6 @@ from fuzzyarm.api import (
     RULEBASE_SUFFIXES,
     PlantOf,
     Review,
-    UnknownKindError,
     check_file,
     check_text,
 )
@@ -162,8 +161,9 @@ def _fmt(arguments: argparse.Namespace) -> int:
 def _read(path: str) -> str:
     if path == "-":
         return sys.stdin.buffer.read().decode("utf-8", "replace")
-    if not path.endswith(".frb"):
-        raise UnknownKindError(path)
+    if not path.lower().endswith(".frb"):
+        hint = "fuzzyarm convert makes a .frb file of a rule base or a table"
+        raise WordError(f"fmt formats .frb files, which {path} is not", hint=hint)
     return read_text(path)
 
 

@@ -246,13 +246,17 @@ def load_sheet(path: str) -> RuleBase | LookupTable:
     model = load(path)
     if isinstance(model, RuleBase):
         return model
+    from fuzzyarm.controller.text import sheet_files
     from fuzzyarm.table import LookupTable
 
     if isinstance(model, LookupTable):
         return model
     if model.model.rulebases:
         return model.model.rulebases[0]
-    hint = f"fuzzyarm simulate {typed(path)} runs it"
+    files = " or ".join(typed(str(file)) for file in sheet_files(model))
+    hint = (
+        f"it looks up {files}: give that" if files else f"fuzzyarm simulate {typed(path)} runs it"
+    )
     raise WordError(f"{path} is a controller, not a rule base or a table", hint=hint)
 
 

@@ -88,7 +88,10 @@ def _run(arguments: argparse.Namespace) -> int:
         _export_controller(controller, suffix, arguments)
         return 0
     if suffix == _UNIT:
-        raise WordError(f"an .fmu is made from a controller, which {arguments.file} is not")
+        hint = "fuzzyarm new NAME --kind controller writes one"
+        raise WordError(
+            f"an .fmu is made from a controller, which {arguments.file} is not", hint=hint
+        )
     if not exports:
         _forbid(arguments, _SOURCE_ONLY, f"{Path(arguments.out).name} is a table")
     _forbid(arguments, _CONTROLLERS_ONLY, f"{arguments.file} is not exported as a controller")

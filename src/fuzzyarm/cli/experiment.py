@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -153,18 +154,25 @@ def read_performance(word: str) -> LookupTable:
     return load_table(str(shipped(name)) if known else word)
 
 
-def chosen_controller(
-    arguments: argparse.Namespace, name: str, plant: Plant
+def named_controllers(arguments: argparse.Namespace, names: Sequence[str]) -> list[Controller]:
+    """Return the controllers of some names, told apart where two have the same."""
+    from fuzzyarm.controller.own import find_controllers
+
+    return find_controllers(
+        names, start=arguments.start, variant=arguments.variant, sources=sources_of(arguments)
+    )
+
+
+def with_settings(
+    arguments: argparse.Namespace, controller: Controller, plant: Plant
 ) -> tuple[Controller, Plant]:
     """Return a controller with its gains set, and the plant with its parameters."""
-    from fuzzyarm.controller import find_controller
     from fuzzyarm.plant.plant import with_parameters
 
-    found = find_controller(
-        name, start=arguments.start, variant=arguments.variant, sources=sources_of(arguments)
-    )
-    gains, parameters = split_settings(overrides(arguments.set), found, plant)
-    return found.with_gains(gains), with_parameters(plant, parameters) if parameters else plant
+    gains, parameters = split_settings(overrides(arguments.set), controller, plant)
+    changed = controller.with_gains(gains)
+    changed.name = controller.name
+    return changed, with_parameters(plant, parameters) if parameters else plant
 
 
 def sources_of(arguments: argparse.Namespace) -> Sources:

@@ -169,7 +169,7 @@ class _Training:
         path = entry.file() if isinstance(entry, TextEntry) else self.name
         change = teaching(0.0 if arguments.freeze else arguments.rate, arguments.delay)
         made = text_controller(path, Choice(sources=_sources(arguments)), change=change)
-        plant = plant_of(arguments)
+        plant = plant_of(arguments, [made])
         gains, parameters = split_settings(overrides(arguments.set), made, plant)
         plant = with_parameters(plant, parameters) if parameters else plant
         connect = connections(arguments)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fuzzyarm.cli.command import WordError, argument, flag, group
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from fuzzyarm.controller import Controller
     from fuzzyarm.loop import Motion, Options
@@ -35,8 +35,8 @@ PLANT = (
         "plant",
         argument(
             "--plant PLANT",
-            "arm (default), motor, cartpole, tanks, ball-and-beam, room, FILE.py or FILE.py:CLASS",
-            default="arm",
+            "arm, motor, cartpole, tanks, ball-and-beam, room, FILE.py or FILE.py:CLASS; "
+            "by default the shipped one that has the axes of the controller",
         ),
         CONNECT,
         argument("--for TIME", "how long, as in 2s, 500ms, 1h", dest="duration"),
@@ -71,9 +71,27 @@ def _words(arguments: argparse.Namespace) -> PlantWords:
     return PlantWords.of(arguments)
 
 
-def plant_of(arguments: argparse.Namespace) -> Plant:
-    """Return the plant that the arguments name, with its actuators."""
+def plant_of(arguments: argparse.Namespace, controllers: Sequence[Controller]) -> Plant:
+    """Return the plant that the arguments name, with its actuators.
+
+    Where they name none it is the shipped one that has the axes of the controllers, and the
+    arguments name that from then on.
+    """
+    if arguments.plant is None:
+        arguments.plant = _plant_by_axes(controllers, connections(arguments))
     return _words(arguments).find_plant()
+
+
+def _plant_by_axes(controllers: Sequence[Controller], connect: Mapping[str, str]) -> str:
+    from fuzzyarm.controller.findings import site_for
+
+    names = {each.name: site_for(each, connect).name for each in controllers}
+    if len(set(names.values())) > 1:
+        words = ", ".join(f"{name} on {plant}" for name, plant in names.items())
+        raise WordError(
+            f"the controllers run on different plants: {words}", hint="--plant names one"
+        )
+    return next(iter(names.values()))
 
 
 def options_of(arguments: argparse.Namespace, plant: Plant) -> Options:

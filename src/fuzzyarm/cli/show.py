@@ -8,7 +8,6 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
-    MODEL,
     WordError,
     argument,
     at,
@@ -23,28 +22,41 @@ from fuzzyarm.cli.command import (
     say,
 )
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.names import typed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.show.controller_diff import ControllerDiff
     from fuzzyarm.table import LookupTable
     from fuzzyarm.table.diff import TableDiff
 
+    Model = RuleBase | LookupTable | ControllerText
 
-_SHOW = """Draw a rule base or a table in the terminal.
+
+_SHOW = """Draw a rule base, a table or a controller in the terminal.
 
 A rule base: its variables with their terms as small plots, the rules as grids, how they are
 evaluated. A table: its axes, its origin and its values as a heat grid. With --at the
-inference (or the cell) at one point is shown as well.
+inference (or the cell) at one point is shown as well. A controller: its gains, its lines with
+what flows from one to the next, and the rule bases and tables that it looks up.
 
   fuzzyarm show rulebases/pd7.frb --at e=1.3,ce=-2
+  fuzzyarm show rulebases/servo.frb
 """
 
 
-def _show(arguments: argparse.Namespace) -> int:
+def _load(path: str, *, sheet: bool = False) -> Model:
+    """Return what is in a file; with `sheet` the rule base that stands in it with a controller."""
+    from fuzzyarm.api import load
 
-    models = [load_sheet(path) for path in arguments.files]
+    return load_sheet(path) if sheet else load(path)
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    models = [_load(path, sheet=arguments.at is not None) for path in arguments.files]
     if arguments.json:
         data = [_model_data(model) for model in models]
         print_json(data[0] if len(data) == 1 else data, 2, ascii_only=False)
@@ -60,9 +72,11 @@ def _show(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _drawing(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> RenderableType:
+def _drawing(model: Model, arguments: argparse.Namespace) -> RenderableType:
+    from fuzzyarm.table import LookupTable
+
     words = None if arguments.at is None else [arguments.at]
-    if not isinstance(model, RuleBase):
+    if isinstance(model, LookupTable):
         from fuzzyarm.show.table import table_view
 
         point = None
@@ -70,6 +84,10 @@ def _drawing(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Re
             values = read_point(words, model.names)
             point = [values[name] for name in model.names]
         return table_view(model, all_levels=arguments.all, at=point)
+    if not isinstance(model, RuleBase):
+        from fuzzyarm.show.controller import controller_view
+
+        return controller_view(model)
     from fuzzyarm.show.rulebase import rulebase_view
 
     if words is None:
@@ -84,12 +102,24 @@ def _drawing(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Re
     return Group(rulebase_view(model), Text(), trace_view(explain(model, values)))
 
 
-def _model_data(model: RuleBase | LookupTable) -> dict[str, Any]:
+def _model_data(model: Model) -> dict[str, Any]:
+    from fuzzyarm.table import LookupTable
+
     if isinstance(model, RuleBase):
         return {"kind": "rulebase", **_without_spans(asdict(model))}
-    from fuzzyarm.table.files import header_data
+    if isinstance(model, LookupTable):
+        from fuzzyarm.table.files import header_data
 
-    return {"kind": "table", **header_data(model), "values": model.values.tolist()}
+        return {"kind": "table", **header_data(model), "values": model.values.tolist()}
+    from fuzzyarm.show.diagram import block_diagram
+
+    diagram = asdict(block_diagram(model))
+    for block in diagram["blocks"]:
+        block["line"] = (
+            block["span"]["line"] if isinstance(block["span"], dict) else block["span"][0]
+        )
+    model_data = _without_spans(asdict(model.model))
+    return {"kind": "controller", **model_data, "diagram": _without_spans(diagram)}
 
 
 def _without_spans(data: Any) -> Any:
@@ -102,17 +132,19 @@ def _without_spans(data: Any) -> Any:
     return data
 
 
-_PLOT = """Draw a rule base or a table as a figure: .png, .svg or .pdf.
+_PLOT = """Draw a rule base, a table or a controller as a figure: .png, .svg or .pdf.
 
 A rule base gives the memberships of every variable and the control surface of every output:
 a line over one input, a surface and its map over two, a slice over two of more with the
 others at the middle of their ranges or where --at says. Points at which `prove` lines of the
-file fail are marked. A table gives its cells.
+file fail are marked. A table gives its cells. A controller gives its block diagram (that alone
+with --what diagram) above the surfaces of its rule bases and tables.
 
 A rule base or a controller that remembers nothing has a describing function (its gain under a
 sinusoidal error); a rule base of error and rate, or a controller on a plant, a phase portrait.
 
   fuzzyarm plot rulebases/thermostat.frb -o thermostat.svg --at presence=1
+  fuzzyarm plot rulebases/tanks.frb -o tanks.png
   fuzzyarm plot rulebases/servo.frb -o servo.png --what phase --plant motor
 """
 
@@ -126,7 +158,9 @@ def _plot(arguments: argparse.Namespace) -> int:
     elif arguments.plant is not None:
         raise WordError("--plant goes with --what phase")
     else:
-        figure = _figure(load_sheet(arguments.file), arguments)
+        rules = arguments.what in ("terms", "surface")
+        named = arguments.at is not None or arguments.output is not None
+        figure = _figure(_load(arguments.file, sheet=rules or named), arguments)
     save_figure(figure, arguments.out)
     say(f"{arguments.out}: drawn from {arguments.file}")
     return 0
@@ -157,51 +191,95 @@ def _loop_figure(arguments: argparse.Namespace) -> Figure:
     return portrait_figure(phase_portrait(model, plant))
 
 
-def _figure(model: RuleBase | LookupTable, arguments: argparse.Namespace) -> Figure:
+def _figure(model: Model, arguments: argparse.Namespace) -> Figure:
     from fuzzyarm.cli.command import busy
+    from fuzzyarm.controller.text import ControllerText
     from fuzzyarm.show.figures.whole import model_figure
 
     words = [] if arguments.at is None else [arguments.at]
-    if not isinstance(model, RuleBase):
-        if arguments.what != "all" or arguments.output is not None:
-            raise WordError("--what and --output are for rule bases, not for tables")
-        names: Sequence[str] = model.names
-    else:
+    names: Sequence[str] = ()
+    if isinstance(model, RuleBase):
         names = [variable.name for variable in model.inputs]
+    elif not isinstance(model, ControllerText):
+        if arguments.what not in ("all", "diagram") or arguments.output is not None:
+            raise WordError("--what and --output are for rule bases, not for tables")
+        names = model.names
+    if arguments.what == "diagram" and not isinstance(model, ControllerText):
+        raise WordError(f"--what diagram is for controllers, which {arguments.file} is not")
     point = read_assignments(words, names)
     with busy("drawing"):
         return model_figure(model, arguments.what, arguments.output, point)
 
 
-_DIFF = """Compare two tables cell by cell, or two rule bases rule by rule.
+_DIFF = """Compare two tables cell by cell, two rule bases rule by rule, or two controllers.
 
 Tables are compared by the names of their inputs: one with rows and columns swapped is
 turned round first, and that is said. Rule bases are compared by meaning: the order of rules,
-comments and layout do not count. The exit status is 0 whether or not they differ; with
+comments and layout do not count. Controllers are compared gain by gain and line by line, with
+the rule bases and tables that they look up. The exit status is 0 whether or not they differ; with
 --json the answer has a field `same`.
 """
 
 
 def _diff(arguments: argparse.Namespace) -> int:
+    from fuzzyarm.controller.text import ControllerText
+    from fuzzyarm.show.controller_diff import compare_controllers, controller_diff_view
     from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
     from fuzzyarm.show.drawing import make_console
+    from fuzzyarm.table import LookupTable
     from fuzzyarm.table.diff import compare_tables
 
-    before, after = load_sheet(arguments.before), load_sheet(arguments.after)
+    before, after = _load(arguments.before), _load(arguments.after)
     data: dict[str, Any]
     if isinstance(before, RuleBase) and isinstance(after, RuleBase):
         rules = compare_rulebases(before, after)
         data, view = {"same": rules.same, **asdict(rules)}, rulebase_diff_view(rules)
-    elif isinstance(before, RuleBase) or isinstance(after, RuleBase):
-        raise WordError("a rule base and a table cannot be compared", hint="compile the rule base")
-    else:
+    elif isinstance(before, LookupTable) and isinstance(after, LookupTable):
         cells = compare_tables(before, after)
         data, view = _diff_data(cells), table_diff_view(cells)
+    elif isinstance(before, ControllerText) and isinstance(after, ControllerText):
+        found = compare_controllers(before, after)
+        data, view = _controller_diff_data(found), controller_diff_view(found)
+    else:
+        raise _unlike(arguments, before, after)
     if arguments.json:
         print_json(data, 2)
     else:
         make_console().print(view)
     return 0
+
+
+def _unlike(arguments: argparse.Namespace, before: Model, after: Model) -> WordError:
+    """Return why two files cannot be compared, and what could be."""
+    from fuzzyarm.controller.text import ControllerText, sheet_files
+
+    hint = "compile the rule base"
+    for path, model in ((arguments.before, before), (arguments.after, after)):
+        if isinstance(model, ControllerText):
+            files = " or ".join(typed(str(file)) for file in sheet_files(model))
+            hint = f"{path} looks up {files or 'no other file'}"
+    message = f"a {_kind_of(before)} and a {_kind_of(after)} cannot be compared"
+    return WordError(message, hint=hint)
+
+
+def _kind_of(model: Model) -> str:
+    from fuzzyarm.table import LookupTable
+
+    if isinstance(model, RuleBase):
+        return "rule base"
+    return "table" if isinstance(model, LookupTable) else "controller"
+
+
+def _controller_diff_data(diff: ControllerDiff) -> dict[str, Any]:
+    return {
+        "same": diff.same,
+        "settings": [asdict(each) for each in diff.settings],
+        "gains": [asdict(each) for each in diff.gains],
+        "lines": [asdict(each) for each in diff.lines],
+        "order": list(diff.order),
+        "rulebases": {name: asdict(rules) for name, rules in diff.rulebases},
+        "tables": {name: _diff_data(cells) for name, cells in diff.tables},
+    }
 
 
 def _diff_data(diff: TableDiff) -> dict[str, Any]:
@@ -226,7 +304,7 @@ COMMANDS = (
         "show",
         _SHOW,
         _show,
-        argument("files FILE", "rule bases and tables", nargs="+"),
+        argument("files FILE", "rule bases, tables and controllers", nargs="+"),
         at("also the inference at one point"),
         flag("--all", "every level of a large table"),
         json_of("the model"),
@@ -235,12 +313,12 @@ COMMANDS = (
         "plot",
         _PLOT,
         _plot,
-        MODEL,
+        argument("file FILE", "a rule base, a table or a controller"),
         out("FIG", "the figure to write"),
         argument(
             "--what",
-            "part of a rule base to draw, or what it does in a loop",
-            choices=("all", "terms", "surface", *LOOP_FIGURES),
+            "part to draw, or what it does in a loop",
+            choices=("all", "diagram", "terms", "surface", *LOOP_FIGURES),
             default="all",
         ),
         argument("--output NAME", "the surface of this output only"),
@@ -251,7 +329,7 @@ COMMANDS = (
         "diff",
         _DIFF,
         _diff,
-        argument("before A", "a table or a rule base"),
+        argument("before A", "a table, a rule base or a controller"),
         argument("after B", "another of the same kind"),
         json_of("the differences"),
     ),

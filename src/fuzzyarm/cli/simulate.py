@@ -45,8 +45,9 @@ from fuzzyarm.cli.experiment import (
     RUN,
     SOURCES,
     TRAJECTORY,
-    chosen_controller,
     experiment_of,
+    named_controllers,
+    with_settings,
 )
 from fuzzyarm.cli.plants import (
     MOTORS,
@@ -78,8 +79,11 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.sweep or arguments.random is not None:
         return _sweep(arguments)
     _require_pictures(arguments)
-    plant = plant_of(arguments)
-    made = [chosen_controller(arguments, name, plant) for name in arguments.controller]
+    controllers = named_controllers(arguments, arguments.controller)
+    if arguments.show_gains and arguments.plant is None:
+        arguments.plant = "arm"  # gains have the same values wherever they count
+    plant = plant_of(arguments, controllers)
+    made = [with_settings(arguments, each, plant) for each in controllers]
     if arguments.show_gains:
         for (controller, _), name in zip(made, arguments.controller, strict=True):
             _show_gains(controller, arguments.json)
@@ -93,7 +97,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.watch:
         _watch(results, made[0][1])
     if arguments.json:
-        shown = [_as_json(result) for result in results]
+        shown = [run_as_json(result) for result in results]
         print_json(shown if len(shown) > 1 else shown[0])
     else:
         print("\n\n".join(map(_as_text, results)))
@@ -208,7 +212,8 @@ def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> 
     )
 
 
-def _as_json(result: Run) -> dict[str, Any]:
+def run_as_json(result: Run) -> dict[str, Any]:
+    """Return a run as JSON data."""
     norms = {"rms": result.rms, "max": result.maximum, "final": result.final}
     return {
         "controller": result.controller,

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
-from fuzzyarm.cli.plants import INTERPOLATE, MOTORS, motors_of
+from fuzzyarm.cli.compare_plants import compare_on, other_plant
+from fuzzyarm.cli.plants import MOTORS, PLANT, motors_of
 
 if TYPE_CHECKING:
     from fuzzyarm.plant import Trajectory
@@ -372,12 +373,17 @@ control period to the next, the largest of the four, in N m: chatter.
 With --cost: floating-point operations of a control step, both joints together (counted as
 the laws do them, sines and cosines among them), and the time that a step adds to the loop.
 
+On another plant, that of --plant or the shipped one that has the axes of the controllers,
+they follow the same references, with the options of `fuzzyarm simulate`; the table has the
+metrics of each run, and --plot draws the runs beside one another.
+
 Examples
 --------
   fuzzyarm compare
   fuzzyarm compare --interpolate
   fuzzyarm compare --angles 80 -20 --segment 1 --limits 55.44 48.51
   fuzzyarm compare pd-motor fuzzy-fine mine.frb --inductance 0.002 --supply 24 --cost
+  fuzzyarm compare servo.frb tuned.frb --step 1 --for 2s --noise position=0.001
 """
 
 
@@ -389,6 +395,9 @@ def _compare(arguments: argparse.Namespace) -> int:
     if arguments.plot:
         figure_format(arguments.plot)  # a mistake in the name is told before the runs
     names = arguments.controllers or compared_names()
+    elsewhere = other_plant(arguments, names)
+    if elsewhere is not None:
+        return compare_on(arguments, *elsewhere)
     options = Options(interpolate=arguments.interpolate, **motors_of(arguments))
     trajectories = _both_trajectories(arguments)
     costs: list[Cost] = []
@@ -476,7 +485,7 @@ COMMANDS = (
         argument("controllers CONTROLLER", "name, sum or file", nargs="*"),
         argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
         argument("--segment SECONDS", "duration of each move", type=float),
-        INTERPOLATE,
+        *PLANT,
         *MOTORS,
         flag("--cost", "count operations and measure time"),
         argument("--plot FIG", "draw error against cost"),

@@ -47,8 +47,9 @@ from fuzzyarm.cli.experiment import (
     SOURCES,
     TRAJECTORY,
     arm_changes,
-    chosen_controller,
     experiment_of,
+    named_controllers,
+    with_settings,
 )
 from fuzzyarm.cli.plants import (
     MOTORS,
@@ -107,8 +108,8 @@ def read_asked(arguments: argparse.Namespace) -> Asked:
     from fuzzyarm.loop.many import Bench, Experiment
     from fuzzyarm.plant import PLAIN, Arm
 
-    plant = plant_of(arguments)
-    controller, plant = chosen_controller(arguments, arguments.controller, plant)
+    (controller,) = named_controllers(arguments, [arguments.controller])
+    controller, plant = with_settings(arguments, controller, plant_of(arguments, [controller]))
     connect, options = connections(arguments), options_of(arguments, plant)
     shared: dict[str, float] = {}
     conventions, segments = PLAIN, None

@@ -169,15 +169,11 @@ def _subject(word: str) -> tuple[str, ControllerText | RuleBase]:
 
 def _stage(arguments: argparse.Namespace, text: ControllerText) -> Stage:
     from fuzzyarm.controller.catalogue import controller_of
-    from fuzzyarm.controller.findings import site_by_axes
     from fuzzyarm.loop.sweep import read_range
     from fuzzyarm.plant import Arm
     from fuzzyarm.tuning.scenarios import Scenario, Stage, arm_scenarios
 
-    if arguments.plant is None:
-        site = site_by_axes(text.model)
-        arguments.plant = site.name if site is not None else Arm.name
-    plant = plant_of(arguments)
+    plant = plant_of(arguments, [controller_of(text)])
     options, connect = options_of(arguments, plant), connections(arguments)
     vary = tuple(map(read_range, arguments.vary))
     if isinstance(plant, Arm):

@@ -28,6 +28,7 @@ from fuzzyarm.controller.conventional import (
     PD_LAW,
     PURE_FEED_FORWARD_LAW,
 )
+from fuzzyarm.controller.files import demand_text_file
 from fuzzyarm.controller.law import Law, Origin
 from fuzzyarm.controller.on_plant import make_law
 from fuzzyarm.controller.program import Sheet, SourceError
@@ -370,7 +371,10 @@ def text_controller(
         If it has mistakes; `diagnostics` has all of them.
     SourceError
         If nothing reads a given source, or the arm does not have what it drives or measures.
+    WrongKindError
+        If it is a rule base or a table.
     """
+    demand_text_file(path)
     source = read_text(path) if source is None else source
     parsed = parse(source, os.fspath(path))
     instead: dict[str, tuple[Sheet, ...]] = {}

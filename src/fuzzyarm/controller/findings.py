@@ -7,7 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
-from fuzzyarm.controller.on_plant import Site, site_of
+from fuzzyarm.controller.controller import CompiledController, Controller
+from fuzzyarm.controller.on_plant import ARM, Site, TextLaw, site_of
 from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.reach import (
     FED_BACK,
@@ -40,17 +41,56 @@ def shipped_sites() -> tuple[Site, ...]:
     return tuple(site_of(kind()) for kind in PLANTS.values())
 
 
-def site_by_axes(model: ControllerModel) -> Site | None:
+def site_by_axes(model: ControllerModel, connect: Mapping[str, str] | None = None) -> Site | None:
     """Return the shipped plant that has the axes of a controller, and some port that it asks for.
 
-    A controller may be meant for another plant, so that nothing follows from it for certain.
+    Where names are joined to ports, one that has all of them will do. A controller may be meant
+    for another plant, so that nothing follows from it for certain.
     """
-    wanted = set(model.axis_names)
+    connect = connect or {}
+    wanted = {connect.get(axis, axis) for axis in model.axis_names}
     asked = [(kind, each) for kind in KINDS for each in ports_of(model, kind)]
-    for site in shipped_sites():
-        if wanted <= set(site.interface.axes) and any(_has(site, model, *each) for each in asked):
+    for shipped_site in shipped_sites():
+        site = replace(shipped_site, connect=connect) if connect else shipped_site
+        found = [_has(site, model, *each) for each in asked]
+        if any(found) and (wanted <= set(site.interface.axes) or (connect and all(found))):
             return site
     return None
+
+
+def site_for(controller: Controller, connect: Mapping[str, str] | None = None) -> Site:
+    """Return the shipped plant on which a controller runs where none is named.
+
+    Parameters
+    ----------
+    controller : Controller
+        A text runs on the plant with its axes, everything else on the arm.
+    connect : mapping of str to str, optional
+        From names of the controller to ports of the plant, where they differ.
+
+    Raises
+    ------
+    SourceError
+        If no shipped plant has its axes and some of its ports.
+    """
+    parts = list(controller.parts())
+    texts = [
+        part.law.text.model
+        for part in parts
+        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw)
+    ]
+    if len(texts) < len(parts):
+        return ARM
+    site = site_by_axes(texts[0], connect)
+    if site is None:
+        axes = ", ".join(texts[0].axis_names)
+        ports = [port for kind in KINDS for _, port in ports_of(texts[0], kind)]
+        raise SourceError(
+            f"no shipped plant has axis {axes} with {', '.join(dict.fromkeys(ports))}, as"
+            f" {controller.name} asks for",
+            hint=f"--plant FILE.py names one of yours; there are {', '.join(PLANTS)}",
+        )
+    return site
 
 
 def _has(site: Site, model: ControllerModel, kind: str, asked: Address) -> bool:

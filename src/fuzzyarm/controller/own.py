@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from fuzzyarm.controller.catalogue import (
@@ -18,9 +19,11 @@ from fuzzyarm.controller.catalogue import (
     text_controller,
 )
 from fuzzyarm.controller.controller import Controller, Sum
+from fuzzyarm.controller.files import TEXT, kind_by_suffix
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.plant.own import executed, failure
 from fuzzyarm.plant.setting import Clock, Pair, Reference, State
+from fuzzyarm.text.mistaken import wrong_kind
 
 
 class OwnControllerError(FuzzyarmError, RuntimeError):
@@ -32,7 +35,7 @@ class OwnControllerError(FuzzyarmError, RuntimeError):
 
 
 def find_controller(
-    name: str,
+    name: str | os.PathLike[str],
     *,
     start: Start = "warm",
     variant: Variant = "as-printed",
@@ -42,7 +45,7 @@ def find_controller(
 
     Parameters
     ----------
-    name : str
+    name : str or path-like
         Names of the catalogue, ``FILE.frb``, ``FILE.py`` or ``FILE.py:CLASS``, with plus signs
         between.
     start, variant, sources
@@ -56,26 +59,76 @@ def find_controller(
         If a rule base or a table does not serve, or nothing reads it.
     OwnControllerError
         For a file without a usable controller.
+    WrongKindError
+        For a rule base or a table.
     """
+    if not isinstance(name, str | os.PathLike):
+        raise wrong_kind(name, "name of a controller")
+    name = os.fspath(name)
     choice = Choice(start, variant, sources)
-    if name.endswith(".frb"):
-        return text_controller(name, choice)
-    if name in CATALOGUE or not _is_file(name):
-        return controller(name, start=start, variant=variant, sources=sources)
     words = [part.strip() for part in name.split("+")]
+    if name in CATALOGUE or not any(map(_is_file, words)):
+        return controller(name, start=start, variant=variant, sources=sources)
+    # The name of one file may have a plus sign.
+    if len(words) == 1 or Path(name).exists() or not all(map(_is_there, words)):
+        return _part(name, choice)
     known = [entry for word in words if not _is_file(word) for entry in entries_of(word)]
-    if not any(word.endswith(".frb") for word in words):
+    if not any(map(_is_text, words)):
         require_taken(name, known, sources)
-    parts = [_part(word, choice) for word in words]
-    return parts[0] if len(parts) == 1 else Sum(parts)
+    return Sum([_part(word, choice) for word in words])
+
+
+def find_controllers(
+    names: Sequence[str],
+    *,
+    start: Start = "warm",
+    variant: Variant = "as-printed",
+    sources: Sources = NONE_GIVEN,
+) -> list[Controller]:
+    """Make several controllers; where two would be called the same, those of files say which file.
+
+    Parameters
+    ----------
+    names : sequence of str
+        See :func:`find_controller`.
+    start, variant, sources
+        Of all of them.
+    """
+    found = [find_controller(n, start=start, variant=variant, sources=sources) for n in names]
+    called: dict[str, set[str]] = {}
+    for name, made in zip(names, found, strict=True):
+        called.setdefault(made.name, set()).add(name)
+    for name, made in zip(names, found, strict=True):
+        others = called[made.name]
+        if len(others) > 1 and name != made.name:
+            made.name = f"{made.name} ({_shortest(name, others)})"
+    return found
+
+
+def _shortest(path: str, others: Collection[str]) -> str:
+    """Return the end of a path that no other path has."""
+    parts = Path(path).parts
+    for count in range(1, len(parts)):
+        if all(other == path or Path(other).parts[-count:] != parts[-count:] for other in others):
+            return str(Path(*parts[-count:]))
+    return path
 
 
 def _is_file(word: str) -> bool:
-    return ".py" in word or ".frb" in word
+    return ".py" in word or _is_text(word) or bool(kind_by_suffix(word))
+
+
+def _is_text(word: str) -> bool:
+    return word.lower().endswith(TEXT)
+
+
+def _is_there(word: str) -> bool:
+    """Whether an addend of a sum can be meant: a file that exists, or no file."""
+    return ".py" in word or not _is_file(word) or Path(word).exists()
 
 
 def _part(word: str, choice: Choice) -> Controller:
-    if word.endswith(".frb"):
+    if _is_text(word) or kind_by_suffix(word):
         return text_controller(word, choice)
     return load_own(word) if ".py" in word else entries_of(word)[0].make(choice)
 

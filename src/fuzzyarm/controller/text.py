@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzyarm.controller.files import demand_text_file, without_controller
 from fuzzyarm.controller.kernel import step
 from fuzzyarm.controller.law import view
 from fuzzyarm.controller.program import (
@@ -41,6 +42,7 @@ from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import SUFFIXES, LookupTable, read_table
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError
 from fuzzyarm.text.files import demand_allowed
+from fuzzyarm.text.mistaken import CONTROLLER, OfKind
 from fuzzyarm.text.names import near_hint
 from fuzzyarm.text.shown import Shown
 
@@ -51,7 +53,7 @@ ZERO = "zero"
 
 
 @dataclass(frozen=True, repr=False)
-class ControllerText(Shown):
+class ControllerText(Shown, OfKind):
     """A controller as text, with the rule bases and tables that it uses.
 
     Attributes
@@ -66,10 +68,16 @@ class ControllerText(Shown):
         The text as it was read; empty where the controller has been changed since.
     """
 
+    kind_of_value = CONTROLLER
+
     model: ControllerModel
     sheets: Mapping[str, tuple[Sheet, ...]] = field(default_factory=dict)
     path: str = ""
     source: str = field(default="", compare=False)
+
+    def called(self) -> str:
+        """Return the name of the controller, for a message."""
+        return self.model.name
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}{repr(self.model).removeprefix('<ControllerModel')}"
@@ -112,12 +120,15 @@ def read_controller(
         If a file cannot be read.
     RuleBaseError
         If it has mistakes, or something does not fit; `diagnostics` has all of them.
+    WrongKindError
+        If it is a rule base or a table.
     """
     name = os.fspath(path)
+    demand_text_file(name)
     source = read_text(path) if source is None else source
     parsed = parse(source, name)
     if parsed.controller is None:
-        raise RuleBaseError(parsed.diagnostics)
+        raise without_controller(parsed, name)
     model = change(parsed.controller) if change is not None else parsed.controller
     text, faults = with_files(model, Path(name).parent, name, instead)
     if faults:
@@ -192,6 +203,13 @@ def sheet_path(file: str, folder: Path) -> Path:
     path = folder / file
     demand_allowed(path)
     return shipped(file) if not path.exists() and file in shipped_names() else path
+
+
+def sheet_files(text: ControllerText) -> list[Path]:
+    """Return the files of rule bases and tables that a controller uses."""
+    folder = Path(text.path).parent
+    names = dict.fromkeys(file for use in text.model.uses for file in use.files if file != ZERO)
+    return [sheet_path(name, folder) for name in names]
 
 
 @cache

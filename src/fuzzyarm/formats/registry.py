@@ -114,8 +114,11 @@ def parse(
 
 def _own(text: str, path: str) -> Imported:
     from fuzzyarm.language import parse as parse_rulebase
+    from fuzzyarm.language.reading import without_rulebase
 
     parsed = parse_rulebase(text, path)
+    if parsed.rulebase is None:
+        return Imported(None, tuple(without_rulebase(parsed, path)), "fuzzyarm")
     return Imported(parsed.rulebase, parsed.diagnostics, "fuzzyarm")
 
 

@@ -192,16 +192,19 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
     """
     parsed = parse(read_text(path), os.fspath(path))
     if parsed.rulebase is None:
-        raise RuleBaseError(parsed.diagnostics or [_not_a_rulebase(parsed, os.fspath(path))])
+        raise RuleBaseError(without_rulebase(parsed, os.fspath(path)))
     return parsed.rulebase
 
 
-def _not_a_rulebase(parsed: Parsed, path: str) -> Diagnostic:
-    """Describe a file that has a controller and no rule base."""
-    span = parsed.document.statements[0].node.span
-    hint = "fuzzyarm simulate runs it; its rule bases stand in its use lines"
-    message = "this is a controller, not a rule base"
-    return Diagnostic("not-a-rule-base", message, span, hint=hint, path=path)
+def without_rulebase(parsed: Parsed, path: str) -> list[Diagnostic]:
+    """Return the findings of a text without a rule base; of a controller, that it is one."""
+    found = list(parsed.diagnostics)
+    if parsed.controller is not None:
+        span = parsed.document.statements[0].node.span
+        hint = "fuzzyarm simulate runs it; its rule bases stand in its use lines"
+        message = "this is a controller, not a rule base"
+        found.append(Diagnostic("not-a-rule-base", message, span, hint=hint, path=path))
+    return found
 
 
 # --- Formatting ---

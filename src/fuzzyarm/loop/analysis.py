@@ -286,7 +286,10 @@ def phase_portrait(
     if isinstance(thing, AnyRuleBase):
         thing = thing.model
         if plant is not None:
-            hint = "a controller says what goes to which port; docs/controllers.md"
+            hint = (
+                "a controller says what goes to which port;"
+                " fuzzyarm new NAME --kind controller writes one"
+            )
             message = f"'{thing.name}' is a rule base, which no plant can be driven by"
             raise AnalysisError(message, name=thing.name, hint=hint)
         return _of_double_integrator(thing, starts, duration or 20.0)

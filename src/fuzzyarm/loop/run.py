@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -40,6 +41,7 @@ from fuzzyarm.plant.setting import (
     Conventions,
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, reach_return, schedule
+from fuzzyarm.text.mistaken import CONTROLLER, wrong_kind
 from fuzzyarm.text.shown import Shown, one_line
 
 # --- What came of a run ---
@@ -276,17 +278,27 @@ def as_way(on: Trajectory | Plant | Motion | str, *, along: bool) -> Trajectory 
     return reach_return() if isinstance(plant, Arm) and along else plant
 
 
-def as_controller(controller: Controller | ControllerText | str) -> Controller:
-    """Return a controller, of its name, file or text where that is what is given."""
-    if isinstance(controller, str):
+def as_controller(
+    controller: Controller | ControllerText | str | os.PathLike[str],
+) -> Controller:
+    """Return a controller, of its name, file or text where that is what is given.
+
+    Raises
+    ------
+    WrongKindError
+        For a rule base, a table or anything else.
+    """
+    if isinstance(controller, Controller):
+        return controller
+    if isinstance(controller, str | os.PathLike):
         from fuzzyarm.controller.own import find_controller
 
-        return find_controller(controller)
+        return find_controller(os.fspath(controller))
     if isinstance(controller, ControllerText):
         from fuzzyarm.controller.catalogue import controller_of
 
         return controller_of(controller)
-    return controller
+    raise wrong_kind(controller, CONTROLLER)
 
 
 def plant_motion(

@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.diagnostic import NOWHERE, Span
+from fuzzyarm.text.mistaken import CONTROLLER, OfKind
 from fuzzyarm.text.shown import one_line
 
 __all__ = [
@@ -329,7 +330,7 @@ def _names_in(products: tuple[Product, ...]) -> Iterator[str]:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class ControllerModel:
+class ControllerModel(OfKind):
     """A controller as text.
 
     Parameters
@@ -345,6 +346,8 @@ class ControllerModel:
     rulebases : tuple of RuleBase
         That stand in the same file; a controller knows them by name.
     """
+
+    kind_of_value = CONTROLLER
 
     name: str
     period: float

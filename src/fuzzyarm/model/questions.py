@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from importlib import import_module
 from typing import Any
 
+from fuzzyarm.text.mistaken import RULE_BASE, OfKind
 from fuzzyarm.text.shown import Shown
 
 
@@ -19,10 +20,12 @@ def _function(module: str, name: str) -> Any:
     return getattr(import_module(f"fuzzyarm.{module}"), name)
 
 
-class Questions(Shown):
+class Questions(Shown, OfKind):
     """What can be asked of whatever has a `model`: the value of a rule base."""
 
     __slots__ = ()
+
+    kind_of_value = RULE_BASE
 
     @property
     @abstractmethod

@@ -128,7 +128,7 @@ def read_property(rulebase: RuleBase, text: str) -> Property:
     from fuzzyarm.language.statements import STATEMENTS
 
     statement = text if text.split(maxsplit=1)[:1] == ["prove"] else f"prove {text}"
-    head = write(replace(rulebase, properties=(), expectations=()))
+    head = write(replace(rulebase, properties=rulebase.properties[:0], expectations=()))
     if "\n" in statement.strip() or statement.strip() == "prove":
         statement = "prove"
     parsed = parse(f"{head}{statement.strip()}\n", "<statement>")

@@ -4,6 +4,9 @@ The drawings are renderables of rich: ``make_console().print(rulebase_view(model
 """
 
 from fuzzyarm.lazy import lazily
+from fuzzyarm.show.controller import controller_view
+from fuzzyarm.show.controller_diff import compare_controllers, controller_diff_view
+from fuzzyarm.show.diagram import Diagram, DiagramBlock, DiagramWire, block_diagram
 from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
 from fuzzyarm.show.drawing import HeatGrid, Scale, make_console, number_words, plain_text, scale_of
 from fuzzyarm.show.rulebase import RuleGrid, find_grids, rule_grid, rulebase_view, rules_view
@@ -13,6 +16,9 @@ from fuzzyarm.show.terms import TermPlots, shape_words, visible_range
 from fuzzyarm.show.trace import OutputPlot, firing_view, trace_view
 
 __all__ = [
+    "Diagram",
+    "DiagramBlock",
+    "DiagramWire",
     "HeatGrid",
     "LinePlot",
     "OutputPlot",
@@ -20,7 +26,11 @@ __all__ = [
     "Scale",
     "SurfaceMap",
     "TermPlots",
+    "block_diagram",
+    "compare_controllers",
     "compare_rulebases",
+    "controller_diff_view",
+    "controller_view",
     "find_grids",
     "firing_view",
     "learned_view",

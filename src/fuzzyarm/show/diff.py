@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from fuzzyarm.text.numbers import number_text, short_bins, short_levels
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
+    from rich.text import Text
 
     from fuzzyarm.table.diff import CellChange, TableDiff
 
@@ -73,9 +74,9 @@ def compare_rulebases(before: RuleBase, after: RuleBase) -> RuleBaseDiff:
         Two versions.
     """
     return RuleBaseDiff(
-        tuple(_changes(_rules(before), _rules(after))),
-        tuple(_changes(_terms(before), _terms(after))),
-        tuple(_changes(_settings(before), _settings(after))),
+        tuple(changes(_rules(before), _rules(after))),
+        tuple(changes(_terms(before), _terms(after))),
+        tuple(changes(_settings(before), _settings(after))),
     )
 
 
@@ -95,20 +96,29 @@ def rulebase_diff_view(diff: RuleBaseDiff) -> Group:
 
     if diff.same:
         return Group(Text("the rule bases mean the same"))
-    lines = []
+    lines: list[Text] = []
     for title in ("rules", "terms", "settings"):
-        changes: tuple[Change, ...] = getattr(diff, title)
-        counts = Counter(change.kind for change in changes)
-        if changes:
-            words = ", ".join(f"{counts[kind]} {kind}" for kind in _MARKS if counts[kind])
-            lines.append(Text(f"{title}: {words}", "bold"))
-        for change in changes:
-            mark, style = _MARKS[change.kind]
-            lines.append(Text.assemble((f"  {mark} ", style), str(change)))
+        lines += change_lines(title, getattr(diff, title))
     return Group(*lines)
 
 
-def _changes(before: dict[str, str], after: dict[str, str]) -> Iterator[Change]:
+def change_lines(title: str, found: Sequence[Change]) -> list[Text]:
+    """Return changes with ``~``, ``+`` and ``-`` in front, below how many there are of each."""
+    from rich.text import Text
+
+    if not found:
+        return []
+    counts = Counter(change.kind for change in found)
+    words = ", ".join(f"{counts[kind]} {kind}" for kind in _MARKS if counts[kind])
+    lines = [Text(f"{title}: {words}", "bold")]
+    for change in found:
+        mark, style = _MARKS[change.kind]
+        lines.append(Text.assemble((f"  {mark} ", style), str(change)))
+    return lines
+
+
+def changes(before: dict[str, str], after: dict[str, str]) -> Iterator[Change]:
+    """Yield what differs between texts by what they are of."""
     for what, text in before.items():
         if what not in after:
             yield Change("removed", what, text, "")

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fuzzyarm.controller import find_controller
 from fuzzyarm.controller.catalogue import study_conventions
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.on_plant import driven_by, site_of
+from fuzzyarm.controller.own import find_controller, find_controllers
 from fuzzyarm.loop.course import Course, Options, arm_motion
 from fuzzyarm.loop.loop import MAGNITUDES, rms
 from fuzzyarm.loop.program import Program, Record, error_taps, loop_for, shown_errors
@@ -113,8 +113,7 @@ def compare(
     conventions : Conventions, optional
         By default those that the study had for each controller.
     """
-    for name in names:
-        made = find_controller(name)
+    for name, made in zip(names, find_controllers(names), strict=True):
         counted = conventions or study_conventions(name)
         runs = [
             watched_run(made, trajectory(), counted, options or Options())

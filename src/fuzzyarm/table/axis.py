@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.mistaken import TABLE, OfKind
 from fuzzyarm.text.shown import Drawn, one_line
 
 SUFFIXES = (".lut", ".csv", ".npz", ".json")
@@ -140,7 +141,7 @@ def _require_increasing(numbers: tuple[float, ...], what: str) -> None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableHeader(Drawn):
+class TableHeader(Drawn, OfKind):
     """The axes of a table, its output, and where it came from.
 
     Attributes
@@ -162,6 +163,8 @@ class TableHeader(Drawn):
         What is known of its making, in order: the source file, its hash, the options.
     """
 
+    kind_of_value = TABLE
+
     axes: tuple[Axis, ...]
     output: str
     low: float | None = field(default=None, kw_only=True)
@@ -170,6 +173,10 @@ class TableHeader(Drawn):
     rounding: float | None = field(default=None, kw_only=True)
     mode: str | None = field(default=None, kw_only=True)
     provenance: tuple[tuple[str, str], ...] = field(default=(), kw_only=True)
+
+    def called(self) -> str:
+        """Return the name of the output, for a message."""
+        return self.output
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "axes", tuple(self.axes))

@@ -22,12 +22,13 @@ from fuzzyarm.loop.course import Options
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import plant_motion
 from fuzzyarm.loop.sweep import Range
-from fuzzyarm.model.rulebase import RuleBase, Tuning
+from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, Tuning
 from fuzzyarm.plant import find_plant
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory
+from fuzzyarm.text.mistaken import MODEL, wrong_kind
 from fuzzyarm.tuning.cost import (
     ERRORS,
     Cost,
@@ -189,10 +190,12 @@ def _loaded(
 ) -> tuple[str, ControllerText | RuleBase]:
     if isinstance(subject, ControllerText):
         return subject.path, subject
-    if isinstance(subject, RuleBase):
-        return "", subject
+    if isinstance(subject, AnyRuleBase):
+        return "", subject.model
     from fuzzyarm.api import load
 
+    if not isinstance(subject, str | os.PathLike):
+        raise wrong_kind(subject, MODEL)
     model = load(subject)
     if not isinstance(model, ControllerText | RuleBase):
         raise TuneError(f"{subject} is a table; a controller or a rule base is tuned")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from fuzzyarm.lazy import lazily
 from fuzzyarm.show.figures.analysis import describing_figure, portrait_figure
+from fuzzyarm.show.figures.diagram import controller_figure, diagram_figure
 from fuzzyarm.show.figures.residuals import validation_figure
 from fuzzyarm.show.figures.rulebase import (
     inference_figure,
@@ -21,7 +22,9 @@ from fuzzyarm.show.figures.surface import surface_figure, table_figure
 
 __all__ = [
     "FigureFileError",
+    "controller_figure",
     "describing_figure",
+    "diagram_figure",
     "draw_runs",
     "inference_figure",
     "memberships_figure",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.model.rulebase import RuleBase
 
 if TYPE_CHECKING:
@@ -17,20 +18,20 @@ __all__ = ["model_figure"]
 
 
 def model_figure(
-    model: RuleBase | LookupTable,
+    model: RuleBase | LookupTable | ControllerText,
     what: str = "all",
     output: str | None = None,
     at: Mapping[str, float] | None = None,
 ) -> Figure:
-    """Return the figure of a rule base or a table.
+    """Return the figure of a rule base, a table or a controller.
 
     Parameters
     ----------
-    model : RuleBase or LookupTable
+    model : RuleBase, LookupTable or ControllerText
         A table gives its cells.
     what : str
         Of a rule base: ``terms``, ``surface``, or ``all`` of both. Points at which its ``prove``
-        lines fail are marked.
+        lines fail are marked. Of a controller: ``diagram``, or ``all`` with what it looks up.
     output : str, optional
         The surface of this output only.
     at : mapping of str to float, optional
@@ -42,12 +43,16 @@ def model_figure(
         If there is no such output.
     """
     from fuzzyarm.show.figures import (
+        controller_figure,
+        diagram_figure,
         memberships_figure,
         rulebase_figure,
         surface_figure,
         table_figure,
     )
 
+    if isinstance(model, ControllerText):
+        return diagram_figure(model) if what == "diagram" else controller_figure(model)
     if not isinstance(model, RuleBase):
         return table_figure(model, at=at)
     if what == "terms":

@@ -1,0 +1,54 @@
+"""Which file a controller can be read from, and what is said of one where it cannot."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from fuzzyarm.language.reading import Parsed
+from fuzzyarm.table import SUFFIXES
+from fuzzyarm.text.diagnostic import RuleBaseError
+from fuzzyarm.text.mistaken import CONTROLLER, RULE_BASE, TABLE, WrongKindError
+from fuzzyarm.text.names import quote, typed
+
+TEXT = ".frb"
+
+
+def kind_by_suffix(path: str | os.PathLike[str]) -> str:
+    """Return what a file is by its suffix: a table, a rule base of another program, or empty."""
+    suffix = Path(path).suffix.lower()
+    if suffix in ("", TEXT):
+        return ""
+    if suffix in SUFFIXES:
+        return TABLE
+    from fuzzyarm.formats.registry import READABLE
+
+    return RULE_BASE if suffix in READABLE else ""
+
+
+def demand_text_file(path: str | os.PathLike[str]) -> None:
+    """Raise WrongKindError for a file that is a table, or a rule base of another program."""
+    kind = kind_by_suffix(path)
+    if kind and Path(path).exists():  # else reading it says that there is none
+        raise not_a_controller(path, kind)
+
+
+def without_controller(parsed: Parsed, path: str | os.PathLike[str]) -> Exception:
+    """Return the error of a text without a controller: its mistakes, or that it is a rule base."""
+    if parsed.rulebase is None:
+        return RuleBaseError(parsed.diagnostics)
+    return not_a_controller(path, RULE_BASE)
+
+
+def not_a_controller(path: str | os.PathLike[str], kind: str) -> WrongKindError:
+    """Return the error of a file where a controller is wanted, with what can be typed."""
+    name, file = typed(os.fspath(path)), quote(Path(path).name, '"')
+    option, law = ("--table", "fuzzy-lut") if kind == TABLE else ("--rulebase", "fuzzy-direct")
+    if kind == TABLE:
+        other = f"another plant takes a controller with  use F from {file}  and  u = table F(e, ce)"
+    elif kind_by_suffix(path):
+        other = f"another plant takes a controller with  use F from {file}  and  u = rules F(e, ce)"
+    else:
+        other = f"fuzzyarm new NAME --kind controller --around {name} writes a controller with it"
+    hint = f"fuzzyarm simulate {law} {option} {name} runs it on the arm; {other}"
+    return WrongKindError(os.fspath(path), kind, CONTROLLER, hint=hint)

@@ -1,0 +1,118 @@
+"""A value that is taken for one of another kind: a rule base for a controller, a table for either.
+
+What wants a kind of value asks it for what only that kind has. The answer of another kind is one
+sentence that says which it is and what to do, in place of Python's "has no attribute".
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.text.names import shortened
+
+RULE_BASE, CONTROLLER, TABLE = "rule base", "controller", "lookup table"
+
+MODEL, WHOLE = "rule base or a controller", "controller with its files"
+"""What has a `model`."""
+
+HINTS = {
+    (RULE_BASE, CONTROLLER): (
+        "controller('fuzzy-direct', sources=Sources(rulebase)) of fuzzyarm.controller runs it on"
+        " the arm; for another plant a file with a line `controller` says what goes to which port"
+    ),
+    (TABLE, CONTROLLER): (
+        "controller('fuzzy-lut', sources=Sources(table=(table,))) of fuzzyarm.controller runs it"
+        " on the arm; for another plant a file with a line `controller` looks it up"
+    ),
+    (CONTROLLER, RULE_BASE): "what it looks up is in its `sheets`, by the names of its text",
+    (TABLE, RULE_BASE): "its method `lookup` gives its values",
+    (TABLE, MODEL): "its method `lookup` gives its values",
+    (CONTROLLER, WHOLE): "fuzzyarm.load reads it with its files",
+}
+"""What to do, by what a value is and what is wanted."""
+
+HAS = {
+    **dict.fromkeys(
+        (
+            "inputs",
+            "outputs",
+            "output",
+            "blocks",
+            "rules",
+            "is_type2",
+            "properties",
+            "expectations",
+        ),
+        RULE_BASE,
+    ),
+    **dict.fromkeys(
+        ("sheets", "rulebases", "period", "axis_names", "partners", "uses", "gains", "law"),
+        CONTROLLER,
+    ),
+    "model": MODEL,
+}
+"""What a value is asked for, by which one sees what is wanted."""
+
+
+class WrongKindError(FuzzyarmError, AttributeError, ValueError):
+    """A value or a file of one kind stands where one of another is wanted.
+
+    Attributes
+    ----------
+    kind, wanted : str
+        ``rule base``, ``controller`` or ``lookup table``.
+    """
+
+    def __init__(self, what: str, kind: str, wanted: str, *, hint: str = "") -> None:
+        super().__init__(f"{what} is a {kind}, not a {wanted}", hint=hint)
+        self.kind, self.wanted = kind, wanted
+
+
+def wrong_kind(value: object, wanted: str) -> WrongKindError:
+    """Return the error of a value that is not of the kind that is wanted.
+
+    Parameters
+    ----------
+    value : object
+        Of any class.
+    wanted : str
+        A kind.
+    """
+    if isinstance(value, OfKind):
+        kind = type(value).kind_of_value
+        other = wanted
+        if kind == CONTROLLER and wanted in (MODEL, kind):  # it is the model of one
+            other = f"rule base or a {WHOLE}" if wanted == MODEL else WHOLE
+        hint = HINTS.get((kind, WHOLE if other.endswith(WHOLE) else other), "")
+        said = "controller without its files" if other == WHOLE else kind
+        return WrongKindError(f"'{value.called()}'", said, other, hint=hint)
+    if isinstance(value, type):
+        name = value.__name__
+        return WrongKindError(name, "class", wanted, hint=f"{name}() makes one of its values")
+    return WrongKindError(shortened(repr(value), 80), f"{type(value).__name__}", wanted)
+
+
+class OfKind:
+    """A base of values that can be mistaken for one another."""
+
+    __slots__ = ()
+
+    kind_of_value: ClassVar[str] = ""
+
+    def called(self) -> str:
+        """Return its name, for a message."""
+        return str(getattr(self, "name", ""))
+
+    if not TYPE_CHECKING:  # what no class has is an error before anything runs
+
+        def __getattr__(self, name: str) -> object:
+            kind = type(self).kind_of_value
+            wanted = HAS.get(name)
+            if wanted in (None, kind) and name != "sheets":
+                raise AttributeError(
+                    f"'{type(self).__name__}' object has no attribute '{name}'",
+                    name=name,
+                    obj=self,
+                )
+            raise wrong_kind(self, wanted)

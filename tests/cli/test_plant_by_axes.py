@@ -1,0 +1,141 @@
+"""Without --plant a controller runs on the shipped plant that has its axes, in every command."""
+
+import json
+import re
+import shlex
+
+import pytest
+
+import fuzzyarm
+from fuzzyarm.cli.main import main
+from fuzzyarm.controller.findings import site_by_axes
+from fuzzyarm.shipped_files import shipped, shipped_names
+
+SERVO, HEATER, DIRECT = (
+    str(shipped(f"{name}.frb")) for name in ("servo", "heater", "fuzzy-direct")
+)
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+
+    def said(words, status=0):
+        assert main(shlex.split(words)) == status
+        streams = capsys.readouterr()
+        return streams.out if status in (0, 3) else streams.err
+
+    return said
+
+
+def with_axis(path, name):
+    path.write_text(shipped("servo.frb").read_text("utf-8").replace("axis shaft", f"axis {name}"))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("file", "plant"), [(SERVO, "motor"), (HEATER, "room"), (DIRECT, "arm"), ("pd", "arm")]
+)
+def test_simulate_sweep_and_tune_find_the_same_plant(file, plant, run):
+    short = "" if plant == "arm" else "--for 100s" if plant == "room" else "--for 20ms"
+    moves = "--trajectory reach --segment 0.05 --hold 0.05" if plant == "arm" else ""
+    assert json.loads(run(f"simulate {file} {short} {moves} --json"))["plant"] == plant
+    gain = "K_P=1..2:2" if file == "pd" else "G_e=1..2:2"
+    on = "reach" if plant == "arm" else plant
+    assert f" on {on}" in run(f"sweep {file} --sweep {gain} {short} {moves}")
+
+
+@pytest.mark.parametrize("name", sorted(shipped_names()))
+def test_every_shipped_controller_has_its_plant(name, run):
+    if not name.endswith(".frb"):
+        return
+    text = fuzzyarm.load(shipped(name))
+    if type(text).__name__ != "ControllerText":
+        return
+    site = site_by_axes(text.model)
+    asked = re.search(r"[Rr]uns on the plant `(\w[\w-]*)`", text.source)
+    assert site is not None
+    assert site.name == (asked.group(1) if asked else "arm")
+
+
+def test_axes_that_no_shipped_plant_has_are_named(run, tmp_path):
+    with_axis(tmp_path / "kiln.frb", "kiln")
+    err = run("simulate kiln.frb", 1)
+    assert "no shipped plant has axis kiln with position, velocity, voltage" in err
+    assert "--plant FILE.py" in err
+    assert run("simulate kiln.frb --show-gains").startswith("G_e")
+    assert json.loads(run("simulate kiln.frb --plant motor --for 20ms --json"))["plant"] == "motor"
+
+
+def test_names_that_are_joined_to_ports_count(run):
+    joined = " ".join(
+        f"--connect shaft.{port}=joint1.{port}" for port in ("position", "velocity", "voltage")
+    )
+    move = "--trajectory reach --segment 0.05 --hold 0.05"
+    assert json.loads(run(f"simulate {SERVO} {joined} {move} --json"))["plant"] == "arm"
+
+
+def test_one_run_takes_one_plant(run):
+    for command in ("simulate", "compare"):
+        err = run(f"{command} {SERVO} pd", 1)
+        assert "different plants: servo on motor, pd on arm" in err
+
+
+# --- Two files of one name ---
+
+
+def test_two_files_of_one_controller_are_told_apart(run, tmp_path):
+    text = shipped("servo.frb").read_text("utf-8")
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "servo.frb").write_text(text)
+    (tmp_path / "sub" / "servo.frb").write_text(text.replace("= 16", "= 20"))
+    (tmp_path / "other.frb").write_text(text.replace("= 16", "= 30"))
+    files = "servo.frb sub/servo.frb other.frb"
+    names = [each["controller"] for each in json.loads(run(f"simulate {files} --for 20ms --json"))]
+    assert names == ["servo (servo.frb)", "servo (sub/servo.frb)", "servo (other.frb)"]
+    table = run(f"compare {files} --for 20ms")
+    assert all(name in table for name in names)
+    run(f"simulate {files} --for 5ms --csv runs.csv")
+    rows = (tmp_path / "runs.csv").read_text().splitlines()[1:]
+    assert list(dict.fromkeys(row.split(",")[0] for row in rows)) == names
+    # One file, or different controllers, keep their names.
+    assert json.loads(run("simulate servo.frb --for 5ms --json"))["controller"] == "servo"
+    # With a gain set as well.
+    sets = json.loads(run("simulate servo.frb other.frb --for 5ms --set G_e=1 --json"))
+    assert [each["controller"] for each in sets] == ["servo (servo.frb)", "servo (other.frb)"]
+
+
+def test_a_file_beside_a_name_of_the_catalogue_is_told_apart(run, tmp_path):
+    (tmp_path / "c.frb").write_text(shipped("fuzzy-lut.frb").read_text("utf-8"))
+    move = "--angles 5 5 --segment 0.05"
+    names = [
+        each["controller"] for each in json.loads(run(f"compare fuzzy-lut c.frb {move} --json"))
+    ]
+    assert names == ["fuzzy-lut", "fuzzy-lut (c.frb)"]
+
+
+# --- Comparing on other plants ---
+
+
+def test_compare_gives_what_simulate_gives(run, tmp_path):
+    other = tmp_path / "other.frb"
+    other.write_text(shipped("servo.frb").read_text("utf-8").replace("= 16", "= 30"))
+    words = "--step 0.5 --for 200ms --noise position=0.001"
+    runs = json.loads(run(f"compare {SERVO} other.frb {words} --json"))
+    singles = [json.loads(run(f"simulate {file} {words} --json")) for file in (SERVO, "other.frb")]
+    assert [each["metrics"] for each in runs] == [each["metrics"] for each in singles]
+    table = run(f"compare {SERVO} other.frb {words}").splitlines()
+    assert table[0] == "motor, position step:0.5"
+    assert table[1].split()[:4] == ["controller", "error", "of", "rms"]
+    assert f"{runs[0]['metrics']['shaft']['rms']:.4g}" in table[2]
+    marks = run(f"compare {SERVO} other.frb {words} --markdown").splitlines()
+    assert marks[1] == "|---" * 8 + "|"
+    run(f"compare {SERVO} other.frb {words} --plot runs.png")
+    assert (tmp_path / "runs.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_options_of_the_other_kind_of_plant_are_refused(run):
+    assert "--cost is for the arm; motor takes --reference" in run(f"compare {SERVO} --cost", 1)
+    assert "--angles is for the arm" in run(f"compare {SERVO} --angles 1 2", 1)
+    assert "--step is for other plants" in run("compare pd --step 1", 1)
+    assert "--sensor-delay is for other plants" in run("compare pd --sensor-delay position=1ms", 1)
