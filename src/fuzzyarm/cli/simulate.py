@@ -169,7 +169,7 @@ def _simulate(
 
     connect, options = connections(arguments), options_of(arguments, plant)
     if isinstance(plant, Arm):
-        trajectory, conventions, arms = experiment_of(arguments, name, plant)
+        trajectory, conventions, arms = experiment_of(arguments, plant)
         on: Any = trajectory
     else:
         require_plain(arguments)

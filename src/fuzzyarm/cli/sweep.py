@@ -114,7 +114,7 @@ def read_asked(arguments: argparse.Namespace) -> Asked:
     conventions, segments = PLAIN, None
     if isinstance(plant, Arm):
         on: Any
-        on, conventions, _ = experiment_of(arguments, arguments.controller, plant)
+        on, conventions, _ = experiment_of(arguments, plant)
         shared = arm_changes(plant)
         segments = tuple(arguments.loaded) if arguments.loaded else None
         if arguments.payload or segments:

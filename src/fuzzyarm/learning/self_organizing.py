@@ -17,6 +17,7 @@ from fuzzyarm.controller.on_plant import (
     driven_by,
     learned,
     site_of,
+    timing_of,
 )
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
@@ -117,7 +118,7 @@ def train(
     motion = on
     if isinstance(motion, Trajectory):
         arms = checked_arms(motion, arms, payload=payload, conventions=conventions)
-        motion = arm_motion(motion, arms, conventions, options)
+        motion = arm_motion(motion, arms, conventions, options, timing_of(controller))
     site = site_of(motion.plants[0], connect)
     chosen = controller_on(controller, site)
     assert isinstance(chosen, CompiledController)

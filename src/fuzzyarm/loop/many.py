@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.on_plant import timing_of
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.blocks import (
@@ -214,7 +215,7 @@ class Bench:
                 conventions=conventions,
             )
             self.loaded = tuple(arm is LOADED for arm in dict.fromkeys(arms))
-            on = arm_motion(on, arms, conventions, options)
+            on = arm_motion(on, arms, conventions, options, timing_of(controller))
         elif isinstance(on, Plant):
             on = plant_motion(
                 controller, on, experiment.references, experiment.duration, experiment.connect

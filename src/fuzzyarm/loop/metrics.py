@@ -24,8 +24,8 @@ class Metrics:
     Attributes
     ----------
     rms, max, final : float
-        Root mean square, largest with its sign, and last error, as the conventions of the run have
-        them.
+        Root mean square, largest with its sign, and last error at the set points, as the
+        conventions of the run have them.
     rise : float or None
         From 10 to 90 % of a step; None where the reference is not a step, or it is not reached.
     overshoot : float or None
@@ -42,7 +42,11 @@ class Metrics:
         Share of the samples in which a drive is at a limit.
     chatter : float
         Root mean square of the change of the first drive of the axis (on the arm its torque)
-        from one control period to the next.
+        from one control period to the next; from rest to the first drive is not a change.
+    rms_periods : float
+        Root mean square error in all control periods, from the set point that is held in each.
+    rms_path : float
+        The same from the reference itself, of which the set points are samples.
     """
 
     rms: float
@@ -58,6 +62,8 @@ class Metrics:
     variation: float
     saturated: float
     chatter: float = 0.0
+    rms_periods: float = math.nan
+    rms_path: float = math.nan
 
     def as_dict(self) -> dict[str, float | None]:
         """Return it by name; what is not finite is None."""
@@ -77,6 +83,7 @@ def metrics_of(
     period: float,
     maximum: Literal["magnitude", "positive"] = "magnitude",
     chatter: float = 0.0,
+    between: tuple[float, float] = (math.nan, math.nan),
 ) -> Metrics:
     """Measure the run of an axis.
 
@@ -94,6 +101,8 @@ def metrics_of(
         See :func:`fuzzyarm.loop.loop.signed_maximum`.
     chatter : float, optional
         As the loop has it: samples do not tell.
+    between : pair of float, optional
+        The same of `rms_periods` and `rms_path`.
     """
     if not len(errors):
         none = math.nan
@@ -121,6 +130,7 @@ def metrics_of(
         float(np.abs(np.diff(drives, axis=0)).sum() / span) if drives.size else 0.0,
         float(held.mean()),
         chatter,
+        *between,
     )
 
 

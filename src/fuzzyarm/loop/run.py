@@ -12,10 +12,18 @@ from numpy.typing import NDArray
 
 from fuzzyarm.compilers import foreseen
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
+from fuzzyarm.controller.on_plant import (
+    Site,
+    TextLaw,
+    controller_on,
+    driven_by,
+    own_timing,
+    site_of,
+    timing_of,
+)
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
-from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
+from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
@@ -26,6 +34,7 @@ from fuzzyarm.loop.program import (
     loop_of_laws,
     scales,
     shown_errors,
+    shown_means,
     shown_units,
 )
 from fuzzyarm.loop.reference import Signal
@@ -68,7 +77,7 @@ class Run(Shown):
     conventions : Conventions
         As run.
     time : ndarray, shape (n,)
-        Of the samples, s.
+        Of the samples, s: when outputs and drives were as they are there.
     reference, errors : ndarray, shape (n, k)
         Of each tracked output: what was wanted, and that minus what was.
     axes, labels, units : tuple of str
@@ -95,7 +104,15 @@ class Run(Shown):
     ended : float or None
         When the plant ended the run by itself, s.
     chatter : mapping of str to float
-        Root mean square of the change of each drive from one control period to the next.
+        Root mean square of the change of each drive from one control period to the next; from
+        rest to the first drive is not a change.
+    set_point_time : ndarray, shape (n,)
+        Of the set points of the samples, s. A sample is taken in the last control period of its
+        set point; the times of a trajectory begin in each segment anew.
+    rms_periods : ndarray, shape (k,)
+        As `rms`, of the errors in all control periods, from the set point that is held in each.
+    rms_path : ndarray, shape (k,)
+        The same from the reference itself, of which the set points are samples.
     """
 
     controller: str
@@ -122,6 +139,9 @@ class Run(Shown):
     seed: int = 1
     ended: float | None = None
     chatter: Mapping[str, float] = field(default_factory=dict)
+    set_point_time: Vector = field(default_factory=lambda: np.zeros(0))
+    rms_periods: Vector = field(default_factory=lambda: np.zeros(0))
+    rms_path: Vector = field(default_factory=lambda: np.zeros(0))
 
     def __repr__(self) -> str:
         errors = zip(self.labels, self.rms, self.units, strict=True)
@@ -139,7 +159,7 @@ class Run(Shown):
 
     @property
     def rms(self) -> Vector:
-        """Root mean square error of each tracked output."""
+        """Root mean square error of each tracked output, at the set points."""
         return rms(self.errors)
 
     @property
@@ -167,7 +187,7 @@ class Run(Shown):
             names = [name for name in self.drives if name.rpartition(".")[0] == axis]
             drives = np.column_stack([self.drives[name] for name in names] or [np.zeros((0, 0))])
             found[shown[column]] = metrics_of(
-                self.time,
+                self.set_point_time,
                 self.reference[:, column],
                 self.errors[:, column],
                 drives,
@@ -175,6 +195,7 @@ class Run(Shown):
                 self.period,
                 self.conventions.maximum,
                 self.chatter.get(names[0], 0.0) if names else 0.0,
+                (float(self.rms_periods[column]), float(self.rms_path[column])),
             )
         return found
 
@@ -265,7 +286,7 @@ def simulate(
     on = as_way(on, along=not references)
     if isinstance(on, Trajectory):
         arms = checked_arms(on, arms, payload=payload, conventions=conventions)
-        on = arm_motion(on, arms, conventions, options)
+        on = arm_motion(on, arms, conventions, options, timing_of(chosen))
     elif isinstance(on, Plant):
         on = plant_motion(chosen, on, references, duration, connect)
     return run_along(chosen, on, conventions, options, connect)
@@ -310,6 +331,7 @@ def plant_motion(
     if not references:
         tracked = first_error(text, site)
         references = {site.interface.label(tracked): step or Signal("step", (1.0,))}
+    own_timing(controller)  # tells where addends differ in it
     period, every = text.model.period, text.model.every
     if duration is None:
         duration = plant.duration or 1000 * period * every
@@ -493,29 +515,35 @@ class ClosedLoop:
         count = len(followed.tracked)
         # A plant that ends a run by itself has not diverged.
         stopped, over = record.diverged(), course.plant.ended
+        wanted, outputs, drives = self._by_port(course, taps)
         return Run(
-            program.controller.name,
-            followed.name,
-            course.conventions,
-            followed.time[taken],
-            taps[count : 2 * count].T * scales(course),
-            shown_errors(course, taps.T),
-            None if over else stopped,
-            found.seconds,
-            self.compiled,
-            program.remembered(record.memory),
-            course.plant.name,
-            tuple(axis for axis, _ in followed.tracked),
-            tuple(map(label, followed.tracked)),
-            shown_units(course),
-            *self._by_port(course, taps),
-            {label(port): (each.low, each.high) for port, each in inputs.items()},
-            {label(port): each.unit for port, each in inputs.items()},
-            tuple((followed.block[taken] != 0).tolist()),
-            followed.period * followed.every,
-            course.options.seed if found.seed is None else found.seed,
-            stopped if over else None,
-            self._chatter(record),
+            controller=program.controller.name,
+            trajectory=followed.name,
+            conventions=course.conventions,
+            time=followed.sampled[taken],
+            reference=taps[count : 2 * count].T * scales(course),
+            errors=shown_errors(course, taps.T),
+            diverged=None if over else stopped,
+            seconds=found.seconds,
+            compiled=self.compiled,
+            memory=program.remembered(record.memory),
+            plant=course.plant.name,
+            axes=tuple(axis for axis, _ in followed.tracked),
+            labels=tuple(map(label, followed.tracked)),
+            units=shown_units(course),
+            wanted=wanted,
+            outputs=outputs,
+            drives=drives,
+            limits={label(port): (each.low, each.high) for port, each in inputs.items()},
+            drive_units={label(port): each.unit for port, each in inputs.items()},
+            loaded=tuple((followed.block[taken] != 0).tolist()),
+            period=followed.period * followed.every,
+            seed=course.options.seed if found.seed is None else found.seed,
+            ended=stopped if over else None,
+            chatter=self._chatter(record),
+            set_point_time=followed.time[taken],
+            rms_periods=shown_means(course, record, HELD),
+            rms_path=shown_means(course, record, LED),
         )
 
     def _by_port(

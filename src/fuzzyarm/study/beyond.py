@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fuzzyarm.controller.catalogue import CATALOGUE, controller
+from fuzzyarm.controller.catalogue import controller
 from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.plant.setting import STUDY
 from fuzzyarm.study.published import RMS_PLACES, Eight, PublishedRow, published_rows
 from fuzzyarm.study.reproduce import TRAJECTORIES, four
 
@@ -81,7 +82,7 @@ def run_beyond() -> Iterator[Beyond]:
                 controller(name),
                 TRAJECTORIES[trajectory](),
                 payload=True,
-                conventions=CATALOGUE[name].conventions,
+                conventions=STUDY,
             )
             for trajectory in rows[0].trajectories
         )
