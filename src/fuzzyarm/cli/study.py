@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
+from fuzzyarm.cli.experiment import CONVENTIONS, conventions_of
 from fuzzyarm.cli.plants import INTERPOLATE, MOTORS, motors_of
 
 if TYPE_CHECKING:
-    from fuzzyarm.plant import Trajectory
+    from fuzzyarm.plant import Conventions, Trajectory
     from fuzzyarm.study import Ensemble, Judgement, PublishedRow, Reproduced
     from fuzzyarm.study.beyond import Beyond
     from fuzzyarm.study.comparison import Compared, Cost
@@ -361,16 +362,22 @@ def _identified_as_text(result: Identified) -> str:
 _COMPARE = """Compare controllers under the same conditions: errors, chatter, cost.
 
 CONTROLLER is a name of the catalogue, a sum or a file; by default those of the study's
-summary table and those that it does not have. They run with load along reach-return and
-pick-and-place, and count as the study did. Without options it is the study's experiment:
-set points held for five control periods, motors without inductance, any torque.
+summary table and those that it does not have. They run along reach-return and
+pick-and-place, all under the conditions that the options say, whatever they are called.
+Without options: with load, also in the hold; double precision and the true π; set points
+held for the periods that a controller asks for (five of 0.6 ms), motors without
+inductance, any torque. What the study did for a row of its own, `fuzzyarm reproduce` does.
 
 "rms" are the RMS errors of links 1 and 2 on the first trajectory, then on the second, in
-degrees. "change" is the mean magnitude by which the torque of a joint changes from one
-control period to the next, the largest of the four, in N m: chatter.
+degrees: at the set points, each in the last of its periods, as the study samples them; in
+all control periods, from the set point that is held; and from the path itself, which moves
+on while a set point stands. "change" is the mean magnitude by which the torque of a joint
+changes from one control period to the next, the largest of the four, in N m: chatter.
 
 With --cost: floating-point operations of a control step, both joints together (counted as
-the laws do them, sines and cosines among them), and the time that a step adds to the loop.
+the loop does them, sines and cosines among them, in the mean along a short move); those of
+a step of the program that `fuzzyarm compile` writes, at most; and the time that a step
+adds to the loop.
 
 Examples
 --------
@@ -390,17 +397,23 @@ def _compare(arguments: argparse.Namespace) -> int:
         figure_format(arguments.plot)  # a mistake in the name is told before the runs
     names = arguments.controllers or compared_names()
     options = Options(interpolate=arguments.interpolate, **motors_of(arguments))
-    trajectories = _both_trajectories(arguments)
+    trajectories, conventions = _both_trajectories(arguments), conventions_of(arguments)
     costs: list[Cost] = []
     with progress_bar(
         "controllers", len(names) * (1 + bool(arguments.cost or arguments.plot))
     ) as bar:
         compared = []
-        for each in compare(names, options, trajectories=trajectories):
+        for each in compare(
+            names,
+            options,
+            trajectories=trajectories,
+            conventions=conventions,
+            payload=arguments.payload,
+        ):
             compared.append(each)
             bar(1)
         for name in names if arguments.cost or arguments.plot else ():
-            costs.append(cost_of(name))
+            costs.append(cost_of(name, conventions=conventions))
             bar(1)
     if arguments.plot:
         from fuzzyarm.study.figures import draw_cost, save_figure
@@ -408,9 +421,23 @@ def _compare(arguments: argparse.Namespace) -> int:
         save_figure(draw_cost(compared, costs), arguments.plot)
     if arguments.json:
         print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
+    elif arguments.markdown:
+        print("\n".join(_compared_markdown(compared, costs)))
     else:
-        print("\n".join(_compared_lines(compared, costs, markdown=arguments.markdown)))
+        print(_conditions(conventions, payload=arguments.payload))
+        print("\n".join(_compared_lines(compared, costs)))
     return 0
+
+
+def _conditions(conventions: Conventions, *, payload: bool) -> str:
+    """Return in words how all of them count."""
+    load = "with load" if payload else "without load"
+    if payload and not conventions.load_in_hold:
+        load += " but not in the hold"
+    return (
+        f"reach-return and pick-and-place {load}, {conventions.name} conventions, "
+        f"{conventions.precision}, π {conventions.pi:.7g}"
+    )
 
 
 def _both_trajectories(arguments: argparse.Namespace) -> list[Callable[[], Trajectory]]:
@@ -429,43 +456,81 @@ def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
     found: dict[str, Any] = {
         "controller": compared.name,
         "rms": list(compared.rms),
+        "rms_periods": list(compared.rms_periods),
+        "rms_path": list(compared.rms_path),
         "variation": list(compared.variation),
         "diverged": list(compared.diverged),
     }
     if cost is not None:
         found["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
+        found["exported_operations"] = cost.exported
         found["seconds"] = cost.seconds
     return found
 
 
-def _compared_lines(
-    compared: Sequence[Compared], costs: Sequence[Cost], *, markdown: bool
-) -> Iterator[str]:
-    """Yield a table, of columns or of markdown."""
-    heads = ["controller", "rms 1", "rms 2", "rms 1", "rms 2", "change"]
-    heads += ["operations", "ns"] if costs else []
-    if markdown:
-        yield f"| {' | '.join(heads)} |"
-        yield "|---" * len(heads) + "|"
-    else:
-        yield _columns(heads)
+_RMS = ("rms 1", "rms 2", "rms 1", "rms 2")
+
+
+def _compared_lines(compared: Sequence[Compared], costs: Sequence[Cost]) -> Iterator[str]:
+    """Yield a table with three lines for each controller: errors in three senses."""
+    heads = ["change", *(["operations", "exported", "ns"] if costs else [])]
+    yield _columns("controller", "", [*_RMS, *heads])
     for each, cost in zip_longest(compared, costs):
-        cells = [each.name, *_numbers_of(each)]
+        yield _columns(each.name, "set points", [*_errors(each, each.rms), *_others(each, cost)])
+        if any(lost is None for lost in each.diverged):
+            yield _columns("", "all periods", _errors(each, each.rms_periods))
+            yield _columns("", "path", _errors(each, each.rms_path))
+
+
+def _compared_markdown(compared: Sequence[Compared], costs: Sequence[Cost]) -> Iterator[str]:
+    """Yield a table with a line for each controller; of costs those alone."""
+    if costs:
+        heads = ["controller", "mean at set points", "mean from the path"]
+        heads += ["operations", "exported", "ns"]
+    else:
+        heads = [
+            "controller",
+            *(
+                f"{sense}: 1" if not at else str(at % 2 + 1)
+                for sense in ("set points", "all periods", "path")
+                for at in range(4)
+            ),
+            "change",
+        ]
+    yield f"| {' | '.join(heads)} |"
+    yield "|---" * len(heads) + "|"
+    for each, cost in zip_longest(compared, costs):
+        senses = (each.rms, each.rms_periods, each.rms_path)
+        cells = [*(cell for values in senses for cell in _errors(each, values))]
         if cost is not None:
-            cells += [f"{cost.operations.total:.0f}", f"{1e9 * cost.seconds:.0f}"]
-        yield f"| {' | '.join(cells)} |" if markdown else _columns(cells)
+            lost = any(time is not None for time in each.diverged)
+            means = (each.error, each.path_error)
+            cells = ["diverges" if lost else f"{mean:.4f}" for mean in means]
+        cells += _others(each, cost)[cost is not None :]
+        yield f"| {' | '.join([each.name, *cells])} |"
 
 
-def _numbers_of(compared: Compared) -> list[str]:
-    rms = []
-    for index, value in enumerate(compared.rms):
-        rms.append("diverges" if compared.diverged[index // 2] is not None else f"{value:.4f}")
+def _errors(compared: Compared, values: Sequence[float]) -> list[str]:
+    lost = [compared.diverged[index // 2] is not None for index in range(4)]
+    return [
+        "diverges" if gone else f"{value:.4f}" for gone, value in zip(lost, values, strict=True)
+    ]
+
+
+def _others(compared: Compared, cost: Cost | None) -> list[str]:
+    """Return the largest change of torque, and what a step costs."""
     lost = any(each is not None for each in compared.diverged)
-    return [*rms, "" if lost else f"{max(compared.variation):.2f}"]
+    cells = ["" if lost else f"{max(compared.variation):.2f}"]
+    if cost is not None:
+        exported = "-" if cost.exported is None else f"{cost.exported}"
+        cells += [f"{cost.operations.total:.0f}", exported, f"{1e9 * cost.seconds:.0f}"]
+    return cells
 
 
-def _columns(cells: Sequence[str]) -> str:
-    return f"{cells[0]:<18}" + "".join(f"{cell:>12}" for cell in cells[1:])
+def _columns(name: str, sense: str, cells: Sequence[str]) -> str:
+    widths = [10] * len(_RMS) + [12] * (len(cells) - len(_RMS))
+    numbers = "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
+    return f"{name:<18}{sense:<12}{numbers}".rstrip()
 
 
 COMMANDS = (
@@ -476,6 +541,10 @@ COMMANDS = (
         argument("controllers CONTROLLER", "name, sum or file", nargs="*"),
         argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
         argument("--segment SECONDS", "duration of each move", type=float),
+        argument(
+            "--payload", "carry the load", action=argparse.BooleanOptionalAction, default=True
+        ),
+        *CONVENTIONS,
         INTERPOLATE,
         *MOTORS,
         flag("--cost", "count operations and measure time"),

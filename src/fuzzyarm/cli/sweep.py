@@ -204,6 +204,8 @@ def sweep(arguments: argparse.Namespace) -> int:
 
     _require_sensible(arguments, METRICS)
     asked = read_asked(arguments)
+    for note in asked.bench.loop.notes():
+        print_error(f"note: {note}")
     axes = _map_axes(arguments, asked)
     bench = asked.bench
     front: dict[str, Any] = {
@@ -212,7 +214,7 @@ def sweep(arguments: argparse.Namespace) -> int:
     front["seed"] = seeds_of(bench, asked.changes, asked.count)
     file = None
     if arguments.out:
-        file = SweepFile(arguments.out, asked.question, front, bench.outputs)
+        file = SweepFile(arguments.out, asked.question, front, bench.outputs, bench.heads)
     rows = _answered(asked, file, arguments)
     if rows is None:
         return 130

@@ -28,7 +28,15 @@ from fuzzyarm.controller.program import (
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.kernels import kernel, scalar
-from fuzzyarm.model.controller import ControllerModel, Learn, Zoom
+from fuzzyarm.model.controller import (
+    Axes,
+    ControllerModel,
+    Drive,
+    Learn,
+    Product,
+    Signal,
+    Zoom,
+)
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import JOINTS, POSES, Arm
@@ -107,7 +115,8 @@ class Site:
     def find(self, model: ControllerModel, kind: str, asked: Address) -> Address:
         """Return axis and port of the plant for those of a controller.
 
-        One axis on both sides is the same one, whatever it is called.
+        One axis on both sides is the same one, whatever it is called; an axis may be joined as
+        a whole, to run on one of several.
 
         Raises
         ------
@@ -115,6 +124,8 @@ class Site:
             If the plant does not have it.
         """
         axis, port = asked
+        joined = self.connect.get(axis, axis)
+        axis = joined if joined in self.interface.axes else axis
         named = self.connect.get(".".join(asked), self.connect.get(port, port))
         if "." in named:
             axis, _, named = named.rpartition(".")
@@ -153,6 +164,9 @@ def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
     extra = POSES if isinstance(plant, Arm) else 0
     return Site(plant.name, interface_of(plant), extra, dict(connect or {}))
 
+
+PORT_KINDS = ("reference", "measured", "drive")
+"""Of ports that a controller asks for."""
 
 ARM = site_of(Arm())
 """The study's arm."""
@@ -347,6 +361,15 @@ def controller_on(controller: Controller, site: Site) -> Controller:
     return controller
 
 
+def connectable(controller: CompiledController) -> set[str]:
+    """Return what of a controller as text may be joined to a plant: axes and ports."""
+    if not isinstance(controller.law, TextLaw):
+        return set()
+    model = controller.law.text.model
+    ports = [port for kind in PORT_KINDS for port in ports_of(model, kind)]
+    return {*model.axis_names, *(name for _, name in ports), *map(".".join, ports)}
+
+
 def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
     """Return the inputs of a plant that a controller drives; laws of the arm drive torques."""
     found: set[Address] = set()
@@ -400,6 +423,78 @@ def timing_of(controller: Controller) -> Timing:
         If two addends are texts that differ in it.
     """
     return own_timing(controller) or STUDY_TIMING
+
+
+# --- Where its drives end ---
+
+Limits = tuple[float, float]
+
+
+def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
+    """Return between what a controller keeps each drive: by ``within``, of it or its integral.
+
+    Several drives of a port add up, and so do their limits; a law has none.
+    """
+    found: dict[Address, Limits] = {}
+    for part in controller.parts():
+        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
+            own = _limits_of_text(part, part.law.text.model, site)
+        else:
+            own = {(joint, "torque"): UNLIMITED for joint in JOINTS}
+        for port, limits in own.items():
+            found[port] = _added(found[port], limits) if port in found else limits
+    return found
+
+
+UNLIMITED = (-np.inf, np.inf)
+
+
+def _added(first: Limits, second: Limits) -> Limits:
+    return first[0] + second[0], first[1] + second[1]
+
+
+def _limits_of_text(
+    controller: CompiledController, model: ControllerModel, site: Site
+) -> dict[Address, Limits]:
+    found: dict[Address, Limits] = {}
+    for axes in model.axes:
+        for axis in axes.names:
+            index = model.axis_names.index(axis)
+            gains = {
+                name: gain.value[index if len(gain.value) > 1 else 0]
+                for name, gain in controller.gains.items()
+            }
+            for line in axes.lines:
+                if isinstance(line, Drive):
+                    port = site.find(model, "drive", (axis, line.port))
+                    limits = line.within or _limits_of_integral(axes, line, gains)
+                    found[port] = _added(found[port], limits) if port in found else limits
+    return found
+
+
+def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) -> Limits:
+    """Return the limits of a drive that is a bounded integral times constants."""
+    names = {factor.value for product in drive.products for factor in product.factors}
+    for line in axes.lines:
+        if not isinstance(line, Signal) or line.source is None or not names & set(line.names):
+            continue
+        within = line.source.option("within")
+        if line.source.kind != "integral" or not isinstance(within, tuple):
+            return UNLIMITED
+        products = axes.gain_of(line.names[0], drive, gains)
+        if products is None or len(drive.products) != 1:
+            return UNLIMITED
+        gain = sum(_value(product, gains) for product in products)
+        return min(gain * within[0], gain * within[1]), max(gain * within[0], gain * within[1])
+    return UNLIMITED
+
+
+def _value(product: Product, gains: Mapping[str, float]) -> float:
+    value = -1.0 if product.negative else 1.0
+    for factor in product.factors:
+        number = gains[factor.value] if isinstance(factor.value, str) else factor.value
+        value = value / number if factor.divides else value * number
+    return value
 
 
 LARGEST_RATE = 10.0

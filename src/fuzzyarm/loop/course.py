@@ -31,6 +31,7 @@ from fuzzyarm.plant.plant import (
 from fuzzyarm.plant.setting import (
     CLOCK,
     PLAIN,
+    STUDY_TIMING,
     Arithmetic,
     ArmError,
     Conventions,
@@ -47,16 +48,16 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sensor:
-    """What a sensor makes of an output.
+    """What a sensor makes of an output; beyond the range of the port it says the end of that.
 
     Parameters
     ----------
     noise : float, optional
         Standard deviation of white noise, in the unit of the port.
     resolution : float, optional
-        Step of the values; 0 for none.
+        Step of the values, which are multiples of it; 0 for none.
     delay : float, optional
-        s; rounded to whole control periods.
+        s; rounded to whole control periods, a half up.
     difference : float, optional
         Form this rate from what the sensor of its port says, by difference, with a filter of
         this time constant (s, 0 for none), in place of a sensor of its own.
@@ -207,11 +208,12 @@ def arm_motion(
     arms: Schedule,
     conventions: Conventions,
     options: Options,
-    timing: Timing,
+    timing: Timing = STUDY_TIMING,
 ) -> Motion:
     """Return the set points of a trajectory of the arm, and the arm that each of them meets.
 
-    `timing` is that of the controller, see :func:`fuzzyarm.controller.on_plant.timing_of`.
+    `timing` is that of the controller, see :func:`fuzzyarm.controller.on_plant.timing_of`; a loop
+    refuses set points that were made for another.
     """
     require_points(trajectory.duration, timing.set_point)
     points = sample(trajectory, conventions, timing)
@@ -318,6 +320,24 @@ def motion(
         every,
         path,
     )
+
+
+def periods_of(delay: float, period: float) -> int:
+    """Return a delay in whole control periods, a half counts up."""
+    return math.floor(delay / period + 0.5 + 1e-9)
+
+
+def delay_notes(options: Options, period: float) -> tuple[str, ...]:
+    """Return in words which delays of sensors are not whole control periods, and what is taken."""
+    found = []
+    for name, sensor in options.sensors.items():
+        count = periods_of(sensor.delay, period)
+        if not math.isclose(sensor.delay, count * period, rel_tol=1e-6, abs_tol=1e-12):
+            found.append(
+                f"the delay of '{name}' is {sensor.delay / period:.4g} control periods of "
+                f"{period:g} s: {count} are taken, {count * period:g} s"
+            )
+    return tuple(found)
 
 
 # --- What the loop is called with ---
@@ -474,7 +494,7 @@ class Course:
         for port, output in interface.outputs.items():
             sensor = known.get(port, Sensor())
             # Beyond the end of the run it makes no difference, but takes room.
-            delay = min(round(sensor.delay / self.motion.period), self.steps)
+            delay = min(periods_of(sensor.delay, self.motion.period), self.steps)
             source = -1
             if sensor.difference is not None:
                 if not output.rate_of:
@@ -484,11 +504,14 @@ class Course:
             column = len(noisy) if sensor.noise > 0 else -1
             if sensor.noise > 0:
                 noisy.append(sensor.noise)
-            lowest = output.low if math.isfinite(output.low) else 0.0
-            heads += [sensor.resolution, lowest, delay, ring, source]
+            # What is exact, or computed from another sensor, has no end.
+            has_range = port in known and sensor.difference is None
+            ends = (output.low, output.high) if has_range else (-math.inf, math.inf)
+            heads += [sensor.resolution, *ends, delay, ring, source]
             heads += [sensor.difference or 0.0, math.nan, 0.0, column]
             ring += delay
-        heads += [0.0, 0.0, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0] * self.site.extra
+        exact = [0.0, -math.inf, math.inf, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0]
+        heads += exact * self.site.extra
         heads += [0.0] * (ring - len(heads))
         drawn = np.random.default_rng(seed).standard_normal((self.steps, len(noisy)))
         return heads, drawn * noisy
@@ -501,6 +524,10 @@ class Course:
         }
         if not loads:
             return []
+        if isinstance(self.plant, Arm) and any(port == "voltage" for _, port in loads):
+            raise PlantError(
+                "a load of the arm is a torque", name="voltage", hint="joint1.torque=step:-2,1"
+            )
         time = np.arange(self.steps, dtype=np.float64) * self.motion.period
         columns = np.zeros((self.steps, len(self.site.interface.inputs)))
         for column, port in enumerate(self.site.interface.inputs):

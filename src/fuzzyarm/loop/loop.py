@@ -407,14 +407,14 @@ def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
 
 # --- Sensors ---
 #
-# For each output nine numbers, behind them the rings of delayed values. An output that is the
+# For each output ten numbers, behind them the rings of delayed values. An output that is the
 # rate of another may be formed from what the sensor of that one says.
 
-QUANTUM, LOWEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(9)
-SENSOR = 9
-"""Numbers of a sensor: resolution (0: none) and where its steps begin; delay in periods and where
-its ring begins; the output whose rate it forms (-1: none), the time constant of its filter, s, and
-what it remembers; its column of the noise (-1: none)."""
+QUANTUM, LOWEST, HIGHEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(10)
+SENSOR = 10
+"""Numbers of a sensor: resolution (0: none); its range, beyond which it says its end; delay in
+periods and where its ring begins; the output whose rate it forms (-1: none), the time constant of
+its filter, s, and what it remembers; its column of the noise (-1: none)."""
 
 
 @kernel
@@ -443,12 +443,11 @@ def sense(
 
 @kernel
 def quantised(sensors: list[float], at: int, value: float) -> float:
-    """Round to the next step of a sensor."""
+    """Round to the next step of a sensor, of which 0 is one, and end at its range."""
     quantum = sensors[at + QUANTUM]
     if quantum > 0.0:
-        steps = math.floor((value - sensors[at + LOWEST]) / quantum + 0.5)
-        return sensors[at + LOWEST] + steps * quantum
-    return value
+        value = math.floor(value / quantum + 0.5) * quantum
+    return min(max(value, sensors[at + LOWEST]), sensors[at + HIGHEST])
 
 
 @kernel

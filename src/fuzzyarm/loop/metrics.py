@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Literal
 
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 from fuzzyarm.loop.loop import rms, signed_maximum
 
 Vector = NDArray[np.float64]
+
+NEAR = 1e-6
+"""Relative distance from a limit within which a drive is at it."""
 
 SETTLED = 0.02
 """Share of the step within which an output has settled."""
@@ -39,7 +43,7 @@ class Metrics:
     variation : float
         Sum of all changes of the drives from sample to sample, for each second: chatter.
     saturated : float
-        Share of the samples in which a drive is at a limit.
+        Share of the samples in which a drive is at a limit, of its actuator or of the controller.
     chatter : float
         Root mean square of the change of the first drive of the axis (on the arm its torque)
         from one control period to the next; from rest to the first drive is not a change.
@@ -72,6 +76,35 @@ class Metrics:
             name: None if value is None or not math.isfinite(value) else float(value)
             for name, value in found.items()
         }
+
+
+def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
+    """Return the unit of a metric, empty where it has none or drives have different ones.
+
+    Parameters
+    ----------
+    metric : str
+        A field of :class:`Metrics`.
+    error : str
+        Unit of the error.
+    drives : sequence of str
+        Units of the drives of the axis.
+    """
+    own_error = "" if error == "1" else error
+    drive = drives[0] if drives else ""
+    every = drive if len(set(drives)) == 1 else ""
+    own = {
+        "rise": "s",
+        "settling": "s",
+        "ise": f"{own_error}^2 s" if own_error else "s",
+        "iae": f"{own_error} s".strip(),
+        "itae": f"{own_error} s^2".strip(),
+        "effort": every,
+        "variation": f"{every}/s" if every else "",
+        "saturated": "",
+        "chatter": drive,
+    }
+    return own.get(metric, own_error)
 
 
 def metrics_of(
@@ -112,9 +145,11 @@ def metrics_of(
     rise, overshoot, settling = _step_response(time, reference, errors)
     held = np.zeros(len(errors), bool)
     for column, (low, high) in enumerate(limits):
-        if low == -math.inf and high == math.inf:
-            continue
-        held |= (drives[:, column] <= low) | (drives[:, column] >= high)
+        # What a run in single precision stores may lie a last bit inside.
+        if low > -math.inf:
+            held |= drives[:, column] <= low + NEAR * abs(low)
+        if high < math.inf:
+            held |= drives[:, column] >= high - NEAR * abs(high)
     span = len(errors) * period
     return Metrics(
         float(rms(errors[:, None])[0]),

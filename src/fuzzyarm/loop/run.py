@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -15,14 +16,17 @@ from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import (
     Site,
     TextLaw,
+    connectable,
     controller_on,
+    drive_limits,
     driven_by,
     own_timing,
     site_of,
     timing_of,
 )
+from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
+from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, delay_notes, motion
 from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
@@ -85,7 +89,9 @@ class Run(Shown):
     wanted, outputs, drives : mapping of str to ndarray, shape (n,)
         By port, in the units of the plant: references of the tracked outputs; outputs as they
         are, whatever sensors say; drives as the actuators give them, loads not among them.
-    limits, drive_units : mapping
+    limits : mapping of str to (float, float)
+        Of each drive: those of its actuator, and of the controller where they are narrower.
+    drive_units : mapping of str to str
         Of each drive.
     loaded : tuple of bool
         Of each sample, whether the arm carries another load than at the start.
@@ -106,6 +112,8 @@ class Run(Shown):
     chatter : mapping of str to float
         Root mean square of the change of each drive from one control period to the next; from
         rest to the first drive is not a change.
+    every : int
+        Control periods of a set point.
     set_point_time : ndarray, shape (n,)
         Of the set points of the samples, s. A sample is taken in the last control period of its
         set point; the times of a trajectory begin in each segment anew.
@@ -113,6 +121,10 @@ class Run(Shown):
         As `rms`, of the errors in all control periods, from the set point that is held in each.
     rms_path : ndarray, shape (k,)
         The same from the reference itself, of which the set points are samples.
+    output_units : mapping of str to str
+        Of `outputs` and `wanted`.
+    notes : tuple of str
+        What was taken otherwise than it was asked for, in sentences.
     """
 
     controller: str
@@ -139,9 +151,12 @@ class Run(Shown):
     seed: int = 1
     ended: float | None = None
     chatter: Mapping[str, float] = field(default_factory=dict)
+    every: int = 1
     set_point_time: Vector = field(default_factory=lambda: np.zeros(0))
     rms_periods: Vector = field(default_factory=lambda: np.zeros(0))
     rms_path: Vector = field(default_factory=lambda: np.zeros(0))
+    output_units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         errors = zip(self.labels, self.rms, self.units, strict=True)
@@ -405,6 +420,7 @@ class ClosedLoop:
         options = options or Options()
         self.site = site_of(followed.plants[0], connect)
         self.controller = controller_on(controller, self.site)
+        require_timing(self.controller, followed)
         self.arithmetic = options.arithmetic(conventions)
         plant = followed.plants[0]
         need = partial(
@@ -534,17 +550,49 @@ class ClosedLoop:
             wanted=wanted,
             outputs=outputs,
             drives=drives,
-            limits={label(port): (each.low, each.high) for port, each in inputs.items()},
+            limits=self._limits(program),
             drive_units={label(port): each.unit for port, each in inputs.items()},
             loaded=tuple((followed.block[taken] != 0).tolist()),
             period=followed.period * followed.every,
             seed=course.options.seed if found.seed is None else found.seed,
             ended=stopped if over else None,
             chatter=self._chatter(record),
+            every=followed.every,
             set_point_time=followed.time[taken],
             rms_periods=shown_means(course, record, HELD),
             rms_path=shown_means(course, record, LED),
+            output_units={label(port): each.unit for port, each in interface.outputs.items()},
+            notes=self.notes(course),
         )
+
+    def notes(self, course: Course | None = None) -> tuple[str, ...]:
+        """Return what is taken otherwise than it was asked for, in sentences."""
+        course, site = course or self.course, self.site
+        found = [*delay_notes(course.options, course.motion.period)]
+        parts = [each for each in self.controller.parts() if isinstance(each, CompiledController)]
+        names = {name for part in parts for name in connectable(part)}
+        for name, port in site.connect.items():
+            if name not in names:
+                found.append(
+                    f"nothing in {self.controller.name} is called '{name}': "
+                    f"that it is joined to {port} changes nothing"
+                )
+        idle = set(site.interface.axes) - {axis for axis, _ in course.driven}
+        if isinstance(course.plant, Arm):
+            found += [f"nothing drives {axis}" for axis in sorted(idle)]
+        return tuple(found)
+
+    def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
+        """Return between what each drive stays: the actuator's limits, the text's where narrower."""
+        found = {}
+        own = drive_limits(program.controller, self.site)
+        for port, actuator in self.site.interface.inputs.items():
+            low, high = own.get(port, (-math.inf, math.inf))
+            found[self.site.interface.label(port)] = (
+                max(low, actuator.low),
+                min(high, actuator.high),
+            )
+        return found
 
     def _by_port(
         self, course: Course, taps: Vector
@@ -579,6 +627,18 @@ class SoFar:
     outputs: Mapping[str, Vector]
     drives: Mapping[str, Vector]
     loaded: Sequence[bool]
+
+
+def require_timing(controller: Controller, followed: Motion) -> None:
+    """Raise SourceError if set points were made for another period than a text asks for."""
+    own = own_timing(controller)
+    if own is None:
+        return
+    if own.every != followed.every or not math.isclose(own.period, followed.period, rel_tol=1e-9):
+        raise SourceError(
+            f"{controller.name} runs every {own.period:g} s with a set point every {own.every}, "
+            f"and these set points are for {followed.period:g} s and {followed.every}"
+        )
 
 
 def torques_only(site: Site) -> frozenset[Address]:

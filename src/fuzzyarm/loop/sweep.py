@@ -14,6 +14,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -174,6 +175,8 @@ class SweepFile:
         What every line begins with, shape (runs,) each: what differs, and the seed.
     outputs : sequence of str
         What the metrics are of.
+    units : mapping of str to str, optional
+        Of columns, by their names; they stand in the heading.
     """
 
     def __init__(
@@ -182,13 +185,15 @@ class SweepFile:
         question: Mapping[str, Any],
         columns: Mapping[str, NDArray[Any]],
         outputs: Sequence[str],
+        units: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self.path = Path(path)
         self.columns = columns
         self.count = len(next(iter(columns.values())))
         self.names = ["run", *columns, "diverged", *metric_names(outputs)]
         asked = json.dumps(question, sort_keys=True, ensure_ascii=False)
-        self.head = f"{HEAD}# {asked}\n{','.join(map(quoted, self.names))}\n"
+        heads = [f"{name} [{units[name]}]" if name in units else name for name in self.names]
+        self.head = f"{HEAD}# {asked}\n{','.join(map(quoted, heads))}\n"
 
     def begin(self) -> None:
         """Write the head; what was there is gone.
