@@ -214,7 +214,7 @@ def sweep(arguments: argparse.Namespace) -> int:
     front["seed"] = seeds_of(bench, asked.changes, asked.count)
     file = None
     if arguments.out:
-        file = SweepFile(arguments.out, asked.question, front, bench.outputs, bench.heads)
+        file = SweepFile(arguments.out, asked.question, front, bench.outputs, bench.column_units)
     rows = _answered(asked, file, arguments)
     if rows is None:
         return 130

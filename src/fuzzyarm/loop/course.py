@@ -48,14 +48,14 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sensor:
-    """What a sensor makes of an output; beyond the range of the port it says the end of that.
+    """What a sensor makes of an output.
 
     Parameters
     ----------
     noise : float, optional
         Standard deviation of white noise, in the unit of the port.
     resolution : float, optional
-        Step of the values, which are multiples of it; 0 for none.
+        Step of the values, which are multiples of it and end at the range of the port; 0 for none.
     delay : float, optional
         s; rounded to whole control periods, a half up.
     difference : float, optional
@@ -504,10 +504,7 @@ class Course:
             column = len(noisy) if sensor.noise > 0 else -1
             if sensor.noise > 0:
                 noisy.append(sensor.noise)
-            # What is exact, or computed from another sensor, has no end.
-            has_range = port in known and sensor.difference is None
-            ends = (output.low, output.high) if has_range else (-math.inf, math.inf)
-            heads += [sensor.resolution, *ends, delay, ring, source]
+            heads += [sensor.resolution, output.low, output.high, delay, ring, source]
             heads += [sensor.difference or 0.0, math.nan, 0.0, column]
             ring += delay
         exact = [0.0, -math.inf, math.inf, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0]

@@ -412,9 +412,9 @@ def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
 
 QUANTUM, LOWEST, HIGHEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(10)
 SENSOR = 10
-"""Numbers of a sensor: resolution (0: none); its range, beyond which it says its end; delay in
-periods and where its ring begins; the output whose rate it forms (-1: none), the time constant of
-its filter, s, and what it remembers; its column of the noise (-1: none)."""
+"""Numbers of a sensor: resolution (0: none) and the range of its steps; delay in periods and where
+its ring begins; the output whose rate it forms (-1: none), the time constant of its filter, s, and
+what it remembers; its column of the noise (-1: none)."""
 
 
 @kernel
@@ -443,11 +443,12 @@ def sense(
 
 @kernel
 def quantised(sensors: list[float], at: int, value: float) -> float:
-    """Round to the next step of a sensor, of which 0 is one, and end at its range."""
+    """Round to the next step of a sensor: multiples of it, as far as its range goes."""
     quantum = sensors[at + QUANTUM]
     if quantum > 0.0:
-        value = math.floor(value / quantum + 0.5) * quantum
-    return min(max(value, sensors[at + LOWEST]), sensors[at + HIGHEST])
+        step = math.floor(value / quantum + 0.5) * quantum
+        return min(max(step, sensors[at + LOWEST]), sensors[at + HIGHEST])
+    return value
 
 
 @kernel

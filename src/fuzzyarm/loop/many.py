@@ -201,6 +201,10 @@ class Bench:
     """
 
     def __init__(self, experiment: Experiment, names: Sequence[str]) -> None:
+        if "payload" in names and isinstance(experiment.on, Trajectory):
+            # A run that does not say its load has none, unless all are said to have one.
+            shared = {"payload": 0.0, **experiment.shared}
+            experiment = replace(experiment, shared=shared)
         self.experiment = experiment
         controller, on = experiment.controller, experiment.on
         conventions, options = experiment.conventions, experiment.options
@@ -240,7 +244,7 @@ class Bench:
         return shown_units(self.loop.course)
 
     @property
-    def heads(self) -> dict[str, str]:
+    def column_units(self) -> dict[str, str]:
         """Units of what differs and of all metrics, by name; without those that have none."""
         interface = self.loop.site.interface
         found = {"diverged": "s", **{name: self._unit_of(name) for name in self.owners}}

@@ -265,6 +265,11 @@ def sample(
     -------
     SetPoints
         In radians; the arrays are shared between calls and read-only.
+
+    Notes
+    -----
+    The study adds its 3 ms up, so that a last bit decides whether a set point falls on the end of
+    a segment; other times are counted, and the end belongs to the segment.
     """
     parts = [_sample_segment(segment, conventions, timing) for segment in trajectory.segments]
     begin = np.cumsum([0.0, *(segment.duration for segment in trajectory.segments)])
@@ -295,13 +300,17 @@ Sampled = tuple[
 def _sample_segment(segment: Segment, conventions: Conventions, timing: Timing) -> Sampled:
     number = np.float32 if conventions.single else np.float64
     duration = number(segment.duration)
-    # In single precision a step may lose up to 0.4 % at the end of a long segment.
-    most = int(1.02 * segment.duration / timing.set_point) + 3
-    ticks = np.full(most, timing.set_point, number)
-    ticks[0] = 0.0
-    # cumsum adds one by one in the type of its argument, as the programs did.
-    clock = np.cumsum(ticks)
-    time = clock[clock <= duration].astype(np.float64)
+    if timing.set_point == SET_POINT_PERIOD:
+        # In single precision a step may lose up to 0.4 % at the end of a long segment.
+        most = int(1.02 * segment.duration / SET_POINT_PERIOD) + 3
+        ticks = np.full(most, SET_POINT_PERIOD, number)
+        ticks[0] = 0.0
+        # cumsum adds one by one in the type of its argument, as the programs did.
+        clock = np.cumsum(ticks)
+        time = clock[clock <= duration].astype(np.float64)
+    else:  # counted, where the study's programs have nothing to say
+        count = int(segment.duration / timing.set_point + 1e-9) + 1
+        time = _stored(np.arange(count) * timing.set_point, number)
     start, end = (
         _stored(np.array(angles) * conventions.pi / 180.0, number)
         for angles in (segment.start, segment.end)
