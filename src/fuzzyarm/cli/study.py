@@ -374,10 +374,10 @@ all control periods, from the set point that is held; and from the path itself, 
 on while a set point stands. "change" is the mean magnitude by which the torque of a joint
 changes from one control period to the next, the largest of the four, in N m: chatter.
 
-With --cost: floating-point operations of a control step, both joints together (counted as
-the loop does them, sines and cosines among them, in the mean along a short move); those of
-a step of the program that `fuzzyarm compile` writes, at most; and the time that a step
-adds to the loop.
+With --operations: floating-point operations of a control step, both joints together
+(counted as the loop does them, sines and cosines among them, in the mean along a short
+move), and those of a step of the program that `fuzzyarm compile` writes, at most. With
+--cost the time, too, that a step adds to the loop.
 
 Examples
 --------
@@ -398,9 +398,11 @@ def _compare(arguments: argparse.Namespace) -> int:
     names = arguments.controllers or compared_names()
     options = Options(interpolate=arguments.interpolate, **motors_of(arguments))
     trajectories, conventions = _both_trajectories(arguments), conventions_of(arguments)
+    senses = [arguments.errors] if arguments.errors else list(_SENSES)
     costs: list[Cost] = []
     with progress_bar(
-        "controllers", len(names) * (1 + bool(arguments.cost or arguments.plot))
+        "controllers",
+        len(names) * (1 + bool(arguments.cost or arguments.operations or arguments.plot)),
     ) as bar:
         compared = []
         for each in compare(
@@ -412,8 +414,9 @@ def _compare(arguments: argparse.Namespace) -> int:
         ):
             compared.append(each)
             bar(1)
-        for name in names if arguments.cost or arguments.plot else ():
-            costs.append(cost_of(name, conventions=conventions))
+        timed = bool(arguments.cost or arguments.plot)
+        for name in names if timed or arguments.operations else ():
+            costs.append(cost_of(name, conventions=conventions, timed=timed))
             bar(1)
     if arguments.plot:
         from fuzzyarm.study.figures import draw_cost, save_figure
@@ -422,10 +425,10 @@ def _compare(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
     elif arguments.markdown:
-        print("\n".join(_compared_markdown(compared, costs)))
+        print("\n".join(_compared_markdown(compared, costs, senses)))
     else:
         print(_conditions(conventions, payload=arguments.payload))
-        print("\n".join(_compared_lines(compared, costs)))
+        print("\n".join(_compared_lines(compared, costs, senses)))
     return 0
 
 
@@ -464,54 +467,61 @@ def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
     if cost is not None:
         found["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
         found["exported_operations"] = cost.exported
-        found["seconds"] = cost.seconds
+        if cost.seconds is not None:
+            found["seconds"] = cost.seconds
     return found
 
 
 _RMS = ("rms 1", "rms 2", "rms 1", "rms 2")
 
+_SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
+"""Of errors: by the word of ``--errors``, how they are called."""
 
-def _compared_lines(compared: Sequence[Compared], costs: Sequence[Cost]) -> Iterator[str]:
-    """Yield a table with three lines for each controller: errors in three senses."""
-    heads = ["change", *(["operations", "exported", "ns"] if costs else [])]
+
+def _compared_lines(
+    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
+) -> Iterator[str]:
+    """Yield a table with a line for each controller and sense of error."""
+    heads = ["change", *(_cost_heads(costs) if costs else [])]
     yield _columns("controller", "", [*_RMS, *heads])
     for each, cost in zip_longest(compared, costs):
-        yield _columns(each.name, "set points", [*_errors(each, each.rms), *_others(each, cost)])
-        if any(lost is None for lost in each.diverged):
-            yield _columns("", "all periods", _errors(each, each.rms_periods))
-            yield _columns("", "path", _errors(each, each.rms_path))
+        shown = senses if any(lost is None for lost in each.diverged) else senses[:1]
+        for at, sense in enumerate(shown):
+            name, others = (each.name, _others(each, cost)) if at == 0 else ("", [])
+            yield _columns(name, _SENSES[sense], [*_errors(each, sense), *others])
 
 
-def _compared_markdown(compared: Sequence[Compared], costs: Sequence[Cost]) -> Iterator[str]:
-    """Yield a table with a line for each controller; of costs those alone."""
+def _compared_markdown(
+    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
+) -> Iterator[str]:
+    """Yield a table with a line for each controller; of costs those, beside mean errors."""
     if costs:
-        heads = ["controller", "mean at set points", "mean from the path"]
-        heads += ["operations", "exported", "ns"]
+        heads = ["controller", "mean at set points", "mean from the path", *_cost_heads(costs)]
     else:
-        heads = [
-            "controller",
-            *(
-                f"{sense}: 1" if not at else str(at % 2 + 1)
-                for sense in ("set points", "all periods", "path")
-                for at in range(4)
-            ),
-            "change",
-        ]
+        heads = ["controller"]
+        for sense in senses:
+            heads += [f"{_SENSES[sense]}: 1", "2", "1", "2"]
+        heads.append("change")
     yield f"| {' | '.join(heads)} |"
     yield "|---" * len(heads) + "|"
     for each, cost in zip_longest(compared, costs):
-        senses = (each.rms, each.rms_periods, each.rms_path)
-        cells = [*(cell for values in senses for cell in _errors(each, values))]
-        if cost is not None:
+        if cost is None:
+            cells = [cell for sense in senses for cell in _errors(each, sense)]
+            cells += _others(each, None)
+        else:
             lost = any(time is not None for time in each.diverged)
             means = (each.error, each.path_error)
-            cells = ["diverges" if lost else f"{mean:.4f}" for mean in means]
-        cells += _others(each, cost)[cost is not None :]
+            cells = ["diverges" if lost else f"{mean:.4f}" for mean in means] + _cost_cells(cost)
         yield f"| {' | '.join([each.name, *cells])} |"
 
 
-def _errors(compared: Compared, values: Sequence[float]) -> list[str]:
-    lost = [compared.diverged[index // 2] is not None for index in range(4)]
+def _errors(compared: Compared, sense: str) -> list[str]:
+    values = {
+        "set-points": compared.rms,
+        "periods": compared.rms_periods,
+        "path": compared.rms_path,
+    }[sense]
+    lost = [compared.diverged[index // 2] is not None for index in range(len(values))]
     return [
         "diverges" if gone else f"{value:.4f}" for gone, value in zip(lost, values, strict=True)
     ]
@@ -520,11 +530,19 @@ def _errors(compared: Compared, values: Sequence[float]) -> list[str]:
 def _others(compared: Compared, cost: Cost | None) -> list[str]:
     """Return the largest change of torque, and what a step costs."""
     lost = any(each is not None for each in compared.diverged)
-    cells = ["" if lost else f"{max(compared.variation):.2f}"]
-    if cost is not None:
-        exported = "-" if cost.exported is None else f"{cost.exported}"
-        cells += [f"{cost.operations.total:.0f}", exported, f"{1e9 * cost.seconds:.0f}"]
-    return cells
+    change = "" if lost else f"{max(compared.variation):.2f}"
+    return [change, *(_cost_cells(cost) if cost is not None else [])]
+
+
+def _cost_heads(costs: Sequence[Cost]) -> list[str]:
+    timed = costs[0].seconds is not None
+    return ["operations", "exported", *(["ns"] if timed else [])]
+
+
+def _cost_cells(cost: Cost) -> list[str]:
+    exported = "-" if cost.exported is None else f"{cost.exported}"
+    cells = [f"{cost.operations.total:.0f}", exported]
+    return cells if cost.seconds is None else [*cells, f"{1e9 * cost.seconds:.0f}"]
 
 
 def _columns(name: str, sense: str, cells: Sequence[str]) -> str:
@@ -547,7 +565,9 @@ COMMANDS = (
         *CONVENTIONS,
         INTERPOLATE,
         *MOTORS,
+        argument("--errors", "in one of the three senses", choices=list(_SENSES)),
         flag("--cost", "count operations and measure time"),
+        flag("--operations", "count operations"),
         argument("--plot FIG", "draw error against cost"),
         flag("--markdown", "print a table for a page"),
         JSON,

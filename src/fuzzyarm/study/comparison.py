@@ -223,17 +223,17 @@ class Cost:
         Counted in the loop along a move, in the mean.
     exported : int or None
         What a step of the exported program takes at most; None of what cannot be exported.
-    seconds : float
-        Measured in the loop, as machine code.
+    seconds : float or None
+        Measured in the loop, as machine code; None where it was not.
     """
 
     name: str
     operations: Operations
     exported: int | None
-    seconds: float
+    seconds: float | None
 
 
-def cost_of(name: str, *, conventions: Conventions = PLAIN) -> Cost:
+def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) -> Cost:
     """Count the operations of a controller and measure its time.
 
     Parameters
@@ -242,6 +242,8 @@ def cost_of(name: str, *, conventions: Conventions = PLAIN) -> Cost:
         Of the catalogue, a sum or a file.
     conventions : Conventions, optional
         In which the time is measured.
+    timed : bool, optional
+        Whether it is.
 
     Returns
     -------
@@ -249,7 +251,7 @@ def cost_of(name: str, *, conventions: Conventions = PLAIN) -> Cost:
         Operations of a control step, and its time in s.
     """
     made = find_controller(name)
-    seconds = measure_time(made, conventions=conventions)
+    seconds = measure_time(made, conventions=conventions) if timed else None
     return Cost(made.name, count_operations(made), exported_operations(made), seconds)
 
 
