@@ -1,4 +1,4 @@
-"""Write what commands print into docs/comparison.md: `python docs/make_comparison.py`.
+"""Write what commands print into pages on errors: `python docs/make_comparison.py`.
 
 A table stands between a comment that is its command and `<!-- end -->`.
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 from fuzzyarm.cli import main
 from fuzzyarm.text.files import write_atomically
 
-PAGE = Path(__file__).parent / "comparison.md"
+PAGES = [Path(__file__).parent / name for name in ("comparison.md", "reproduction.md")]
 
 TABLE = re.compile(r"(?ms)^<!-- (fuzzyarm [^\n]*?) -->\n(.*?)^<!-- end -->$")
 
@@ -27,10 +27,16 @@ def printed(command: str) -> str:
     return out.getvalue()
 
 
-def page(text: str) -> str:
-    """Return the page with the tables of today."""
-    return TABLE.sub(lambda table: f"<!-- {table[1]} -->\n{printed(table[1])}<!-- end -->", text)
+def page(text: str, of: str = "fuzzyarm") -> str:
+    """Return the page with the tables of today of commands that begin so."""
+
+    def today(table: re.Match[str]) -> str:
+        shown = printed(table[1]) if table[1].startswith(of) else table[2]
+        return f"<!-- {table[1]} -->\n{shown}<!-- end -->"
+
+    return TABLE.sub(today, text)
 
 
 if __name__ == "__main__":
-    write_atomically(PAGE, page(PAGE.read_text(encoding="utf-8")))
+    for path in PAGES:
+        write_atomically(path, page(path.read_text(encoding="utf-8")))

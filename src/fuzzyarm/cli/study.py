@@ -246,7 +246,8 @@ def _beyond() -> None:
     from fuzzyarm.study.beyond import run_beyond
 
     beyond = list(run_beyond())
-    print("beyond the study: RMS errors beside the smallest of each column of the summary table")
+    print("beyond the study: RMS errors beside the smallest of each column of the summary table,")
+    print("at the set points as there; in all control periods; and from the path")
     to_beat = {
         "rows without a model": beyond[0].best_without_model,
         "all rows": beyond[0].best_of_all,
@@ -255,6 +256,8 @@ def _beyond() -> None:
         print(_four_line(name, figures))
     for each in beyond:
         print(_four_line(each.name, each.rms) + f"   {_beaten(each)}")
+        print(_four_line("  all periods", each.rms_periods))
+        print(_four_line("  path", each.rms_path))
 
 
 def _four_line(name: str, figures: Sequence[float]) -> str:
@@ -263,9 +266,9 @@ def _four_line(name: str, figures: Sequence[float]) -> str:
 
 def _beaten(beyond: Beyond) -> str:
     if beyond.beats_all:
-        return "below every row in all four"
+        return "at the set points below every row in all four"
     if beyond.beats_those_without_model:
-        return "below every row without a model in all four"
+        return "at the set points below every row without a model in all four"
     return "NOT below every row without a model"
 
 

@@ -238,10 +238,11 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
         for line, own in enumerate(beyond, len(chosen)):
             panel.axhline(-line, color="0.94", linewidth=0.7, zorder=0)
             panel.plot(own.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
+            panel.plot(own.rms_path[column], -line, "D", color=OWN_COLOUR, **_FROM_PATH)
         panel.set_xscale("log")
         panel.xaxis.set_major_formatter("{x:g}")
         panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
-        panel.set_xlabel("RMS error, degrees", fontsize=9)
+        panel.set_xlabel("RMS error at the set points, degrees", fontsize=9)
         panel.grid(axis="x", color="0.9", linewidth=0.7)
         panel.set_axisbelow(True)
         panel.spines[["top", "right", "left"]].set_visible(False)
@@ -294,10 +295,14 @@ def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond])
             "linestyle": "none",
         }
         entries.append(Line2D([], [], label="beyond the study", **own))
+        entries.append(Line2D([], [], label="the same from the path", **own | _FROM_PATH))
     figure.legend(
         handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
     )
 
+
+_FROM_PATH: dict[str, Any] = {"markersize": 5.5, "fillstyle": "none"}
+"""How an error from the path is marked, beside one at the set points."""
 
 # --- Error against cost ---
 
