@@ -28,11 +28,11 @@ def random_moves(seed, count):
     return moves
 
 
-def errors(name, moves, gains=()):
-    """Return the RMS error of each joint on each move, degrees."""
+def errors(name, moves, gains=(), sense="rms"):
+    """Return the RMS error of each joint on each move, degrees, at the set points or from the path."""
     made = controller(name).with_gains(dict(gains))
     runs = [simulate(made, path, payload=payload) for path, payload in moves]
-    return np.array([run.rms if run.diverged is None else (LOST, LOST) for run in runs])
+    return np.array([getattr(run, sense) if run.diverged is None else (LOST,) * 2 for run in runs])
 
 
 def score(logs):
@@ -50,7 +50,12 @@ print(f"after {found.nfev} evaluations: K_p {k_p.round(1)}, K_d {k_d.round(1)}")
 
 chosen = {"found": ("pd-motor-tuned", {"K_p": k_p, "K_d": k_d}), "pd-motor": ("pd-motor", {})}
 chosen |= {name: (name, {}) for name in ("pd-motor-tuned", "fuzzy-fine", "fuzzy-smooth")}
-print(f"{'mean RMS error, degrees':<24}{'training':>10}{'unseen':>10}")
+print("geometric mean of the RMS errors, degrees: at the set points, and from the path")
+print(f"{'':<24}" + f"{'training':>10}{'unseen':>10}" * 2)
 for label, (name, gains) in chosen.items():
-    means = [np.exp(np.log(errors(name, moves, gains)).mean()) for moves in (TRAINING, UNSEEN)]
+    means = [
+        np.exp(np.log(errors(name, moves, gains, sense)).mean())
+        for sense in ("rms", "rms_path")
+        for moves in (TRAINING, UNSEEN)
+    ]
     print(f"{label:<24}" + "".join(f"{mean:10.4f}" for mean in means))

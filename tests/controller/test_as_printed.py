@@ -12,9 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fuzzyarm.controller.catalogue import CATALOGUE, controller
+from fuzzyarm.controller.catalogue import controller
 from fuzzyarm.loop import Run, simulate
 from fuzzyarm.plant.trajectory import pick_and_place, reach_return
+from fuzzyarm.study import find_rows
 
 GOLDEN = Path(__file__).parent / "as_printed.json"
 TRAJECTORIES = (reach_return(), pick_and_place())
@@ -55,7 +56,7 @@ def summary(run: Run) -> dict[str, object]:
 def runs_of(name: str) -> dict[str, dict[str, object]]:
     """Run a row as the study counted, with the payload."""
     made = controller(name, variant="as-printed")
-    conventions = CATALOGUE[name].conventions
+    conventions = next(row for row in find_rows([name]) if row.payload).conventions
     return {
         trajectory.name: summary(simulate(made, trajectory, payload=True, conventions=conventions))
         for trajectory in TRAJECTORIES

@@ -63,23 +63,24 @@ def integrated(values, low=-math.inf, high=math.inf, start=0.0):
         yield total
 
 
-def held(values, limit):
+def held(values, limit, gain=100.0):
     """Integral that stops while its drive is at a limit and the error drives on."""
     total, excess = 0.0, 0.0
     for value in values:
-        if excess * value >= 0.0:
+        if excess / gain * value >= 0.0:
             total += value * PERIOD
-        drive = min(max(100 * total, -limit), limit)
-        excess = drive - 100 * total
+        drive = min(max(gain * total, -limit), limit)
+        excess = drive - gain * total
         yield drive
 
 
-def drawn_back(values, limit, time):
+def drawn_back(values, limit, time, gain=100.0):
+    """Integral that goes back by what of it the limit cut off, in a time of at least a period."""
     total, excess = 0.0, 0.0
     for value in values:
-        total += value * PERIOD + excess * PERIOD / time
-        drive = min(max(100 * total, -limit), limit)
-        excess = drive - 100 * total
+        total += value * PERIOD + excess / gain * PERIOD / max(time, PERIOD)
+        drive = min(max(gain * total, -limit), limit)
+        excess = drive - gain * total
         yield drive
 
 
@@ -119,6 +120,13 @@ def test_each_source_is_what_the_page_says(line, values):
          lambda x: held(x, 2.0)),
         (["i = integral of e, anti-windup back 0.5 s", "drive u = i * 100, within -2 .. 2"],
          lambda x: drawn_back(x, 2.0, 0.5)),
+        (["i = integral of e * 4, anti-windup back 0.5 s", "j = i / 2 - 3 * i",
+          "drive u = j * 40, within -2 .. 2"],
+         lambda x: drawn_back(x, 2.0, 0.5, -400.0)),
+        (["i = integral of e, anti-windup hold", "drive u = -i * 100, within -2 .. 2"],
+         lambda x: held(x, 2.0, -100.0)),
+        (["i = integral of e, anti-windup back 1 ms", "drive u = i * 5, within -2 .. 2"],
+         lambda x: drawn_back(x, 2.0, 0.001, 5.0)),
         (["drive u = e, slew 40"], lambda x: slewed(x, 40.0)),
         (["drive u = 3 * e, within -2 .. 1, slew 40"],
          lambda x: slewed([min(max(3 * v, -2.0), 1.0) for v in x], 40.0)),
@@ -336,6 +344,42 @@ def test_an_integral_behind_a_limit_is_doubted_until_something_holds_it():
             "u = i * 2 + e",
             "drive u = u, within -1 .. 1",
         )
+        assert [d.name for d in parse(text).diagnostics] == names
+
+
+@pytest.mark.parametrize("gain", [0.1, 1.0, 50.0, 4000.0, -50.0])
+def test_an_integral_goes_back_alike_whatever_gain_stands_behind_it(gain):
+    """The drive of a loop depends on the product of both gains alone."""
+    sign, size = "-" * (gain < 0), abs(gain)
+    lines = (
+        f"s = {sign}e * {1 / size!r}",
+        "i = integral of s, anti-windup back 50 ms",
+        f"drive u = {sign}i * {size!r}, within -2 .. 2",
+    )
+    values = [*[30.0] * 50, *[-30.0] * 50, *[1.0] * 50]
+    found = outputs(text_of("e = error of x", *lines), values)
+    assert found == pytest.approx(list(drawn_back([-v for v in values], 2.0, 0.05, 1.0)), abs=1e-9)
+
+
+@pytest.mark.parametrize("gain", [7.0, -3.0, 0.0])
+def test_a_gain_that_is_set_is_the_one_that_the_anti_windup_counts_with(gain):
+    text = text_of(
+        "e = measured x", "i = integral of e, anti-windup back 0.5 s",
+        "drive u = i * K, within -2 .. 2", head=["gain K = 100"],
+    )  # fmt: skip
+    values = [30.0] * 40 + [-5.0] * 40
+    run = made(text).run(gains={"K": gain}, compiled=False)
+    found = [run.step({"x": value}, {"x": 0.0})["u"] for value in values]
+    expected = drawn_back(values, 2.0, 0.5, gain) if gain else [0.0] * 80
+    assert found == pytest.approx(list(expected), abs=1e-9)
+
+
+def test_a_gain_that_is_not_constant_is_found_where_it_matters():
+    for option, names in (("back 1 s", ["windup-gain"]), ("hold", [])):
+        text = text_of(
+            "e = error of x", f"i = integral of e, anti-windup {option}", "k = i * e",
+            "drive u = k, within -1 .. 1",
+        )  # fmt: skip
         assert [d.name for d in parse(text).diagnostics] == names
 
 

@@ -164,12 +164,35 @@ def test_a_resolution_rounds_to_the_next_step():
     assert len(set(seen)) == 3
 
 
+def test_zero_is_a_step_and_the_range_of_a_sensor_ends_it():
+    seen, true, _ = sensed({"position": Sensor(resolution=0.3)}, count=600)
+    expected = np.clip(np.floor(true / 0.3 + 0.5) * 0.3, 0.0, 4.0)
+    assert seen == pytest.approx(expected, abs=1e-12)
+    assert seen[0] == 0.0
+    assert seen.max() == 4.0 < true.max()
+    # The range of the motor's position, -2π to 2π, is not a multiple of a degree's hundredth.
+    run = simulate(SERVO, find_plant("motor"), duration=2.0,
+                   options=Options(sensors={"position": Sensor(resolution=0.01)}),
+                   references={"position": Signal("step", (0.0,))})  # fmt: skip
+    assert not run.errors.any()
+
+
 def test_a_delay_shows_what_was():
     seen, true, _ = sensed({"position": Sensor(delay=0.05)})
     assert (seen[:5] == true[0]).all()
     assert (seen[5:] == true[:-5]).all()
     seen, true, _ = sensed({"position": Sensor(delay=1e9)})  # without room for a thousand years
     assert (seen == true[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("delay", "periods"), [(0.005, 1), (0.015, 2), (0.025, 3), (0.024, 2), (0.0, 0)]
+)
+def test_half_a_period_of_delay_counts_up_and_is_said(delay, periods):
+    seen, true, run = sensed({"position": Sensor(delay=delay)})
+    assert (seen[periods:] == true[: len(true) - periods]).all()
+    said = [note for note in run.notes if "'position'" in note and f"{periods} are taken" in note]
+    assert len(said) == (delay != 0.0)
 
 
 def test_noise_is_drawn_by_the_seed():

@@ -1,16 +1,21 @@
 """Comparison under changed conditions, chatter, and what a control step costs."""
 
 import json
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from fuzzyarm import load, shipped
 from fuzzyarm.cli import main
 from fuzzyarm.controller import CompiledController, Controller, controller
 from fuzzyarm.controller.law import Law, law_kernel
+from fuzzyarm.language import read_text
 from fuzzyarm.loop import Options, simulate
 from fuzzyarm.plant import pick_and_place, through
 from fuzzyarm.plant.setting import PLAIN, STUDY_TABLES
+from fuzzyarm.study import find_rows, reproduce_row
 from fuzzyarm.study.comparison import CONDITIONS, compare, compared_names, watched_run
 from fuzzyarm.study.cost import CostError, count_operations, measure_time
 
@@ -107,7 +112,8 @@ class Noting(Controller):
 
     def torque(self, reference, state, clock):
         torque = np.array(self.inner.torque(reference, state, clock))
-        self.sums += abs(torque - self.last)
+        if self.steps:  # that a run begins is not a change
+            self.sums += abs(torque - self.last)
         self.last, self.steps = torque, self.steps + 1
         return tuple(torque)
 
@@ -118,7 +124,10 @@ def test_change_of_torque_is_the_mean_over_control_periods(name):
     expected = simulate(noting, QUICK, payload=True)
     watched = watched_run(controller(name), QUICK, PLAIN, Options())
     assert watched.rms == pytest.approx(tuple(expected.rms), rel=1e-9)
-    assert watched.variation == pytest.approx(tuple(noting.sums / noting.steps), rel=1e-9)
+    changes = noting.sums / (noting.steps - 1)
+    assert watched.variation == pytest.approx(tuple(changes), rel=1e-9)
+    assert watched.rms_periods == pytest.approx(tuple(expected.rms_periods), rel=1e-9)
+    assert watched.rms_path == pytest.approx(tuple(expected.rms_path), rel=1e-9)
     assert watched.diverged is None
 
 
@@ -127,6 +136,49 @@ def test_compared_errors_are_those_of_simulate(name):
     found = compared(name, trajectories=(lambda: QUICK, lambda: QUICK), conventions=STUDY_TABLES)
     run = simulate(controller(name), QUICK, payload=True, conventions=STUDY_TABLES)
     assert found[name].rms == (*run.rms, *run.rms)
+
+
+@pytest.mark.parametrize("name", ["fuzzy-lut", "stfc", "pd-motor", "cdid+fuzzy"])
+@pytest.mark.parametrize("words", [[], ["--conventions", "study"], ["--no-load-in-hold"]])
+def test_no_name_changes_what_is_counted(name, words, tmp_path, capsys):
+    copy = tmp_path / "c.frb"
+    copy.write_text(read_text(shipped(f"{name}.frb")))
+    moves = ["--angles", "30", "-20", "--segment", "0.4"]
+    assert (
+        main(["compare", name, str(shipped(f"{name}.frb")), str(copy), *moves, *words, "--json"])
+        == 0
+    )
+    first, *others = json.loads(capsys.readouterr().out)
+    assert others == [first, first]
+    runs = []
+    for each in (name, str(copy)):
+        short = ["simulate", each, "--payload", "--segment", "0.2", "--hold", "0.2"]
+        assert main([*short, *words, "--json"]) == 0
+        runs.append(json.loads(capsys.readouterr().out))
+    assert runs[0] == runs[1]
+
+
+def test_loaded_like_the_others_the_rules_at_every_step_are_worse_than_published():
+    """In its rows of direct fuzzy control the study's arm holds still without its load."""
+    expected = {"hfie": 0.1043, "stfc": 0.1886, "cfaf": 0.0936}
+    found = compared(*expected)
+    without = compared(*expected, conventions=replace(PLAIN, load_in_hold=False))
+    for name, first in expected.items():
+        assert found[name].rms[0] == pytest.approx(first, abs=5e-5)
+        row = find_rows([f"7.1.1/{name}"])[0].corrected
+        assert without[name].rms == pytest.approx(row[::2], rel=0.01)
+
+
+def test_what_the_study_did_for_a_row_is_said_by_options(capsys):
+    words = ["--precision", "float64", "--pi", "3.141592653589793", "--no-load-in-hold"]
+    long = ["simulate", "stfc", "--payload", "--conventions", "study", *words, "--json"]
+    assert main(long) == 0
+    run = json.loads(capsys.readouterr().out)
+    row = reproduce_row(find_rows(["7.1.1/stfc"])[0])
+    assert run["rms"] == list(row.runs[0].rms)
+    assert (run["pi"], run["load_in_hold"]) == (math.pi, False)
+    assert main(["compare", "pd", "--pi", "4"]) == 1
+    assert "4.0 for π is out of range" in capsys.readouterr().err
 
 
 def test_all_controllers_are_compared():
@@ -150,12 +202,21 @@ def test_with_set_points_interpolated_most_of_the_error_goes():
 
 def test_a_controller_as_text_beats_the_best_row_with_less_chatter_than_soc():
     found = compared("fuzzy-smooth", "pid-smooth", "acdid+fuzzy", "soc-zero", "soc-table")
-    best = (0.0130, 0.0119, 0.0291, 0.0227)
+    best = (0.0130, 0.0119, 0.0290, 0.0226)
     assert found["acdid+fuzzy"].rms == pytest.approx(best, abs=1e-4)
     for name in ("fuzzy-smooth", "pid-smooth"):
         assert all(np.array(found[name].rms) < 0.1 * np.array(best))
         for soc in ("soc-zero", "soc-table"):
             assert max(found[name].variation) < 0.1 * min(found[soc].variation)
+
+
+def test_it_beats_nothing_in_between_and_on_the_path():
+    """It is late by its filter, and there at the one moment at which the study looks."""
+    found = compared("fuzzy-smooth", "pid-smooth", "acdid+fuzzy", "pd-motor")
+    for name in ("fuzzy-smooth", "pid-smooth"):
+        for other in ("acdid+fuzzy", "pd-motor"):
+            assert all(np.array(found[name].rms_path) > found[other].rms_path)
+            assert all(np.array(found[name].rms_periods) > found[other].rms_periods)
 
 
 def test_it_does_so_on_moves_on_which_nothing_was_chosen():
@@ -238,20 +299,40 @@ def test_compare_prints_a_line_for_each(capsys, tmp_path):
     rows = json.loads(capsys.readouterr().out)
     assert [row["controller"] for row in rows] == ["pd", "pd-motor", "dac"]
     assert rows[0]["operations"]["total"] == 10
-    assert all(len(row["rms"]) == len(row["variation"]) == 4 for row in rows)
+    assert [row["exported_operations"] for row in rows] == [None, 24, None]
+    fours = ("rms", "rms_periods", "rms_path", "variation")
+    assert all(len(row[name]) == 4 for row in rows for name in fours)
     assert figure.read_bytes().startswith(b"\x89PNG")
     assert main(words) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == ["controller", "pd", "pd-motor", "dac"]
+    conditions, *lines = capsys.readouterr().out.splitlines()
+    assert conditions == (
+        "reach-return and pick-and-place with load, plain conventions, float64, π 3.141593"
+    )
+    errors = ["set points", "all periods", "path"]
+    names = ["controller", "pd", "", "", "pd-motor", "", "", "dac", "", ""]
+    assert [line[:18].strip() for line in lines] == names
+    assert [line[18:30].strip() for line in lines] == ["", *errors * 3]
     assert main([*words, "--markdown"]) == 0
-    assert capsys.readouterr().out.startswith("| controller | rms 1 |")
+    assert capsys.readouterr().out.startswith("| controller | set points: 1 | 2 | 1 | 2 | all")
+
+
+def test_exported_programs_have_every_rule_in_a_row(capsys):
+    from fuzzyarm.export.cost import step_cost
+
+    assert main(["compare", "hfie", "stfc", "cdid+fuzzy", "--cost", "--json"]) == 0
+    rows = {row["controller"]: row for row in json.loads(capsys.readouterr().out)}
+    for name in ("hfie", "stfc"):
+        counted = step_cost(load(shipped(f"{name}.frb")))
+        assert rows[name]["exported_operations"] == counted.exported.total()
+        assert rows[name]["operations"]["total"] < 0.4 * counted.exported.total()
+    assert rows["cdid+fuzzy"]["exported_operations"] is None
 
 
 def test_a_run_that_diverges_is_shown_as_such(capsys):
     assert main(["compare", "dac", "pd", "--angles", "80", "-20", "--segment", "1"]) == 0
-    _, dac, pd = capsys.readouterr().out.splitlines()
-    assert dac.split() == ["dac", *["diverges"] * 4]
-    assert len(pd.split()) == 6
+    _, _, dac, pd, *_ = capsys.readouterr().out.splitlines()
+    assert dac.split() == ["dac", "set", "points", *["diverges"] * 4]
+    assert len(pd.split()) == 8
 
 
 @pytest.mark.parametrize(

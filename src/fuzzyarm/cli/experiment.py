@@ -43,8 +43,20 @@ TRAJECTORY = (
     ),
 )
 CONVENTIONS = (
-    argument("--conventions", "how to count", choices=["plain", "study"], default="plain"),
+    argument(
+        "--conventions",
+        "how to count: plain, or in single precision with 3.142857 for π, as the study's programs",
+        choices=["plain", "study"],
+        default="plain",
+    ),
     argument("--precision", "of states and signals", choices=["float32", "float64"]),
+    argument("--pi VALUE", "the constant for π", type=float),
+    argument(
+        "--load-in-hold",
+        "whether a load stays on in a hold; it does",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+    ),
 )
 
 
@@ -70,21 +82,31 @@ RUN = group(
 )
 
 
+def conventions_of(arguments: argparse.Namespace) -> Conventions:
+    """Return how to count: the same for every controller."""
+    from fuzzyarm.plant import PLAIN, STUDY
+
+    conventions = STUDY if arguments.conventions == "study" else PLAIN
+    changed: dict[str, Any] = {"load_in_hold": arguments.load_in_hold}
+    if arguments.precision:
+        changed["precision"] = arguments.precision
+    if arguments.pi is not None:
+        changed["pi"] = arguments.pi
+    return replace(conventions, **changed)
+
+
 def experiment_of(
-    arguments: argparse.Namespace, controller: str, plant: Plant | None = None
+    arguments: argparse.Namespace, plant: Plant | None = None
 ) -> tuple[Trajectory, Conventions, Schedule]:
-    """Return what the arguments name: the way, the conventions for a controller and the loads.
+    """Return what the arguments name: the way, the conventions and the loads.
 
     Parameters of the arm that differ from the study's are its parameters with a load, too, but
     for those that the load changes.
     """
-    from fuzzyarm.controller.catalogue import study_conventions
-    from fuzzyarm.plant import PLAIN, Arm, schedule
+    from fuzzyarm.plant import Arm, schedule
 
     trajectory = _trajectory(arguments)
-    conventions = study_conventions(controller) if arguments.conventions == "study" else PLAIN
-    if arguments.precision:
-        conventions = replace(conventions, precision=arguments.precision)
+    conventions = conventions_of(arguments)
     for option in ("step", "reference", "duration"):
         if getattr(arguments, option, None):
             word = "for" if option == "duration" else option

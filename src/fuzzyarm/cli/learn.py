@@ -224,13 +224,15 @@ class _Training:
                 learning.animate_learning(whole, arguments.animate, watch=advance)
 
     def _motion(self, options: Options) -> tuple[Motion, Conventions]:
+        from fuzzyarm.controller.on_plant import timing_of
         from fuzzyarm.loop.course import arm_motion
         from fuzzyarm.plant import PLAIN, Arm
 
         trainee = self.trainee
         if isinstance(trainee.plant, Arm):
-            trajectory, conventions, arms = experiment_of(self.arguments, self.name, trainee.plant)
-            return arm_motion(trajectory, arms, conventions, options), conventions
+            trajectory, conventions, arms = experiment_of(self.arguments, trainee.plant)
+            timing = timing_of(trainee.controller)
+            return arm_motion(trajectory, arms, conventions, options, timing), conventions
         require_plain(self.arguments)
         return motion_of(self.arguments, trainee.controller, trainee.plant), PLAIN
 

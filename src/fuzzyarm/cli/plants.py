@@ -128,6 +128,8 @@ def require_plain(arguments: argparse.Namespace) -> None:
         "--inductance": getattr(arguments, "inductance", None) is not None,
         "--conventions": arguments.conventions != "plain",
         "--precision": arguments.precision,
+        "--pi": arguments.pi is not None,
+        "--no-load-in-hold": not arguments.load_in_hold,
     }
     for option, value in given.items():
         if value:

@@ -4,7 +4,9 @@ CONTROLLER is a name (--list shows all), a controller as text (FILE.frb), a Pyth
 yours (FILE.py or FILE.py:CLASS) with a class derived from fuzzyarm.controller.Controller,
 or several of these with plus signs between. Several controllers make the same run one after
 the other. Errors (of angles in degrees) are root mean square, largest magnitude with its
-sign, and final. Exit status 3 if a run diverged.
+sign, and final, each at the set points. Where a set point stands for several control
+periods it is sampled in the last of them; beside that stand the root mean square over all
+periods, and that from the path on which the set points lie. Exit status 3 if a run diverged.
 
 The arm follows a trajectory; any other plant runs a controller as text along references.
 --set changes gains of the controller and parameters of the plant (plant.NAME where both
@@ -89,10 +91,9 @@ def _run(arguments: argparse.Namespace) -> int:
             _show_gains(controller, arguments.json)
             _print_notes(name)
         return 0
-    results = [
-        _simulate(controller, changed, name, arguments)
-        for (controller, changed), name in zip(made, arguments.controller, strict=True)
-    ]
+    results = [_simulate(controller, changed, arguments) for controller, changed in made]
+    for note in dict.fromkeys(note for result in results for note in result.notes):
+        print(f"fuzzyarm: note: {note}", file=sys.stderr)
     _write_files(arguments, results, made[0][1])
     if arguments.watch:
         _watch(results, made[0][1])
@@ -165,15 +166,13 @@ def _write_files(arguments: argparse.Namespace, results: list[Run], plant: Plant
         _write_csv(results, arguments.csv)
 
 
-def _simulate(
-    controller: Controller, plant: Plant, name: str, arguments: argparse.Namespace
-) -> Run:
+def _simulate(controller: Controller, plant: Plant, arguments: argparse.Namespace) -> Run:
     from fuzzyarm.loop.run import run_along
     from fuzzyarm.plant import PLAIN, Arm
 
     connect, options = connections(arguments), options_of(arguments, plant)
     if isinstance(plant, Arm):
-        trajectory, conventions, arms = experiment_of(arguments, name, plant)
+        trajectory, conventions, arms = experiment_of(arguments, plant)
         on: Any = trajectory
     else:
         require_plain(arguments)
@@ -214,7 +213,13 @@ def _slowdown(result: Run, trajectory: Trajectory, conventions: Conventions) -> 
 
 def run_as_json(result: Run) -> dict[str, Any]:
     """Return a run as JSON data."""
-    norms = {"rms": result.rms, "max": result.maximum, "final": result.final}
+    norms = {
+        "rms": result.rms,
+        "max": result.maximum,
+        "final": result.final,
+        "rms_periods": result.rms_periods,
+        "rms_path": result.rms_path,
+    }
     return {
         "controller": result.controller,
         "trajectory": result.trajectory,
@@ -222,6 +227,8 @@ def run_as_json(result: Run) -> dict[str, Any]:
         "samples": result.samples,
         "conventions": result.conventions.name,
         "precision": result.conventions.precision,
+        "pi": result.conventions.pi,
+        "load_in_hold": result.conventions.load_in_hold,
         "diverged": result.diverged,
         "ended": result.ended,
         "compiled": result.compiled,
@@ -245,7 +252,11 @@ def _as_text(result: Run) -> str:
     ]
     if result.samples and result.plant == "arm":
         lines.append(f"{'error, degrees':<16}{'link 1':>12}{'link 2':>12}")
-        for name, pair in (("rms", result.rms), ("max", result.maximum), ("final", result.final)):
+        rows = {"rms": result.rms}
+        if result.every > 1:
+            rows |= {"  all periods": result.rms_periods, "  path": result.rms_path}
+        rows |= {"max": result.maximum, "final": result.final}
+        for name, pair in rows.items():
             lines.append(f"{name:<16}{pair[0]:>12.4f}{pair[1]:>12.4f}")
     elif result.samples:
         lines += _metric_lines(result)
@@ -268,9 +279,15 @@ def _metric_lines(result: Run) -> list[str]:
     columns = [each.as_dict() for each in result.metrics.values()]
     widths = [max(14, len(name) + 2) for name in names]
     lines = ["error of".ljust(16) + "".join(map(str.rjust, names, widths))]
-    for metric in columns[0]:
+    # Where every control period has a set point of its own all three are the same.
+    between = {"rms_periods": "  all periods", "rms_path": "  path"}
+    shown = [name for name in columns[0] if name not in between]
+    if result.every > 1:
+        shown[1:1] = between
+    for metric in shown:
         cells = ["-" if each[metric] is None else f"{each[metric]:.4g}" for each in columns]
-        lines.append(metric.ljust(16) + "".join(map(str.rjust, cells, widths)))
+        label = between.get(metric, metric)
+        lines.append(label.ljust(16) + "".join(map(str.rjust, cells, widths)))
     return lines
 
 
@@ -293,18 +310,36 @@ def _write_csv(results: list[Run], path: str) -> None:
     """Write the samples of one run; of several, a file with the controller in the first column."""
     import io
 
+    from fuzzyarm.loop.sweep import quoted
     from fuzzyarm.text.files import write_atomically
 
     text = io.StringIO()
     several = len(results) > 1
     for index, result in enumerate(results):
-        columns = {"time": result.time, **result.columns()}
+        columns = _csv_columns(result, held=any(each.every > 1 for each in results))
         if not index:
-            text.write(",".join([*["controller"] * several, *columns]) + "\n")
+            heads = [*["controller"] * several, *columns]
+            text.write(",".join(map(quoted, heads)) + "\n")
         for row in zip(*columns.values(), strict=True):
             words = [repr(float(value)) for value in row]
             text.write(",".join([*[result.controller] * several, *words]) + "\n")
     write_atomically(path, text.getvalue())
+
+
+def _csv_columns(result: Run, *, held: bool) -> dict[str, Any]:
+    """Return the columns of a file by their heads, which have the units.
+
+    Where set points are `held` for several control periods, one is earlier than its sample.
+    """
+    units = {
+        **{f"{label} wanted": result.output_units[label] for label in result.wanted},
+        **result.output_units,
+        **result.drive_units,
+    }
+    times = {"time [s]": result.time}
+    if held:
+        times["set point time [s]"] = result.set_point_time
+    return times | {f"{name} [{units[name]}]": each for name, each in result.columns().items()}
 
 
 def _show_gains(controller: Controller, as_json: bool) -> None:

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import JSON, argument, busy, command, flag, print_json, progress_bar
 from fuzzyarm.cli.compare_plants import compare_on, other_plant
-from fuzzyarm.cli.plants import MOTORS, PLANT, motors_of
+from fuzzyarm.cli.experiment import CONVENTIONS, conventions_of
+from fuzzyarm.cli.plants import INTERPOLATE, MOTORS, PLANT, motors_of
 
 if TYPE_CHECKING:
-    from fuzzyarm.plant import Trajectory
+    from fuzzyarm.plant import Conventions, Trajectory
     from fuzzyarm.study import Ensemble, Judgement, PublishedRow, Reproduced
     from fuzzyarm.study.beyond import Beyond
     from fuzzyarm.study.comparison import Compared, Cost
@@ -246,7 +247,8 @@ def _beyond() -> None:
     from fuzzyarm.study.beyond import run_beyond
 
     beyond = list(run_beyond())
-    print("beyond the study: RMS errors beside the smallest of each column of the summary table")
+    print("beyond the study: RMS errors beside the smallest of each column of the summary table,")
+    print("at the set points as there; in all control periods; and from the path")
     to_beat = {
         "rows without a model": beyond[0].best_without_model,
         "all rows": beyond[0].best_of_all,
@@ -255,6 +257,8 @@ def _beyond() -> None:
         print(_four_line(name, figures))
     for each in beyond:
         print(_four_line(each.name, each.rms) + f"   {_beaten(each)}")
+        print(_four_line("  all periods", each.rms_periods))
+        print(_four_line("  path", each.rms_path))
 
 
 def _four_line(name: str, figures: Sequence[float]) -> str:
@@ -263,9 +267,9 @@ def _four_line(name: str, figures: Sequence[float]) -> str:
 
 def _beaten(beyond: Beyond) -> str:
     if beyond.beats_all:
-        return "below every row in all four"
+        return "at the set points below every row in all four"
     if beyond.beats_those_without_model:
-        return "below every row without a model in all four"
+        return "at the set points below every row without a model in all four"
     return "NOT below every row without a model"
 
 
@@ -362,16 +366,22 @@ def _identified_as_text(result: Identified) -> str:
 _COMPARE = """Compare controllers under the same conditions: errors, chatter, cost.
 
 CONTROLLER is a name of the catalogue, a sum or a file; by default those of the study's
-summary table and those that it does not have. They run with load along reach-return and
-pick-and-place, and count as the study did. Without options it is the study's experiment:
-set points held for five control periods, motors without inductance, any torque.
+summary table and those that it does not have. They run along reach-return and
+pick-and-place, all under the conditions that the options say, whatever they are called.
+Without options: with load, also in the hold; double precision and the true π; set points
+held for the periods that a controller asks for (five of 0.6 ms), motors without
+inductance, any torque. What the study did for a row of its own, `fuzzyarm reproduce` does.
 
 "rms" are the RMS errors of links 1 and 2 on the first trajectory, then on the second, in
-degrees. "change" is the mean magnitude by which the torque of a joint changes from one
-control period to the next, the largest of the four, in N m: chatter.
+degrees: at the set points, each in the last of its periods, as the study samples them; in
+all control periods, from the set point that is held; and from the path itself, which moves
+on while a set point stands. "change" is the mean magnitude by which the torque of a joint
+changes from one control period to the next, the largest of the four, in N m: chatter.
 
-With --cost: floating-point operations of a control step, both joints together (counted as
-the laws do them, sines and cosines among them), and the time that a step adds to the loop.
+With --operations: floating-point operations of a control step, both joints together
+(counted as the loop does them, sines and cosines among them, in the mean along a short
+move), and those of a step of the program that `fuzzyarm compile` writes, at most. With
+--cost the time, too, that a step adds to the loop.
 
 On another plant, that of --plant or the shipped one that has the axes of the controllers,
 they follow the same references, with the options of `fuzzyarm simulate`; the table has the
@@ -399,17 +409,26 @@ def _compare(arguments: argparse.Namespace) -> int:
     if elsewhere is not None:
         return compare_on(arguments, *elsewhere)
     options = Options(interpolate=arguments.interpolate, **motors_of(arguments))
-    trajectories = _both_trajectories(arguments)
+    trajectories, conventions = _both_trajectories(arguments), conventions_of(arguments)
+    senses = [arguments.errors] if arguments.errors else list(_SENSES)
     costs: list[Cost] = []
     with progress_bar(
-        "controllers", len(names) * (1 + bool(arguments.cost or arguments.plot))
+        "controllers",
+        len(names) * (1 + bool(arguments.cost or arguments.operations or arguments.plot)),
     ) as bar:
         compared = []
-        for each in compare(names, options, trajectories=trajectories):
+        for each in compare(
+            names,
+            options,
+            trajectories=trajectories,
+            conventions=conventions,
+            payload=arguments.payload,
+        ):
             compared.append(each)
             bar(1)
-        for name in names if arguments.cost or arguments.plot else ():
-            costs.append(cost_of(name))
+        timed = bool(arguments.cost or arguments.plot)
+        for name in names if timed or arguments.operations else ():
+            costs.append(cost_of(name, conventions=conventions, timed=timed))
             bar(1)
     if arguments.plot:
         from fuzzyarm.study.figures import draw_cost, save_figure
@@ -417,9 +436,23 @@ def _compare(arguments: argparse.Namespace) -> int:
         save_figure(draw_cost(compared, costs), arguments.plot)
     if arguments.json:
         print_json([_compared_json(*pair) for pair in zip_longest(compared, costs)], 1)
+    elif arguments.markdown:
+        print("\n".join(_compared_markdown(compared, costs, senses)))
     else:
-        print("\n".join(_compared_lines(compared, costs, markdown=arguments.markdown)))
+        print(_conditions(conventions, payload=arguments.payload))
+        print("\n".join(_compared_lines(compared, costs, senses)))
     return 0
+
+
+def _conditions(conventions: Conventions, *, payload: bool) -> str:
+    """Return in words how all of them count."""
+    load = "with load" if payload else "without load"
+    if payload and not conventions.load_in_hold:
+        load += " but not in the hold"
+    return (
+        f"reach-return and pick-and-place {load}, {conventions.name} conventions, "
+        f"{conventions.precision}, π {conventions.pi:.7g}"
+    )
 
 
 def _both_trajectories(arguments: argparse.Namespace) -> list[Callable[[], Trajectory]]:
@@ -438,43 +471,96 @@ def _compared_json(compared: Compared, cost: Cost | None) -> dict[str, Any]:
     found: dict[str, Any] = {
         "controller": compared.name,
         "rms": list(compared.rms),
+        "rms_periods": list(compared.rms_periods),
+        "rms_path": list(compared.rms_path),
         "variation": list(compared.variation),
         "diverged": list(compared.diverged),
     }
     if cost is not None:
         found["operations"] = asdict(cost.operations) | {"total": cost.operations.total}
-        found["seconds"] = cost.seconds
+        found["exported_operations"] = cost.exported
+        if cost.seconds is not None:
+            found["seconds"] = cost.seconds
     return found
 
 
+_RMS = ("rms 1", "rms 2", "rms 1", "rms 2")
+
+_SENSES = {"set-points": "set points", "periods": "all periods", "path": "path"}
+"""Of errors: by the word of ``--errors``, how they are called."""
+
+
 def _compared_lines(
-    compared: Sequence[Compared], costs: Sequence[Cost], *, markdown: bool
+    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
 ) -> Iterator[str]:
-    """Yield a table, of columns or of markdown."""
-    heads = ["controller", "rms 1", "rms 2", "rms 1", "rms 2", "change"]
-    heads += ["operations", "ns"] if costs else []
-    if markdown:
-        yield f"| {' | '.join(heads)} |"
-        yield "|---" * len(heads) + "|"
-    else:
-        yield _columns(heads)
+    """Yield a table with a line for each controller and sense of error."""
+    heads = ["change", *(_cost_heads(costs) if costs else [])]
+    yield _columns("controller", "", [*_RMS, *heads])
     for each, cost in zip_longest(compared, costs):
-        cells = [each.name, *_numbers_of(each)]
-        if cost is not None:
-            cells += [f"{cost.operations.total:.0f}", f"{1e9 * cost.seconds:.0f}"]
-        yield f"| {' | '.join(cells)} |" if markdown else _columns(cells)
+        shown = senses if any(lost is None for lost in each.diverged) else senses[:1]
+        for at, sense in enumerate(shown):
+            name, others = (each.name, _others(each, cost)) if at == 0 else ("", [])
+            yield _columns(name, _SENSES[sense], [*_errors(each, sense), *others])
 
 
-def _numbers_of(compared: Compared) -> list[str]:
-    rms = []
-    for index, value in enumerate(compared.rms):
-        rms.append("diverges" if compared.diverged[index // 2] is not None else f"{value:.4f}")
+def _compared_markdown(
+    compared: Sequence[Compared], costs: Sequence[Cost], senses: Sequence[str]
+) -> Iterator[str]:
+    """Yield a table with a line for each controller; of costs those, beside mean errors."""
+    if costs:
+        heads = ["controller", "mean at set points", "mean from the path", *_cost_heads(costs)]
+    else:
+        heads = ["controller"]
+        for sense in senses:
+            heads += [f"{_SENSES[sense]}: 1", "2", "1", "2"]
+        heads.append("change")
+    yield f"| {' | '.join(heads)} |"
+    yield "|---" * len(heads) + "|"
+    for each, cost in zip_longest(compared, costs):
+        if cost is None:
+            cells = [cell for sense in senses for cell in _errors(each, sense)]
+            cells += _others(each, None)
+        else:
+            lost = any(time is not None for time in each.diverged)
+            means = (each.error, each.path_error)
+            cells = ["diverges" if lost else f"{mean:.4f}" for mean in means] + _cost_cells(cost)
+        yield f"| {' | '.join([each.name, *cells])} |"
+
+
+def _errors(compared: Compared, sense: str) -> list[str]:
+    values = {
+        "set-points": compared.rms,
+        "periods": compared.rms_periods,
+        "path": compared.rms_path,
+    }[sense]
+    lost = [compared.diverged[index // 2] is not None for index in range(len(values))]
+    return [
+        "diverges" if gone else f"{value:.4f}" for gone, value in zip(lost, values, strict=True)
+    ]
+
+
+def _others(compared: Compared, cost: Cost | None) -> list[str]:
+    """Return the largest change of torque, and what a step costs."""
     lost = any(each is not None for each in compared.diverged)
-    return [*rms, "" if lost else f"{max(compared.variation):.2f}"]
+    change = "" if lost else f"{max(compared.variation):.2f}"
+    return [change, *(_cost_cells(cost) if cost is not None else [])]
 
 
-def _columns(cells: Sequence[str]) -> str:
-    return f"{cells[0]:<18}" + "".join(f"{cell:>12}" for cell in cells[1:])
+def _cost_heads(costs: Sequence[Cost]) -> list[str]:
+    timed = costs[0].seconds is not None
+    return ["operations", "exported", *(["ns"] if timed else [])]
+
+
+def _cost_cells(cost: Cost) -> list[str]:
+    exported = "-" if cost.exported is None else f"{cost.exported}"
+    cells = [f"{cost.operations.total:.0f}", exported]
+    return cells if cost.seconds is None else [*cells, f"{1e9 * cost.seconds:.0f}"]
+
+
+def _columns(name: str, sense: str, cells: Sequence[str]) -> str:
+    widths = [10] * len(_RMS) + [12] * (len(cells) - len(_RMS))
+    numbers = "".join(f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
+    return f"{name:<18}{sense:<12}{numbers}".rstrip()
 
 
 COMMANDS = (
@@ -486,8 +572,15 @@ COMMANDS = (
         argument("--angles A1 A2", "where to turn to on both trajectories, degrees", type=float),
         argument("--segment SECONDS", "duration of each move", type=float),
         *PLANT,
+        argument(
+            "--payload", "carry the load", action=argparse.BooleanOptionalAction, default=True
+        ),
+        *CONVENTIONS,
+        INTERPOLATE,
         *MOTORS,
+        argument("--errors", "in one of the three senses", choices=list(_SENSES)),
         flag("--cost", "count operations and measure time"),
+        flag("--operations", "count operations"),
         argument("--plot FIG", "draw error against cost"),
         flag("--markdown", "print a table for a page"),
         JSON,

@@ -115,7 +115,7 @@ def read_asked(arguments: argparse.Namespace) -> Asked:
     conventions, segments = PLAIN, None
     if isinstance(plant, Arm):
         on: Any
-        on, conventions, _ = experiment_of(arguments, arguments.controller, plant)
+        on, conventions, _ = experiment_of(arguments, plant)
         shared = arm_changes(plant)
         segments = tuple(arguments.loaded) if arguments.loaded else None
         if arguments.payload or segments:
@@ -205,6 +205,8 @@ def sweep(arguments: argparse.Namespace) -> int:
 
     _require_sensible(arguments, METRICS)
     asked = read_asked(arguments)
+    for note in asked.bench.loop.notes():
+        print_error(f"note: {note}")
     axes = _map_axes(arguments, asked)
     bench = asked.bench
     front: dict[str, Any] = {
@@ -213,7 +215,7 @@ def sweep(arguments: argparse.Namespace) -> int:
     front["seed"] = seeds_of(bench, asked.changes, asked.count)
     file = None
     if arguments.out:
-        file = SweepFile(arguments.out, asked.question, front, bench.outputs)
+        file = SweepFile(arguments.out, asked.question, front, bench.outputs, bench.column_units)
     rows = _answered(asked, file, arguments)
     if rows is None:
         return 130

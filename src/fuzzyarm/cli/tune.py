@@ -180,7 +180,7 @@ def _stage(arguments: argparse.Namespace, text: ControllerText) -> Stage:
         first = arm_scenarios(0.0 if arguments.payload is False else 1.0)
         if _names_a_move(arguments):
             arguments.trajectory = arguments.trajectory or "reach-return"
-            way, _, _ = experiment_of(arguments, arguments.file, plant)
+            way, _, _ = experiment_of(arguments, plant)
             first = (Scenario(way.name, way, first[0].changes),)
         return Stage(plant, first, options, vary, connect=connect)
     require_plain(arguments)
@@ -209,19 +209,6 @@ def _duration(arguments: argparse.Namespace) -> float | None:
     from fuzzyarm.cli.plants import time_of
 
     return time_of(arguments.duration, "--for") if arguments.duration is not None else None
-
-
-def _conventions(arguments: argparse.Namespace) -> Any:
-    from dataclasses import replace
-
-    from fuzzyarm.controller.catalogue import study_conventions
-    from fuzzyarm.plant import PLAIN
-
-    named = arguments.conventions == "study"
-    conventions = study_conventions(arguments.file) if named else PLAIN
-    if arguments.precision:
-        conventions = replace(conventions, precision=arguments.precision)
-    return conventions
 
 
 def _samples(arguments: argparse.Namespace, rulebase: RuleBase) -> dict[str, Any]:

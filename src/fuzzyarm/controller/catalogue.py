@@ -43,7 +43,6 @@ from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.reading import parse, read_text
 from fuzzyarm.model.controller import ControllerModel, Learn, Signal
 from fuzzyarm.model.rulebase import RuleBase
-from fuzzyarm.plant.setting import STUDY_CONVENTIONAL, STUDY_DIRECT, STUDY_TABLES, Conventions
 from fuzzyarm.shipped_files import shipped, shipped_names
 from fuzzyarm.table import LookupTable
 from fuzzyarm.text.diagnostic import RuleBaseError
@@ -129,8 +128,6 @@ class Entry:
         One line.
     make : callable
         From a choice to the controller.
-    conventions : Conventions
-        How the study counted where it used this controller.
     adaptive : bool
         Whether warm and cold start differ.
     takes : tuple of str
@@ -142,7 +139,6 @@ class Entry:
     name: str
     summary: str
     make: Maker
-    conventions: Conventions = STUDY_CONVENTIONAL
     adaptive: bool = False
     takes: tuple[str, ...] = ()
     note: str = ""
@@ -300,8 +296,6 @@ class TextEntry:
     ----------
     name : str
         As commands take it, and of the file.
-    conventions : Conventions
-        How the study counted where it used this controller.
     adaptive : bool
         Whether warm and cold start differ.
     note : str
@@ -313,7 +307,6 @@ class TextEntry:
     """
 
     name: str
-    conventions: Conventions
     adaptive: bool = False
     note: str = ""
     origin: Origin = "printed"
@@ -478,25 +471,25 @@ def roles(model: ControllerModel) -> dict[str, str]:
 
 
 TEXTS = (
-    TextEntry("fuzzy-lut", STUDY_TABLES),
-    TextEntry("fuzzy-lut-x10", STUDY_TABLES),
-    TextEntry("fuzzy-direct", STUDY_DIRECT),
-    TextEntry("ct+fuzzy", STUDY_TABLES),
-    TextEntry("ffid+fuzzy", STUDY_TABLES),
-    TextEntry("cdid+fuzzy", STUDY_TABLES, identified=("K_I",)),
-    TextEntry("acdid+fuzzy", STUDY_TABLES, adaptive=True),
-    TextEntry("mrac+fuzzy", STUDY_TABLES, adaptive=True),
-    TextEntry("dac+fuzzy", STUDY_TABLES, note=DIVERGES_ON_FAST_MOVES),
-    TextEntry("soc-zero", STUDY_TABLES),
-    TextEntry("soc-table", STUDY_TABLES),
-    TextEntry("stfc", STUDY_DIRECT),
-    TextEntry("hfie", STUDY_DIRECT, identified=("K_I",)),
-    TextEntry("cfaf", STUDY_DIRECT),
-    TextEntry("fuzzy-fine", STUDY_TABLES, origin="own"),
-    TextEntry("fuzzy-smooth", STUDY_TABLES, origin="own"),
-    TextEntry("pd-motor", STUDY_TABLES, origin="own"),
-    TextEntry("pd-motor-tuned", STUDY_TABLES, origin="own"),
-    TextEntry("pid-smooth", STUDY_TABLES, origin="own"),
+    TextEntry("fuzzy-lut"),
+    TextEntry("fuzzy-lut-x10"),
+    TextEntry("fuzzy-direct"),
+    TextEntry("ct+fuzzy"),
+    TextEntry("ffid+fuzzy"),
+    TextEntry("cdid+fuzzy", identified=("K_I",)),
+    TextEntry("acdid+fuzzy", adaptive=True),
+    TextEntry("mrac+fuzzy", adaptive=True),
+    TextEntry("dac+fuzzy", note=DIVERGES_ON_FAST_MOVES),
+    TextEntry("soc-zero"),
+    TextEntry("soc-table"),
+    TextEntry("stfc"),
+    TextEntry("hfie", identified=("K_I",)),
+    TextEntry("cfaf"),
+    TextEntry("fuzzy-fine", origin="own"),
+    TextEntry("fuzzy-smooth", origin="own"),
+    TextEntry("pd-motor", origin="own"),
+    TextEntry("pd-motor-tuned", origin="own"),
+    TextEntry("pid-smooth", origin="own"),
 )
 """Their entries, in the order of the list."""
 
@@ -594,15 +587,6 @@ def near_names(name: str) -> list[str]:
     import difflib
 
     return difflib.get_close_matches(name.lower(), list(CATALOGUE), n=3, cutoff=0.5)
-
-
-def study_conventions(name: str) -> Conventions:
-    """Return how the study counted for a controller, a file of that name, or the first addend."""
-    for part in (name, *name.split("+")):
-        stem = Path(part.strip()).stem if part.endswith(".frb") else part.strip()
-        if stem in CATALOGUE:
-            return CATALOGUE[stem].conventions
-    return STUDY_DIRECT if name.endswith(".frb") else STUDY_CONVENTIONAL
 
 
 ADDENDS = {"fuzzy": "fuzzy-lut"}

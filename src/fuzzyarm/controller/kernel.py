@@ -59,7 +59,8 @@ INSTRUCTION = 6
 
 # What sources remember, from their state on.
 BEFORE, FILTERED, FILTER_TIME = range(3)  # of CHANGE and RATE
-TOTAL, LOWEST, HIGHEST, WINDUP, EXCESS = range(5)  # of INTEGRATE; WINDUP: 0 none, -1 hold, else s
+# Of INTEGRATE. WINDUP: 0 none, -1 hold, else s; EXCESS and GAIN: of the drive, see `integral`.
+TOTAL, LOWEST, HIGHEST, WINDUP, EXCESS, GAIN_OF_DRIVE = range(6)
 CLEARED = 1  # of SUM, behind TOTAL
 LAGGED, LAG_TIME = range(2)  # of LAG
 LOW, HIGH, OVER = range(3)  # of LIMIT; OVER: limited minus wanted value of the last period
@@ -230,15 +231,20 @@ def integral(s: Any, x: float, state: int) -> float:
     """Return the integral of x, this period included.
 
     Where its drive was at a limit in the last period it holds, if x would drive on, or goes
-    back by ``excess Δ / T``; the drive grows with the integral.
+    back by ``excess Δ / (T K)``: K is by how much the drive grows with the integral, so that the
+    excess counts as what it is of the integral (Åström and Hägglund, *Advanced PID Control*, 3.5).
     """
     period = s[PERIOD]
     total = s[state + TOTAL]
     step_by = x * period
     if s[state + WINDUP] != 0.0:
-        excess = s[int(s[state + EXCESS]) + OVER]
+        gain = s[int(s[state + GAIN_OF_DRIVE])]
+        excess = 0.0
+        if gain != 0.0:
+            excess = s[int(s[state + EXCESS]) + OVER] / gain
         if s[state + WINDUP] > 0.0:
-            step_by += excess * period / s[state + WINDUP]
+            # In less than a period nothing goes back: it would swing.
+            step_by += excess * period / max(s[state + WINDUP], period)
         elif excess * x < 0.0:
             step_by = 0.0
     total = float(clamp(total + step_by, s[state + LOWEST], s[state + HIGHEST]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from functools import cache
 from itertools import chain
 from typing import Any, Protocol
@@ -25,12 +26,29 @@ from fuzzyarm.controller.program import (
 )
 from fuzzyarm.controller.text import ControllerText, ports_of
 from fuzzyarm.kernels import kernel
-from fuzzyarm.model.controller import ControllerModel, Learn, Zoom
+from fuzzyarm.model.controller import (
+    Axes,
+    ControllerModel,
+    Drive,
+    Learn,
+    Product,
+    Signal,
+    Zoom,
+)
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.driven_arm import JOINTS, POSES, Arm
 from fuzzyarm.plant.plant import Address, Interface, Plant, interface_of
-from fuzzyarm.plant.setting import CLOCK, SINGLE, Arithmetic, Moment, Pair, stored
+from fuzzyarm.plant.setting import (
+    CLOCK,
+    SINGLE,
+    STUDY_TIMING,
+    Arithmetic,
+    Moment,
+    Pair,
+    Timing,
+    stored,
+)
 from fuzzyarm.table import Axis, LookupTable
 from fuzzyarm.text.names import near_hint
 
@@ -95,7 +113,8 @@ class Site:
     def find(self, model: ControllerModel, kind: str, asked: Address) -> Address:
         """Return axis and port of the plant for those of a controller.
 
-        One axis on both sides is the same one, whatever it is called.
+        One axis on both sides is the same one, whatever it is called; an axis may be joined as
+        a whole, to run on one of several.
 
         Raises
         ------
@@ -103,6 +122,8 @@ class Site:
             If the plant does not have it.
         """
         axis, port = asked
+        joined = self.connect.get(axis, axis)
+        axis = joined if joined in self.interface.axes else axis
         named = self.connect.get(".".join(asked), self.connect.get(port, port))
         if "." in named:
             axis, _, named = named.rpartition(".")
@@ -141,6 +162,9 @@ def site_of(plant: Plant, connect: Mapping[str, str] | None = None) -> Site:
     extra = POSES if isinstance(plant, Arm) else 0
     return Site(plant.name, interface_of(plant), extra, dict(connect or {}))
 
+
+PORT_KINDS = ("reference", "measured", "drive")
+"""Of ports that a controller asks for."""
 
 ARM = site_of(Arm())
 """The study's arm."""
@@ -320,6 +344,15 @@ def controller_on(controller: Controller, site: Site) -> Controller:
     return controller
 
 
+def connectable(controller: CompiledController) -> set[str]:
+    """Return what of a controller as text may be joined to a plant: axes and ports."""
+    if not isinstance(controller.law, TextLaw):
+        return set()
+    model = controller.law.text.model
+    ports = [port for kind in PORT_KINDS for port in ports_of(model, kind)]
+    return {*model.axis_names, *(name for _, name in ports), *map(".".join, ports)}
+
+
 def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
     """Return the inputs of a plant that a controller drives; laws of the arm drive torques."""
     found: set[Address] = set()
@@ -329,6 +362,122 @@ def driven_by(controller: Controller, site: Site) -> frozenset[Address]:
         else:
             found |= {(joint, "torque") for joint in JOINTS}
     return frozenset(found)
+
+
+# --- How often it runs ---
+
+
+def own_timing(controller: Controller) -> Timing | None:
+    """Return the period and the set points that a controller as text asks for; None of a law.
+
+    Raises
+    ------
+    SourceError
+        If two addends ask for different ones.
+    """
+    timings: dict[Timing, ControllerModel] = {}
+    for part in controller.parts():
+        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
+            model = part.law.text.model
+            # As decimal numbers: five periods of 0.6 ms are 3 ms to the last bit.
+            set_point = float(Decimal(repr(model.period)) * model.every)
+            timings.setdefault(Timing(set_point, model.every), model)
+    if len(timings) > 1:
+        first, second, *_ = timings.values()
+        raise SourceError(
+            f"{first.name} and {second.name} cannot be added: {timing_words(first)} and "
+            f"{timing_words(second)}",
+            hint="write the same period and set-point into both",
+        )
+    return next(iter(timings), None)
+
+
+def timing_words(model: ControllerModel) -> str:
+    """Return how often a controller runs, in words."""
+    return f"a period of {model.period:g} s with a set point every {model.every}"
+
+
+def timing_of(controller: Controller) -> Timing:
+    """Return how often a controller runs on the arm: as its text says, or as the study's laws.
+
+    Raises
+    ------
+    SourceError
+        If two addends are texts that differ in it.
+    """
+    return own_timing(controller) or STUDY_TIMING
+
+
+# --- Where its drives end ---
+
+Limits = tuple[float, float]
+
+
+def drive_limits(controller: Controller, site: Site) -> dict[Address, Limits]:
+    """Return between what a controller keeps each drive: by ``within``, of it or its integral.
+
+    Several drives of a port add up, and so do their limits; a law has none.
+    """
+    found: dict[Address, Limits] = {}
+    for part in controller.parts():
+        if isinstance(part, CompiledController) and isinstance(part.law, TextLaw):
+            own = _limits_of_text(part, part.law.text.model, site)
+        else:
+            own = {(joint, "torque"): UNLIMITED for joint in JOINTS}
+        for port, limits in own.items():
+            found[port] = _added(found[port], limits) if port in found else limits
+    return found
+
+
+UNLIMITED = (-np.inf, np.inf)
+
+
+def _added(first: Limits, second: Limits) -> Limits:
+    return first[0] + second[0], first[1] + second[1]
+
+
+def _limits_of_text(
+    controller: CompiledController, model: ControllerModel, site: Site
+) -> dict[Address, Limits]:
+    found: dict[Address, Limits] = {}
+    for axes in model.axes:
+        for axis in axes.names:
+            index = model.axis_names.index(axis)
+            gains = {
+                name: gain.value[index if len(gain.value) > 1 else 0]
+                for name, gain in controller.gains.items()
+            }
+            for line in axes.lines:
+                if isinstance(line, Drive):
+                    port = site.find(model, "drive", (axis, line.port))
+                    limits = line.within or _limits_of_integral(axes, line, gains)
+                    found[port] = _added(found[port], limits) if port in found else limits
+    return found
+
+
+def _limits_of_integral(axes: Axes, drive: Drive, gains: Mapping[str, float]) -> Limits:
+    """Return the limits of a drive that is a bounded integral times constants."""
+    names = {factor.value for product in drive.products for factor in product.factors}
+    for line in axes.lines:
+        if not isinstance(line, Signal) or line.source is None or not names & set(line.names):
+            continue
+        within = line.source.option("within")
+        if line.source.kind != "integral" or not isinstance(within, tuple):
+            return UNLIMITED
+        products = axes.gain_of(line.names[0], drive, gains)
+        if products is None or len(drive.products) != 1:
+            return UNLIMITED
+        gain = sum(_value(product, gains) for product in products)
+        return min(gain * within[0], gain * within[1]), max(gain * within[0], gain * within[1])
+    return UNLIMITED
+
+
+def _value(product: Product, gains: Mapping[str, float]) -> float:
+    value = -1.0 if product.negative else 1.0
+    for factor in product.factors:
+        number = gains[factor.value] if isinstance(factor.value, str) else factor.value
+        value = value / number if factor.divides else value * number
+    return value
 
 
 LARGEST_RATE = 10.0

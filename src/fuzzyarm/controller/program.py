@@ -444,7 +444,28 @@ class _Writer:
             drive = axes.driven_by(line.names[0])
             if drive is not None:
                 state = self._limit_state(drive)
-        return self._cell(total, low, high, kind if state else 0.0, float(state))
+                gain = self._gain_of_drive(axes, line, drive)
+        if not state:
+            return self._cell(total, low, high, 0.0, 0.0, 0.0)
+        return self._cell(total, low, high, kind, float(state), float(gain))
+
+    def _gain_of_drive(self, axes: Axes, line: Signal, drive: Drive) -> int:
+        """Return the cell of how a drive grows with an integral; 1 where that is not constant."""
+        products = axes.gain_of(line.names[0], drive, self.gains)
+        if not products:
+            return self._number(1.0 if products is None else 0.0)
+        # A product begins with a factor that multiplies.
+        whole = [
+            product
+            if product.factors and not product.factors[0].divides
+            else Product((Factor(1.0), *product.factors), product.negative)
+            for product in products
+        ]
+        if len(whole) == 1 and len(whole[0].factors) == 1 and not whole[0].negative:
+            return self._operand(whole[0].factors[0].value)
+        into = self._cell(0.0)
+        self._move(into, self._sum(whole), rounded=False)
+        return into
 
     def _write_zoom(self, line: Zoom) -> None:
         self._do(to.ZOOM, self.scratch, 0, len(line.signals))

@@ -166,6 +166,7 @@ class Training:
 
     def _motion(self) -> tuple[Motion, str]:
         """Return the set points, and in words along what they lead."""
+        from fuzzyarm.controller.on_plant import timing_of
         from fuzzyarm.learning.self_organizing import reference_words, trajectory_words
         from fuzzyarm.loop.course import Options, arm_motion
         from fuzzyarm.loop.run import plant_motion
@@ -176,9 +177,9 @@ class Training:
             way = trajectory_named(str(asked.get("trajectory") or ""))
             payload = bool(asked.get("payload"))
             arms = schedule(way, payload=payload, conventions=PLAIN)
-            return arm_motion(way, arms, PLAIN, Options()), trajectory_words(
-                way.name, payload=payload
-            )
+            timing = timing_of(self.trainee.controller)
+            motion = arm_motion(way, arms, PLAIN, Options(), timing)
+            return motion, trajectory_words(way.name, payload=payload)
         words = words_of({"reference": asked.get("reference")}, self.folder)
         check_words(words, plant)
         seconds = seconds_of(asked.get("seconds"))

@@ -25,7 +25,7 @@ from fuzzyarm.controller.catalogue import controller_in
 from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.findings import site_by_axes
 from fuzzyarm.controller.law import Gain
-from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of
+from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of, timing_of
 from fuzzyarm.controller.text import ControllerText, sheet_path
 from fuzzyarm.designer.grounds import check_words, trajectory_named, words_of
 from fuzzyarm.designer.jobs import Job
@@ -184,7 +184,8 @@ class LiveRun:
         if isinstance(plant, Arm):
             way = trajectory_named(str(self.asked.get("trajectory") or ""))
             arms = schedule(way, payload=bool(self.asked.get("payload")), conventions=PLAIN)
-            return arm_motion(way, arms, PLAIN, options), options
+            timing = timing_of(self.controller)
+            return arm_motion(way, arms, PLAIN, options, timing), options
         site = site_of(plant, words.connections())
         model = text_of(self.controller, site).model
         period = model.period * model.every
@@ -437,7 +438,7 @@ class LiveRun:
         values = np.hstack([wanted, outputs, wanted - outputs, drives])
         every = max(self.every, math.ceil(len(values) / MOST_AT_ONCE))
         at = np.arange(0, len(values), every)
-        times = self.motion.time[self.run.record.taken[first : first + len(rows)][at]]
+        times = self.motion.sampled[self.run.record.taken[first : first + len(rows)][at]]
         found: dict[str, Any] = {"t": [short(t, 9) for t in times.tolist()]}
         found["low"] = _columns(np.minimum.reduceat(values, at))
         if every > 1:

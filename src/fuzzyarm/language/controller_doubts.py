@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from fuzzyarm.language.tokens import name_text
 from fuzzyarm.model.controller import Axes, ControllerModel, Drive, Learn, Signal
@@ -14,13 +14,13 @@ __all__ = ["doubts_of_lines"]
 def doubts_of_lines(model: ControllerModel) -> Iterator[Diagnostic]:
     """Yield the doubts about a controller that need neither its files nor a plant."""
     for axes in model.axes:
-        yield from _integrals(axes)
+        yield from _integrals(axes, [gain.name for gain in model.gains])
         yield from _limits_that_add_up(axes)
         yield from _tables_that_nothing_reads(axes)
         yield from _sums_without_set_points(model, axes)
 
 
-def _integrals(axes: Axes) -> Iterator[Diagnostic]:
+def _integrals(axes: Axes, gains: Collection[str]) -> Iterator[Diagnostic]:
     """Yield integrals that nothing bounds while their drive has a limit, and idle anti-windup."""
     for line in axes.lines:
         if not isinstance(line, Signal) or line.source is None or line.source.kind != "integral":
@@ -37,6 +37,8 @@ def _integrals(axes: Axes) -> Iterator[Diagnostic]:
                     hint="add  , within LOW .. HIGH  to the drive",
                     related=(Related("the drive", drive.span),),
                 )
+            elif drive is not None and axes.gain_of(name, drive, gains) is None:
+                yield from _unknown_gain(line, drive)
         elif drive is not None and limits is not None and line.source.option("within") is None:
             yield Diagnostic(
                 "windup",
@@ -46,6 +48,23 @@ def _integrals(axes: Axes) -> Iterator[Diagnostic]:
                 Severity.WARNING,
                 hint="add  , anti-windup hold  or  , within A .. B",
             )
+
+
+def _unknown_gain(line: Signal, drive: Drive) -> Iterator[Diagnostic]:
+    """Yield an anti-windup that has to know by how much the drive grows, and cannot."""
+    assert line.source is not None
+    name = line.names[0]
+    if line.source.option("anti-windup") == "hold":
+        return
+    yield Diagnostic(
+        "windup-gain",
+        f"by how much {drive.port} grows with '{name}' is not constant: the anti-windup goes back"
+        f" as if it were 1",
+        line.span,
+        Severity.WARNING,
+        hint="anti-windup hold asks for its sign only, or bound the integral by  within A .. B",
+        related=(Related("the drive", drive.span),),
+    )
 
 
 def _limits_that_add_up(axes: Axes) -> Iterator[Diagnostic]:

@@ -17,6 +17,7 @@ from fuzzyarm.controller.on_plant import (
     driven_by,
     learned,
     site_of,
+    timing_of,
 )
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
@@ -30,7 +31,7 @@ from fuzzyarm.loop.program import (
     shown_errors,
     shown_units,
 )
-from fuzzyarm.loop.run import checked_arms
+from fuzzyarm.loop.run import checked_arms, require_timing
 from fuzzyarm.model.controller import Learn
 from fuzzyarm.plant.plant import Plant, is_compiled
 from fuzzyarm.plant.setting import PLAIN, Arithmetic, Conventions
@@ -117,9 +118,10 @@ def train(
     motion = on
     if isinstance(motion, Trajectory):
         arms = checked_arms(motion, arms, payload=payload, conventions=conventions)
-        motion = arm_motion(motion, arms, conventions, options)
+        motion = arm_motion(motion, arms, conventions, options, timing_of(controller))
     site = site_of(motion.plants[0], connect)
     chosen = controller_on(controller, site)
+    require_timing(chosen, motion)
     assert isinstance(chosen, CompiledController)
     law = chosen.law
     assert isinstance(law, TextLaw)

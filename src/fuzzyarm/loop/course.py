@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from fuzzyarm.controller.law import view
 from fuzzyarm.controller.on_plant import site_of
 from fuzzyarm.kernels import has_machine_code
-from fuzzyarm.loop.loop import SENSOR, Setting
+from fuzzyarm.loop.loop import CHANGES, ERRORS, SENSOR, Setting
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.plant.arm import ArmParameters
-from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, Arm
+from fuzzyarm.plant.driven_arm import ERROR_BOUND, JOINTS, ROOM, Arm
 from fuzzyarm.plant.plant import (
     CLOCK_SIZE,
     WORK,
@@ -30,13 +30,13 @@ from fuzzyarm.plant.plant import (
 )
 from fuzzyarm.plant.setting import (
     CLOCK,
-    ITERATIONS,
     PLAIN,
-    SET_POINT_PERIOD,
+    STUDY_TIMING,
     Arithmetic,
     ArmError,
     Conventions,
     Pair,
+    Timing,
 )
 from fuzzyarm.plant.trajectory import Schedule, Trajectory, sample
 
@@ -55,9 +55,9 @@ class Sensor:
     noise : float, optional
         Standard deviation of white noise, in the unit of the port.
     resolution : float, optional
-        Step of the values; 0 for none.
+        Step of the values, which are multiples of it and end at the range of the port; 0 for none.
     delay : float, optional
-        s; rounded to whole control periods.
+        s; rounded to whole control periods, a half up.
     difference : float, optional
         Form this rate from what the sensor of its port says, by difference, with a filter of
         this time constant (s, 0 for none), in place of a sensor of its own.
@@ -170,6 +170,9 @@ class Motion:
         Of control, s; and as the run stores it.
     every : int
         Control periods of a whole set point.
+    path : ndarray, shape (m, k), optional
+        What each tracked output should be in each of the `m` control periods, where set points
+        are samples of something that moves on; by default the set points themselves.
     """
 
     name: str
@@ -182,6 +185,12 @@ class Motion:
     period: float
     step: float
     every: int
+    path: Vector | None = None
+
+    @property
+    def sampled(self) -> Vector:
+        """Time at which each set point is sampled, s: of its last control period."""
+        return (np.cumsum(self.iterations) - 1) * self.period
 
 
 def arm_of(arm: ArmParameters, options: Options) -> Arm:
@@ -195,14 +204,23 @@ def arm_of(arm: ArmParameters, options: Options) -> Arm:
 
 
 def arm_motion(
-    trajectory: Trajectory, arms: Schedule, conventions: Conventions, options: Options
+    trajectory: Trajectory,
+    arms: Schedule,
+    conventions: Conventions,
+    options: Options,
+    timing: Timing = STUDY_TIMING,
 ) -> Motion:
-    """Return the set points of a trajectory of the arm, and the arm that each of them meets."""
-    points = sample(trajectory, conventions)
+    """Return the set points of a trajectory of the arm, and the arm that each of them meets.
+
+    `timing` is that of the controller, see :func:`fuzzyarm.controller.on_plant.timing_of`; a loop
+    refuses set points that were made for another.
+    """
+    require_points(trajectory.duration, timing.set_point)
+    points = sample(trajectory, conventions, timing)
     kinds = list(dict.fromkeys(arms))
-    period = step = SET_POINT_PERIOD / ITERATIONS
+    period = step = timing.period
     if conventions.single:
-        step = float(np.float32(np.float64(np.float32(SET_POINT_PERIOD)) / ITERATIONS))
+        step = float(np.float32(np.float64(np.float32(timing.set_point)) / timing.every))
     return Motion(
         trajectory.name,
         points.time,
@@ -213,12 +231,28 @@ def arm_motion(
         tuple((joint, "position") for joint in JOINTS),
         period,
         step,
-        ITERATIONS,
+        timing.every,
+        points.path,
     )
 
 
 MOST_POINTS = 20_000_000
 """Set points of a run."""
+
+
+def require_points(duration: float, set_point: float) -> int:
+    """Return how many set points fill a time.
+
+    Raises
+    ------
+    PlantError
+        If they are none, or too many.
+    """
+    count = math.ceil(duration / set_point - 1e-9) if duration < math.inf else 0
+    if not 1 <= count <= MOST_POINTS:
+        hint = f"up to {MOST_POINTS:,} set points of {set_point:g} s"
+        raise PlantError(f"a run of {duration:g} s is out of range", name="duration", hint=hint)
+    return count
 
 
 def motion(
@@ -249,10 +283,7 @@ def motion(
         If the plant has no such output, or the run would be too long.
     """
     interface = site_of(plant).interface
-    count = math.ceil(duration / (period * every) - 1e-9) if duration < math.inf else 0
-    if not 1 <= count <= MOST_POINTS:
-        hint = f"up to {MOST_POINTS:,} set points of {period * every:g} s"
-        raise PlantError(f"a run of {duration:g} s is out of range", name="duration", hint=hint)
+    count = require_points(duration, period * every)
     time = np.arange(count, dtype=np.float64) * (period * every)
     wanted = {}
     for name, signal in references.items():
@@ -267,6 +298,15 @@ def motion(
         elif reference.of in wanted:
             columns[:, column] = wanted[reference.of][reference.order]
     words = [f"{name} {signal}" for name, signal in references.items()]
+    tracked = tuple(wanted) or tuple(interface.outputs)[:1]
+    path = None
+    if every > 1:
+        given = {interface.port(name): signal for name, signal in references.items()}
+        ticks = np.arange(count * every, dtype=np.float64) * period
+        path = np.zeros((len(ticks), len(tracked)))
+        for column, port in enumerate(tracked):
+            if port in given:
+                path[:, column] = given[port].at(ticks)[0]
     return Motion(
         ", ".join(words) or "at rest",
         time,
@@ -274,11 +314,30 @@ def motion(
         np.full(count, every),
         np.zeros(count, np.int64),
         (plant,),
-        tuple(wanted) or tuple(interface.outputs)[:1],
+        tracked,
         period,
         period,
         every,
+        path,
     )
+
+
+def periods_of(delay: float, period: float) -> int:
+    """Return a delay in whole control periods, a half counts up."""
+    return math.floor(delay / period + 0.5 + 1e-9)
+
+
+def delay_notes(options: Options, period: float) -> tuple[str, ...]:
+    """Return in words which delays of sensors are not whole control periods, and what is taken."""
+    found = []
+    for name, sensor in options.sensors.items():
+        count = periods_of(sensor.delay, period)
+        if not math.isclose(sensor.delay, count * period, rel_tol=1e-6, abs_tol=1e-12):
+            found.append(
+                f"the delay of '{name}' is {sensor.delay / period:.4g} control periods of "
+                f"{period:g} s: {count} are taken, {count * period:g} s"
+            )
+    return tuple(found)
 
 
 # --- What the loop is called with ---
@@ -337,7 +396,8 @@ class Course:
             self._flat(self._pushes()),
         )
         cells, bounds = self._checks()
-        self._judged = (self._flat(cells, np.int64), self._flat(bounds))
+        path = [] if motion.path is None else motion.path
+        self._judged = (self._flat(cells, np.int64), self._flat(bounds), self._flat(path))
         self._setting = Setting(
             motion.step,
             conventions.single,
@@ -434,7 +494,7 @@ class Course:
         for port, output in interface.outputs.items():
             sensor = known.get(port, Sensor())
             # Beyond the end of the run it makes no difference, but takes room.
-            delay = min(round(sensor.delay / self.motion.period), self.steps)
+            delay = min(periods_of(sensor.delay, self.motion.period), self.steps)
             source = -1
             if sensor.difference is not None:
                 if not output.rate_of:
@@ -444,11 +504,11 @@ class Course:
             column = len(noisy) if sensor.noise > 0 else -1
             if sensor.noise > 0:
                 noisy.append(sensor.noise)
-            lowest = output.low if math.isfinite(output.low) else 0.0
-            heads += [sensor.resolution, lowest, delay, ring, source]
+            heads += [sensor.resolution, output.low, output.high, delay, ring, source]
             heads += [sensor.difference or 0.0, math.nan, 0.0, column]
             ring += delay
-        heads += [0.0, 0.0, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0] * self.site.extra
+        exact = [0.0, -math.inf, math.inf, 0.0, 0.0, -1.0, 0.0, math.nan, 0.0, -1.0]
+        heads += exact * self.site.extra
         heads += [0.0] * (ring - len(heads))
         drawn = np.random.default_rng(seed).standard_normal((self.steps, len(noisy)))
         return heads, drawn * noisy
@@ -461,6 +521,10 @@ class Course:
         }
         if not loads:
             return []
+        if isinstance(self.plant, Arm) and any(port == "voltage" for _, port in loads):
+            raise PlantError(
+                "a load of the arm is a torque", name="voltage", hint="joint1.torque=step:-2,1"
+            )
         time = np.arange(self.steps, dtype=np.float64) * self.motion.period
         columns = np.zeros((self.steps, len(self.site.interface.inputs)))
         for column, port in enumerate(self.site.interface.inputs):
@@ -531,11 +595,12 @@ class Course:
         return rows
 
     def clock(self) -> Any:
-        """Return the clock of the plant at the start, and room for the changes of the drives."""
+        """Return the clock of the plant at the start, and room for changes and errors."""
         parts = self.options.runge_kutta
         if not parts:
             parts = max(1, math.ceil(self.motion.period / self.plant.longest_step - 1e-9))
-        clock = np.zeros(CLOCK_SIZE + 3 * len(self.site.interface.inputs))
+        sums = CHANGES * len(self.site.interface.inputs) + ERRORS * len(self.motion.tracked)
+        clock = np.zeros(CLOCK_SIZE + sums)
         clock[1:4] = self.motion.step, parts, float(self.conventions.single)
         return self._flat(clock)
 
@@ -546,5 +611,5 @@ class Course:
         if len(start) != len(self.plant.states):
             message = f"start gives {len(start)} values for {len(self.plant.states)} states"
             raise PlantError(f"plant {self.plant.name}: {message}", name="start")
-        room = 0 if isinstance(self.plant, Arm) else WORK * len(start)
+        room = ROOM - len(start) if isinstance(self.plant, Arm) else WORK * len(start)
         return self._flat([*start, *[0.0] * room])

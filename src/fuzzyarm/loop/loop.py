@@ -82,6 +82,7 @@ def run_loop(
     limits: list[float],
     checks: list[int],
     bounds: list[float],
+    path: list[float],
     laws: list[int],
     numbers: list[float],
     memory: list[float],
@@ -119,17 +120,20 @@ def run_loop(
         Pairs of cells of the board: a reference and an output, or -1 and an output.
     bounds : float
         For each pair the largest difference, or magnitude; beyond it the run has diverged.
+    path : float
+        What the tracked outputs should be in each control period, where the set points that stand
+        for it are held for several; empty where they are it.
     laws, numbers, memory
         Passed on to the laws, see :func:`fuzzyarm.controller.law.summed_drives`.
     taps : int
-        Cells of the board that are recorded.
+        Cells of the board that are recorded: the tracked outputs, their references, and others.
     board : float
         See the head of this module.
     state : float
         States of the plant and room; holds those at the end afterwards.
     clock : float
         Time, control period, steps of the integrator and precision, for the plant; behind them
-        what :func:`note_changes` adds up.
+        what :func:`note_changes` and :func:`note_errors` add up.
     record : float
         Filled with the taps in the last period of each set point.
     progress : int, length 7
@@ -169,7 +173,8 @@ def run_loop(
                 derive(links, state, board[frame.seen : frame.told], drives, constants, clock)
             control(board[0 : frame.true], laws, numbers, memory, drives)
             actuate(links, state, outputs, drives, constants, clock, limits)
-            note_changes(drives, clock)
+            note_changes(drives, clock, progress[TICK])
+            note_errors(board, taps, path, progress[TICK], clock, len(drives))
             if last:  # before the plant moves: the error that these drives answer
                 tap(board, taps, record, samples)
                 samples += 1
@@ -192,7 +197,7 @@ def run_loop(
     progress[RANDOM] = random
 
 
-LOOP_ARRAYS = "fiiffiffffififfiffffi"
+LOOP_ARRAYS = "fiiffiffffiffiffiffffi"
 """Of floats and of integers, see :func:`fuzzyarm.kernels.routine`."""
 
 
@@ -314,21 +319,58 @@ def control(
 # --- Chatter ---
 #
 # Behind the clock stand, a number for each drive: its value in the last control period, and the
-# sums of the magnitudes and of the squares of its changes. Before the first period drives are 0.
+# sums of the magnitudes and of the squares of its changes. That a run begins is not a change.
 
 LAST, MAGNITUDES, SQUARES = range(3)
 """In the order in which they stand."""
 
+CHANGES = 3
+"""Numbers for each drive."""
+
 
 @kernel
-def note_changes(drives: list[float], clock: list[float]) -> None:
-    """Add up by how much the drives change."""
+def note_changes(drives: list[float], clock: list[float], tick: int) -> None:
+    """Add up by how much the drives change from one control period to the next."""
     size = len(drives)
     for i in range(size):
-        change = abs(drives[i] - clock[CLOCK_SIZE + i])
+        if tick > 0:
+            change = abs(drives[i] - clock[CLOCK_SIZE + i])
+            clock[CLOCK_SIZE + MAGNITUDES * size + i] += change
+            clock[CLOCK_SIZE + SQUARES * size + i] += change * change
         clock[CLOCK_SIZE + i] = drives[i]
-        clock[CLOCK_SIZE + MAGNITUDES * size + i] += change
-        clock[CLOCK_SIZE + SQUARES * size + i] += change * change
+
+
+# --- Errors in all control periods ---
+#
+# Behind those stand, a number for each tracked output: the sums of the squares of its error, from
+# the reference as the law is told it, and from the path on which the set points lie.
+
+HELD, LED = range(2)
+"""In the order in which they stand."""
+
+ERRORS = 2
+"""Numbers for each tracked output."""
+
+
+@kernel
+def note_errors(
+    board: list[float],
+    taps: list[int],
+    path: list[float],
+    tick: int,
+    clock: list[float],
+    size: int,
+) -> None:
+    """Add up the squares of the errors of a control period; `size` is the number of drives."""
+    first = CLOCK_SIZE + CHANGES * size
+    count = (len(clock) - first) // ERRORS
+    for i in range(count):
+        value = board[taps[i]]
+        error = board[taps[count + i]] - value
+        clock[first + HELD * count + i] += error * error
+        if len(path) > 0:
+            error = path[tick * count + i] - value
+        clock[first + LED * count + i] += error * error
 
 
 # --- Actuators ---
@@ -364,12 +406,12 @@ def limited(wanted: float, limits: list[float], at: int, single: bool) -> float:
 
 # --- Sensors ---
 #
-# For each output nine numbers, behind them the rings of delayed values. An output that is the
+# For each output ten numbers, behind them the rings of delayed values. An output that is the
 # rate of another may be formed from what the sensor of that one says.
 
-QUANTUM, LOWEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(9)
-SENSOR = 9
-"""Numbers of a sensor: resolution (0: none) and where its steps begin; delay in periods and where
+QUANTUM, LOWEST, HIGHEST, DELAY, RING, RATE_OF, FILTER, BEFORE, FILTERED, NOISY = range(10)
+SENSOR = 10
+"""Numbers of a sensor: resolution (0: none) and the range of its steps; delay in periods and where
 its ring begins; the output whose rate it forms (-1: none), the time constant of its filter, s, and
 what it remembers; its column of the noise (-1: none)."""
 
@@ -400,11 +442,11 @@ def sense(
 
 @kernel
 def quantised(sensors: list[float], at: int, value: float) -> float:
-    """Round to the next step of a sensor."""
+    """Round to the next step of a sensor: multiples of it, as far as its range goes."""
     quantum = sensors[at + QUANTUM]
     if quantum > 0.0:
-        steps = math.floor((value - sensors[at + LOWEST]) / quantum + 0.5)
-        return sensors[at + LOWEST] + steps * quantum
+        step = math.floor(value / quantum + 0.5) * quantum
+        return min(max(step, sensors[at + LOWEST]), sensors[at + HIGHEST])
     return value
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
+from fuzzyarm.controller.on_plant import timing_of
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.loop.blocks import (
@@ -32,7 +33,7 @@ from fuzzyarm.loop.blocks import (
     unpacked,
 )
 from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion, arm_of
-from fuzzyarm.loop.metrics import Metrics
+from fuzzyarm.loop.metrics import Metrics, metric_unit
 from fuzzyarm.loop.program import shown_units
 from fuzzyarm.loop.reference import Signal
 from fuzzyarm.loop.run import (
@@ -45,7 +46,7 @@ from fuzzyarm.loop.run import (
 )
 from fuzzyarm.plant.arm import LOADED, UNLOADED, carrying
 from fuzzyarm.plant.driven_arm import Arm
-from fuzzyarm.plant.plant import Plant, with_parameters
+from fuzzyarm.plant.plant import Plant, parameter, with_parameters
 from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, schedule
 from fuzzyarm.text.names import near_hint
@@ -200,6 +201,10 @@ class Bench:
     """
 
     def __init__(self, experiment: Experiment, names: Sequence[str]) -> None:
+        if "payload" in names and isinstance(experiment.on, Trajectory):
+            # A run that does not say its load has none, unless all are said to have one.
+            shared = {"payload": 0.0, **experiment.shared}
+            experiment = replace(experiment, shared=shared)
         self.experiment = experiment
         controller, on = experiment.controller, experiment.on
         conventions, options = experiment.conventions, experiment.options
@@ -214,7 +219,7 @@ class Bench:
                 conventions=conventions,
             )
             self.loaded = tuple(arm is LOADED for arm in dict.fromkeys(arms))
-            on = arm_motion(on, arms, conventions, options)
+            on = arm_motion(on, arms, conventions, options, timing_of(controller))
         elif isinstance(on, Plant):
             on = plant_motion(
                 controller, on, experiment.references, experiment.duration, experiment.connect
@@ -237,6 +242,33 @@ class Bench:
     def units(self) -> tuple[str, ...]:
         """Their units."""
         return shown_units(self.loop.course)
+
+    @property
+    def column_units(self) -> dict[str, str]:
+        """Units of what differs and of all metrics, by name; without those that have none."""
+        interface = self.loop.site.interface
+        found = {"diverged": "s", **{name: self._unit_of(name) for name in self.owners}}
+        tracked = zip(self.motion.tracked, self.outputs, self.units, strict=True)
+        for (axis, _), output, unit in tracked:
+            drives = [port.unit for (home, _), port in interface.inputs.items() if home == axis]
+            found |= {f"{output}.{name}": metric_unit(name, unit, drives) for name in METRICS}
+        return {name: unit for name, unit in found.items() if unit not in ("", "1")}
+
+    def _unit_of(self, name: str) -> str:
+        """Return the unit of something that differs from run to run."""
+        kind, _, bare = name.partition(".")
+        if self.owners[name] == "gain":
+            gains = self.loop.controller.gains
+            bare = name.rpartition(":")[2]
+            units = (gain.unit for key, gain in gains.items() if key.rpartition(":")[2] == bare)
+            return next(units, "")
+        if self.owners[name] == "parameter":
+            return parameter(self.motion.plants[0], name.removeprefix("plant.")).unit
+        if self.owners[name] == "sensor":
+            interface = self.loop.site.interface
+            port = interface.outputs.get(interface.every_port(bare)[0])
+            return "s" if kind == "delay" else port.unit if port is not None else ""
+        return ""
 
     # --- Who has a name ---
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Literal
 
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 from fuzzyarm.loop.loop import rms, signed_maximum
 
 Vector = NDArray[np.float64]
+
+NEAR = 1e-6
+"""Relative distance from a limit within which a drive is at it."""
 
 SETTLED = 0.02
 """Share of the step within which an output has settled."""
@@ -24,8 +28,8 @@ class Metrics:
     Attributes
     ----------
     rms, max, final : float
-        Root mean square, largest with its sign, and last error, as the conventions of the run have
-        them.
+        Root mean square, largest with its sign, and last error at the set points, as the
+        conventions of the run have them.
     rise : float or None
         From 10 to 90 % of a step; None where the reference is not a step, or it is not reached.
     overshoot : float or None
@@ -39,10 +43,14 @@ class Metrics:
     variation : float
         Sum of all changes of the drives from sample to sample, for each second: chatter.
     saturated : float
-        Share of the samples in which a drive is at a limit.
+        Share of the samples in which a drive is at a limit, of its actuator or of the controller.
     chatter : float
         Root mean square of the change of the first drive of the axis (on the arm its torque)
-        from one control period to the next.
+        from one control period to the next; from rest to the first drive is not a change.
+    rms_periods : float
+        Root mean square error in all control periods, from the set point that is held in each.
+    rms_path : float
+        The same from the reference itself, of which the set points are samples.
     """
 
     rms: float
@@ -58,6 +66,8 @@ class Metrics:
     variation: float
     saturated: float
     chatter: float = 0.0
+    rms_periods: float = math.nan
+    rms_path: float = math.nan
 
     def as_dict(self) -> dict[str, float | None]:
         """Return it by name; what is not finite is None."""
@@ -66,6 +76,35 @@ class Metrics:
             name: None if value is None or not math.isfinite(value) else float(value)
             for name, value in found.items()
         }
+
+
+def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:
+    """Return the unit of a metric, empty where it has none or drives have different ones.
+
+    Parameters
+    ----------
+    metric : str
+        A field of :class:`Metrics`.
+    error : str
+        Unit of the error.
+    drives : sequence of str
+        Units of the drives of the axis.
+    """
+    own_error = "" if error == "1" else error
+    drive = drives[0] if drives else ""
+    every = drive if len(set(drives)) == 1 else ""
+    own = {
+        "rise": "s",
+        "settling": "s",
+        "ise": f"{own_error}^2 s" if own_error else "s",
+        "iae": f"{own_error} s".strip(),
+        "itae": f"{own_error} s^2".strip(),
+        "effort": every,
+        "variation": f"{every}/s" if every else "",
+        "saturated": "",
+        "chatter": drive,
+    }
+    return own.get(metric, own_error)
 
 
 def metrics_of(
@@ -77,6 +116,7 @@ def metrics_of(
     period: float,
     maximum: Literal["magnitude", "positive"] = "magnitude",
     chatter: float = 0.0,
+    between: tuple[float, float] = (math.nan, math.nan),
 ) -> Metrics:
     """Measure the run of an axis.
 
@@ -94,6 +134,8 @@ def metrics_of(
         See :func:`fuzzyarm.loop.loop.signed_maximum`.
     chatter : float, optional
         As the loop has it: samples do not tell.
+    between : pair of float, optional
+        The same of `rms_periods` and `rms_path`.
     """
     if not len(errors):
         none = math.nan
@@ -103,9 +145,11 @@ def metrics_of(
     rise, overshoot, settling = _step_response(time, reference, errors)
     held = np.zeros(len(errors), bool)
     for column, (low, high) in enumerate(limits):
-        if low == -math.inf and high == math.inf:
-            continue
-        held |= (drives[:, column] <= low) | (drives[:, column] >= high)
+        # What a run in single precision stores may lie a last bit inside.
+        if low > -math.inf:
+            held |= drives[:, column] <= low + NEAR * abs(low)
+        if high < math.inf:
+            held |= drives[:, column] >= high - NEAR * abs(high)
     span = len(errors) * period
     return Metrics(
         float(rms(errors[:, None])[0]),
@@ -121,6 +165,7 @@ def metrics_of(
         float(np.abs(np.diff(drives, axis=0)).sum() / span) if drives.size else 0.0,
         float(held.mean()),
         chatter,
+        *between,
     )
 
 

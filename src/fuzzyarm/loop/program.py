@@ -15,9 +15,10 @@ from fuzzyarm.controller.law import Law, law_integers, summed_drives, view
 from fuzzyarm.kernels import bound_routine, routine, with_names
 from fuzzyarm.loop.course import Course, flat
 from fuzzyarm.loop.loop import (
+    CHANGES,
+    ERRORS,
     LOOP_ARRAYS,
     LOST,
-    LOST_AT,
     NEXT,
     SAMPLES,
     TICK,
@@ -218,8 +219,29 @@ class Record:
         kind : int
             ``MAGNITUDES`` or ``SQUARES`` of :mod:`fuzzyarm.loop.loop`.
         """
-        sums = np.array(self.clock[CLOCK_SIZE:]).reshape(3, -1)[kind]
-        return np.asarray(sums / max(int(self.progress[TICK]), 1))
+        sums = np.array(self.clock[CLOCK_SIZE : self._errors]).reshape(CHANGES, -1)[kind]
+        return np.asarray(sums / max(self.ticks - 1, 1))
+
+    def squares(self, kind: int) -> NDArray[np.float64]:
+        """Return for each tracked output the mean square of its errors in all control periods.
+
+        Parameters
+        ----------
+        kind : int
+            ``HELD`` or ``LED`` of :mod:`fuzzyarm.loop.loop`.
+        """
+        sums = np.array(self.clock[self._errors :]).reshape(ERRORS, -1)[kind]
+        return np.asarray(sums / self.ticks if self.ticks else np.full(len(sums), np.nan))
+
+    @property
+    def _errors(self) -> int:
+        """Cell of the clock from which on the sums of errors stand."""
+        return CLOCK_SIZE + CHANGES * len(self.course.site.interface.inputs)
+
+    @property
+    def ticks(self) -> int:
+        """Control periods that are done."""
+        return int(self.progress[TICK])
 
     @property
     def lost(self) -> int | None:
@@ -229,10 +251,7 @@ class Record:
 
     def diverged(self) -> float | None:
         """Return when the run was stopped because it had diverged, s."""
-        if self.lost is None:
-            return None
-        motion = self.course.motion
-        return float(motion.time[self.lost]) + (int(self.progress[LOST_AT]) + 1) * motion.period
+        return None if self.lost is None else self.ticks * self.course.motion.period
 
 
 def error_taps(course: Course) -> list[int]:
@@ -250,6 +269,11 @@ def shown_errors(course: Course, samples: NDArray[np.float64]) -> NDArray[np.flo
     # A row for each tap: across it NumPy would go in steps of two numbers.
     taps = np.ascontiguousarray(samples.T)
     return np.asarray(((taps[count : 2 * count] - taps[:count]) * scales(course)[:, None]).T)
+
+
+def shown_means(course: Course, record: Record, kind: int) -> NDArray[np.float64]:
+    """Return the RMS errors of all control periods, as errors are shown; see :class:`Record`."""
+    return np.asarray(np.sqrt(record.squares(kind)) * scales(course))
 
 
 def scales(course: Course) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,10 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.controller.controller import CompiledController, Controller
-from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
+from fuzzyarm.controller.on_plant import (
+    Site,
+    TextLaw,
+    connectable,
+    controller_on,
+    drive_limits,
+    driven_by,
+    own_timing,
+    site_of,
+    timing_of,
+)
+from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
-from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
+from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, delay_notes, motion
+from fuzzyarm.loop.loop import HELD, LED, SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
 from fuzzyarm.loop.open_run import OpenRun
 from fuzzyarm.loop.program import (
@@ -24,6 +36,7 @@ from fuzzyarm.loop.program import (
     loop_of_laws,
     scales,
     shown_errors,
+    shown_means,
     shown_units,
 )
 from fuzzyarm.loop.reference import Signal
@@ -67,7 +80,7 @@ class Run(Shown):
     conventions : Conventions
         As run.
     time : ndarray, shape (n,)
-        Of the samples, s.
+        Of the samples, s: when outputs and drives were as they are there.
     reference, errors : ndarray, shape (n, k)
         Of each tracked output: what was wanted, and that minus what was.
     axes, labels, units : tuple of str
@@ -75,7 +88,9 @@ class Run(Shown):
     wanted, outputs, drives : mapping of str to ndarray, shape (n,)
         By port, in the units of the plant: references of the tracked outputs; outputs as they
         are, whatever sensors say; drives as the actuators give them, loads not among them.
-    limits, drive_units : mapping
+    limits : mapping of str to (float, float)
+        Of each drive: those of its actuator, and of the controller where they are narrower.
+    drive_units : mapping of str to str
         Of each drive.
     loaded : tuple of bool
         Of each sample, whether the arm carries another load than at the start.
@@ -94,7 +109,21 @@ class Run(Shown):
     ended : float or None
         When the plant ended the run by itself, s.
     chatter : mapping of str to float
-        Root mean square of the change of each drive from one control period to the next.
+        Root mean square of the change of each drive from one control period to the next; from
+        rest to the first drive is not a change.
+    every : int
+        Control periods of a set point.
+    set_point_time : ndarray, shape (n,)
+        Of the set points of the samples, s. A sample is taken in the last control period of its
+        set point; the times of a trajectory begin in each segment anew.
+    rms_periods : ndarray, shape (k,)
+        As `rms`, of the errors in all control periods, from the set point that is held in each.
+    rms_path : ndarray, shape (k,)
+        The same from the reference itself, of which the set points are samples.
+    output_units : mapping of str to str
+        Of `outputs` and `wanted`.
+    notes : tuple of str
+        What was taken otherwise than it was asked for, in sentences.
     """
 
     controller: str
@@ -121,6 +150,12 @@ class Run(Shown):
     seed: int = 1
     ended: float | None = None
     chatter: Mapping[str, float] = field(default_factory=dict)
+    every: int = 1
+    set_point_time: Vector = field(default_factory=lambda: np.zeros(0))
+    rms_periods: Vector = field(default_factory=lambda: np.zeros(0))
+    rms_path: Vector = field(default_factory=lambda: np.zeros(0))
+    output_units: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         errors = zip(self.labels, self.rms, self.units, strict=True)
@@ -138,7 +173,7 @@ class Run(Shown):
 
     @property
     def rms(self) -> Vector:
-        """Root mean square error of each tracked output."""
+        """Root mean square error of each tracked output, at the set points."""
         return rms(self.errors)
 
     @property
@@ -166,7 +201,7 @@ class Run(Shown):
             names = [name for name in self.drives if name.rpartition(".")[0] == axis]
             drives = np.column_stack([self.drives[name] for name in names] or [np.zeros((0, 0))])
             found[shown[column]] = metrics_of(
-                self.time,
+                self.set_point_time,
                 self.reference[:, column],
                 self.errors[:, column],
                 drives,
@@ -174,6 +209,7 @@ class Run(Shown):
                 self.period,
                 self.conventions.maximum,
                 self.chatter.get(names[0], 0.0) if names else 0.0,
+                (float(self.rms_periods[column]), float(self.rms_path[column])),
             )
         return found
 
@@ -264,7 +300,7 @@ def simulate(
     on = as_way(on, along=not references)
     if isinstance(on, Trajectory):
         arms = checked_arms(on, arms, payload=payload, conventions=conventions)
-        on = arm_motion(on, arms, conventions, options)
+        on = arm_motion(on, arms, conventions, options, timing_of(chosen))
     elif isinstance(on, Plant):
         on = plant_motion(chosen, on, references, duration, connect)
     return run_along(chosen, on, conventions, options, connect)
@@ -319,6 +355,7 @@ def plant_motion(
     if not references:
         tracked = first_error(text, site)
         references = {site.interface.label(tracked): step or Signal("step", (1.0,))}
+    own_timing(controller)  # tells where addends differ in it
     period, every = text.model.period, text.model.every
     if duration is None:
         duration = plant.duration or 1000 * period * every
@@ -392,6 +429,7 @@ class ClosedLoop:
         options = options or Options()
         self.site = site_of(followed.plants[0], connect)
         self.controller = controller_on(controller, self.site)
+        require_timing(self.controller, followed)
         self.arithmetic = options.arithmetic(conventions)
         plant = followed.plants[0]
         self.program = Program(self.controller, self.arithmetic)
@@ -492,30 +530,68 @@ class ClosedLoop:
         count = len(followed.tracked)
         # A plant that ends a run by itself has not diverged.
         stopped, over = record.diverged(), course.plant.ended
+        wanted, outputs, drives = self._by_port(course, taps)
         return Run(
-            program.controller.name,
-            followed.name,
-            course.conventions,
-            followed.time[taken],
-            taps[count : 2 * count].T * scales(course),
-            shown_errors(course, taps.T),
-            None if over else stopped,
-            found.seconds,
-            self.compiled,
-            program.remembered(record.memory),
-            course.plant.name,
-            tuple(axis for axis, _ in followed.tracked),
-            tuple(map(label, followed.tracked)),
-            shown_units(course),
-            *self._by_port(course, taps),
-            {label(port): (each.low, each.high) for port, each in inputs.items()},
-            {label(port): each.unit for port, each in inputs.items()},
-            tuple((followed.block[taken] != 0).tolist()),
-            followed.period * followed.every,
-            course.options.seed if found.seed is None else found.seed,
-            stopped if over else None,
-            self._chatter(record),
+            controller=program.controller.name,
+            trajectory=followed.name,
+            conventions=course.conventions,
+            time=followed.sampled[taken],
+            reference=taps[count : 2 * count].T * scales(course),
+            errors=shown_errors(course, taps.T),
+            diverged=None if over else stopped,
+            seconds=found.seconds,
+            compiled=self.compiled,
+            memory=program.remembered(record.memory),
+            plant=course.plant.name,
+            axes=tuple(axis for axis, _ in followed.tracked),
+            labels=tuple(map(label, followed.tracked)),
+            units=shown_units(course),
+            wanted=wanted,
+            outputs=outputs,
+            drives=drives,
+            limits=self._limits(program),
+            drive_units={label(port): each.unit for port, each in inputs.items()},
+            loaded=tuple((followed.block[taken] != 0).tolist()),
+            period=followed.period * followed.every,
+            seed=course.options.seed if found.seed is None else found.seed,
+            ended=stopped if over else None,
+            chatter=self._chatter(record),
+            every=followed.every,
+            set_point_time=followed.time[taken],
+            rms_periods=shown_means(course, record, HELD),
+            rms_path=shown_means(course, record, LED),
+            output_units={label(port): each.unit for port, each in interface.outputs.items()},
+            notes=self.notes(course),
         )
+
+    def notes(self, course: Course | None = None) -> tuple[str, ...]:
+        """Return what is taken otherwise than it was asked for, in sentences."""
+        course, site = course or self.course, self.site
+        found = [*delay_notes(course.options, course.motion.period)]
+        parts = [each for each in self.controller.parts() if isinstance(each, CompiledController)]
+        names = {name for part in parts for name in connectable(part)}
+        for name, port in site.connect.items():
+            if name not in names:
+                found.append(
+                    f"nothing in {self.controller.name} is called '{name}': "
+                    f"that it is joined to {port} changes nothing"
+                )
+        idle = set(site.interface.axes) - {axis for axis, _ in course.driven}
+        if isinstance(course.plant, Arm):
+            found += [f"nothing drives {axis}" for axis in sorted(idle)]
+        return tuple(found)
+
+    def _limits(self, program: Program) -> dict[str, tuple[float, float]]:
+        """Return between what each drive stays: the actuator's limits, the text's where narrower."""
+        found = {}
+        own = drive_limits(program.controller, self.site)
+        for port, actuator in self.site.interface.inputs.items():
+            low, high = own.get(port, (-math.inf, math.inf))
+            found[self.site.interface.label(port)] = (
+                max(low, actuator.low),
+                min(high, actuator.high),
+            )
+        return found
 
     def _by_port(
         self, course: Course, taps: Vector
@@ -550,6 +626,18 @@ class SoFar:
     outputs: Mapping[str, Vector]
     drives: Mapping[str, Vector]
     loaded: Sequence[bool]
+
+
+def require_timing(controller: Controller, followed: Motion) -> None:
+    """Raise SourceError if set points were made for another period than a text asks for."""
+    own = own_timing(controller)
+    if own is None:
+        return
+    if own.every != followed.every or not math.isclose(own.period, followed.period, rel_tol=1e-9):
+        raise SourceError(
+            f"{controller.name} runs every {own.period:g} s with a set point every {own.every}, "
+            f"and these set points are for {followed.period:g} s and {followed.every}"
+        )
 
 
 def torques_only(site: Site) -> frozenset[Address]:

@@ -1,6 +1,6 @@
 """Sweeps: ranges that span a grid or are drawn from, and the file that holds what came of them.
 
-A file of a sweep begins with what was asked, as JSON behind a ``#``; a heading follows, and a line
+A file of a sweep begins with what was asked and the units, as JSON behind a ``#``; a heading follows, and a line
 for each run in the order of the runs. So the file of a sweep that was interrupted is the front of
 the whole one, and to go on means to write what is missing.
 """
@@ -14,6 +14,7 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -174,6 +175,9 @@ class SweepFile:
         What every line begins with, shape (runs,) each: what differs, and the seed.
     outputs : sequence of str
         What the metrics are of.
+    units : mapping of str to str, optional
+        Of columns, by their names; they stand beside the question, for a column is found by its
+        name.
     """
 
     def __init__(
@@ -182,12 +186,14 @@ class SweepFile:
         question: Mapping[str, Any],
         columns: Mapping[str, NDArray[Any]],
         outputs: Sequence[str],
+        units: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self.path = Path(path)
         self.columns = columns
         self.count = len(next(iter(columns.values())))
         self.names = ["run", *columns, "diverged", *metric_names(outputs)]
-        asked = json.dumps(question, sort_keys=True, ensure_ascii=False)
+        told = {**question, "units": dict(units)} if units else question
+        asked = json.dumps(told, sort_keys=True, ensure_ascii=False)
         self.head = f"{HEAD}# {asked}\n{','.join(map(quoted, self.names))}\n"
 
     def begin(self) -> None:

@@ -7,7 +7,7 @@ reader, the checks, the kernel and the exported program know no other.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
@@ -319,6 +319,74 @@ class Axes:
             elif isinstance(line, Drive) and names & set(_names_in(line.products)):
                 return line
         return None
+
+    def gain_of(self, name: str, drive: Drive, constants: Collection[str]) -> Products | None:
+        """Return by how much a drive grows with what the source of a signal gives.
+
+        Parameters
+        ----------
+        name : str
+            Of a signal with a source.
+        drive : Drive
+            One that depends on it, before its limits.
+        constants : collection of str
+            The gains, which are known beforehand.
+
+        Returns
+        -------
+        tuple of Product or None
+            Their sum is the gain; None where it is not constant.
+        """
+        gains: dict[str, Products | None] = {}
+        for line in self.lines:
+            if isinstance(line, Signal) and line.source is not None and name in line.names:
+                gains[name] = _times((Product(()),), line.products, constants)
+            elif isinstance(line, Signal) and gains.keys() & set(line.reads()):
+                through = None if line.source is not None else line.products
+                gains |= dict.fromkeys(line.names, _gain_through(through, gains, constants))
+            elif isinstance(line, Zoom):
+                gains |= dict.fromkeys(gains.keys() & set(line.signals))
+            if line is drive:
+                return _gain_through(drive.products, gains, constants)
+        return None
+
+
+Products = tuple[Product, ...]
+"""A sum of products."""
+
+
+def _gain_through(
+    products: Products | None, gains: Mapping[str, Products | None], constants: Collection[str]
+) -> Products | None:
+    """Return the gain of a sum of products, where those of some of its signals are known."""
+    if products is None:
+        return None
+    found: list[Product] = []
+    for product in products:
+        inside = [factor for factor in product.factors if factor.value in gains]
+        if not inside:
+            continue
+        before = gains[str(inside[0].value)]
+        others = tuple(factor for factor in product.factors if factor is not inside[0])
+        if before is None or len(inside) > 1 or inside[0].divides:
+            return None
+        own = _times(before, (Product(others, product.negative),), constants)
+        if own is None:
+            return None
+        found += own
+    return tuple(found)
+
+
+def _times(first: Products, second: Products, constants: Collection[str]) -> Products | None:
+    """Multiply two sums of products, no products for 1; None where a factor is not constant."""
+    found = tuple(
+        Product((*a.factors, *b.factors), a.negative != b.negative)
+        for a in first
+        for b in second or (Product(()),)
+    )
+    factors = [factor for product in found for factor in product.factors]
+    known = all(not isinstance(each.value, str) or each.value in constants for each in factors)
+    return found if known else None
 
 
 def _names_in(products: tuple[Product, ...]) -> Iterator[str]:

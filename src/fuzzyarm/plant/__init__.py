@@ -14,6 +14,7 @@ from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Parameter, Plant, PlantError, Port
 from fuzzyarm.plant.setting import (
     PLAIN,
+    STUDY,
     STUDY_CONVENTIONAL,
     STUDY_DIRECT,
     STUDY_TABLES,
@@ -40,6 +41,7 @@ __all__ = [
     "LOADED",
     "PLAIN",
     "PLANTS",
+    "STUDY",
     "STUDY_CONVENTIONAL",
     "STUDY_DIRECT",
     "STUDY_TABLES",

@@ -36,6 +36,7 @@ from fuzzyarm.plant.plant import (
     parameter,
 )
 from fuzzyarm.plant.setting import (
+    STUDY_TIMING,
     Arithmetic,
     Pair,
     Pose,
@@ -88,10 +89,10 @@ class Arm(Plant):
         self.torque_limits = torque_limits
         self.inductance = inductance
         self.supply = supply
+        torques = zip(JOINTS, torque_limits, strict=True)
         self.inputs = {
-            f"{joint}.{port}": Port(unit)
-            for port, unit in (("torque", "N m"), ("voltage", "V"))
-            for joint in JOINTS
+            **{f"{joint}.torque": Port("N m", -limit, limit) for joint, limit in torques},
+            **{f"{joint}.voltage": Port("V", -supply, supply) for joint in JOINTS},
         }
         self.outputs = {
             f"{joint}.{port.rpartition(' ')[2]}": given
@@ -143,15 +144,17 @@ class Arm(Plant):
             held["advance_arm"] = advance_arm_finely
         if self.inductance > 0.0 or self.supply < math.inf:
             held["drive_arm"] = drive_armatures
+            held["torques_later"] = torques_of_armatures
         return Dynamics(address(run_arm, **held), actuates=True, extra=POSES)
 
 
 # --- Its kernels ---
 #
-# x: q_1, q_2, v_1, v_2, then the currents where there is inductance. y: the first four of x as
-# they are measured, then the pose. u: both torques, both voltages; driving leaves in u[0], u[1]
-# the torques that act. p: see below. clock: time, control period, steps in it of the finer
-# integrator, whether floats are single, and what is to be done.
+# x: q_1, q_2, v_1, v_2, then the currents where there is inductance, then (from ASKED on) what the
+# last driving was asked for and made. y: the first four of x as they are measured, then the pose.
+# u: both torques, both voltages; driving leaves in u[0], u[1] the torques that act. p: see below.
+# clock: time, control period, steps in it of the finer integrator, whether floats are single, and
+# what is to be done.
 
 POWERED, LIMITS, MOTOR = PLANT_SIZE, PLANT_SIZE + 2, PLANT_SIZE + 4
 """Behind the constants of the arm: which motors are driven, the torque limits, and inductance and
@@ -159,6 +162,16 @@ supply of the motors."""
 
 CURRENTS = 4
 """State from which on the currents stand, where there is inductance."""
+
+ASKED, MADE = 6, 8
+"""Torques that were asked for beside the voltages; torques that driving made of both."""
+
+ROOM = 10
+"""Numbers of x."""
+
+LONGEST_STEP = STUDY_TIMING.period
+"""Of a step of the integrator, s: the study's control period. Longer periods are divided, and the
+motors' torques follow the velocity from step to step, at the voltage of the period."""
 
 FIRST_RATIO, SECOND_RATIO = RATIOS
 
@@ -202,15 +215,31 @@ def drive_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Make the torque of each joint of the torque asked for and that of its motor."""
+    x[ASKED], x[ASKED + 1] = u[0], u[1]
+    u[0], u[1] = torques_of_motors(x, u, p, clock)
+    x[MADE], x[MADE + 1] = u[0], u[1]
+
+
+@kernel
+def torques_of_motors(x: list[float], u: list[float], p: list[float], clock: list[float]) -> Pair:
+    """Return what acts on the joints: the torques asked for, and those of driven motors."""
     # Every sum is rounded to the precision of the run: the study's programs stored floats.
     single = clock[3] != 0.0
-    first, second = u[0], u[1]
+    first, second = x[ASKED], x[ASKED + 1]
     if p[POWERED] != 0.0:
         first += stored(motor_torque(u[2], x[2], FIRST_RATIO), single)
     if p[POWERED + 1] != 0.0:
         second += stored(motor_torque(u[3], x[3], SECOND_RATIO), single)
-    u[0] = clipped(stored(first, single), p[LIMITS])
-    u[1] = clipped(stored(second, single), p[LIMITS + 1])
+    return (
+        clipped(stored(first, single), p[LIMITS]),
+        clipped(stored(second, single), p[LIMITS + 1]),
+    )
+
+
+@kernel
+def torques_later(x: list[float], u: list[float], p: list[float], clock: list[float]) -> Pair:
+    """Return the torques of a later step of the same period."""
+    return torques_of_motors(x, u, p, clock)
 
 
 @kernel
@@ -218,13 +247,47 @@ def drive_armatures(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
     """Make the torque of each joint with motors that have inductance or a supply that ends."""
+    x[ASKED], x[ASKED + 1] = u[0], u[1]
     u[2] = armature_voltage(u[0], u[2], x[2], FIRST_RATIO, p[POWERED], p[MOTOR + 1])
     u[3] = armature_voltage(u[1], u[3], x[3], SECOND_RATIO, p[POWERED + 1], p[MOTOR + 1])
+    u[0], u[1] = torques_at(x, u[2], u[3], p, clock)
+    x[MADE], x[MADE + 1] = u[0], u[1]
+
+
+@kernel
+def torques_of_armatures(
+    x: list[float], u: list[float], p: list[float], clock: list[float]
+) -> Pair:
+    """Return the torques of a later step of the same period, and move the currents on.
+
+    A voltage stands still over the period; an amplifier that is asked for a torque makes up for
+    the back-EMF as it goes.
+    """
+    first, second = u[2], u[3]
+    if p[POWERED] == 0.0:
+        first = armature_voltage(x[ASKED], 0.0, x[2], FIRST_RATIO, 0.0, p[MOTOR + 1])
+    if p[POWERED + 1] == 0.0:
+        second = armature_voltage(x[ASKED + 1], 0.0, x[3], SECOND_RATIO, 0.0, p[MOTOR + 1])
+    return torques_at(x, first, second, p, clock)
+
+
+@kernel
+def torques_at(
+    x: list[float], first: float, second: float, p: list[float], clock: list[float]
+) -> Pair:
+    """Return the torques of both motors at their voltages, and move the currents on."""
     single = clock[3] != 0.0
-    first = armature_torque(x, CURRENTS, u[2], x[2], FIRST_RATIO, p[MOTOR], clock[1])
-    second = armature_torque(x, CURRENTS + 1, u[3], x[3], SECOND_RATIO, p[MOTOR], clock[1])
-    u[0] = clipped(stored(first, single), p[LIMITS])
-    u[1] = clipped(stored(second, single), p[LIMITS + 1])
+    step = clock[1] / steps_of(clock[1])
+    one = armature_torque(x, CURRENTS, first, x[2], FIRST_RATIO, p[MOTOR], step)
+    two = armature_torque(x, CURRENTS + 1, second, x[3], SECOND_RATIO, p[MOTOR], step)
+    return clipped(stored(one, single), p[LIMITS]), clipped(stored(two, single), p[LIMITS + 1])
+
+
+@kernel
+def steps_of(period: float) -> int:
+    """Return into how many steps a control period is divided."""
+    # In single precision 0.6 ms are a little more than that.
+    return max(1, int(math.ceil(period / LONGEST_STEP - 1e-3)))
 
 
 @kernel
@@ -282,13 +345,19 @@ def clipped(torque: float, limit: float) -> float:
 def advance_arm(
     x: list[float], y: list[float], u: list[float], p: list[float], clock: list[float]
 ) -> None:
-    """Advance by a control period, as the study's programs do."""
+    """Advance by a control period, as the study's programs do; a longer one step by step."""
     # The pose stands in y already: x has been measured since it moved.
     pose = Pose(y[4], y[5], y[6], y[7])
     state = State((x[0], x[1]), (x[2], x[3]))
-    now = semi_implicit(state, (u[0], u[1]), pose, p, 0, clock[1], clock[3] != 0.0)
-    x[0], x[1] = now.position
-    x[2], x[3] = now.velocity
+    torque = (u[0], u[1])
+    steps = steps_of(clock[1])
+    for i in range(steps):
+        if i > 0:
+            pose = pose_of(state.position)
+            torque = pushed_torques(x, u, p, clock)
+        state = semi_implicit(state, torque, pose, p, 0, clock[1] / steps, clock[3] != 0.0)
+        x[0], x[1] = state.position
+        x[2], x[3] = state.velocity
 
 
 @kernel
@@ -297,7 +366,19 @@ def advance_arm_finely(
 ) -> None:
     """Advance by Runge-Kutta steps."""
     state = State((x[0], x[1]), (x[2], x[3]))
-    parts = int(clock[2])
-    now = runge_kutta(state, (u[0], u[1]), p, 0, clock[1], parts, clock[3] != 0.0)
-    x[0], x[1] = now.position
-    x[2], x[3] = now.velocity
+    torque = (u[0], u[1])
+    steps = steps_of(clock[1])
+    parts = int(math.ceil(clock[2] / steps))
+    for i in range(steps):
+        if i > 0:
+            torque = pushed_torques(x, u, p, clock)
+        state = runge_kutta(state, torque, p, 0, clock[1] / steps, parts, clock[3] != 0.0)
+        x[0], x[1] = state.position
+        x[2], x[3] = state.velocity
+
+
+@kernel
+def pushed_torques(x: list[float], u: list[float], p: list[float], clock: list[float]) -> Pair:
+    """Return the torques of a later step, with the loads that were added behind the motors."""
+    first, second = torques_later(x, u, p, clock)
+    return first + (u[0] - x[MADE]), second + (u[1] - x[MADE + 1])

@@ -133,8 +133,11 @@ class EnvironmentPlant(Plant):
         self._seen: list[float] = []
 
     def start(self, rng: np.random.Generator) -> Sequence[float]:
-        """Begin an episode, with a seed of the generator's; return what is observed."""
-        observed, _ = self.environment.reset(seed=int(rng.integers(2**31)))
+        """Begin an episode with the seed of the run; return what is observed."""
+        # The generator was made of that seed: `--seed 7` is `env.reset(seed=7)`.
+        seed = getattr(rng.bit_generator.seed_seq, "entropy", None)
+        drawn = int(rng.integers(2**31))
+        observed, _ = self.environment.reset(seed=seed if isinstance(seed, int) else drawn)
         self.ended = False
         self._seen = _numbers(observed)
         return self._seen

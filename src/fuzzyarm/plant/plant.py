@@ -619,6 +619,9 @@ def with_actuators(plant: Plant, actuators: Mapping[str, Port]) -> Plant:
     PlantError
         If there is no such input.
     """
+    if plant.dynamics is not None:
+        hint = "the options --limits and --supply bound its torques and voltages"
+        raise PlantError(f"the {plant.name} makes its drives itself", name="actuator", hint=hint)
     interface = interface_of(plant)
     changed = dict(plant.inputs)
     names = {_address(plant, name): name for name in plant.inputs}

@@ -16,7 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.plant.arm import LOADED, UNLOADED, ArmParameters
-from fuzzyarm.plant.setting import ITERATIONS, SET_POINT_PERIOD, ArmError, Conventions, Pair
+from fuzzyarm.plant.setting import (
+    SET_POINT_PERIOD,
+    STUDY_TIMING,
+    ArmError,
+    Conventions,
+    Pair,
+    Timing,
+)
 from fuzzyarm.text.shown import one_line
 
 # --- Trajectories: quintic segments from rest to rest, holds, way points (section 4.1) ---
@@ -107,6 +114,8 @@ class SetPoints:
         Control iterations of each set point.
     segment : ndarray of int64, shape (n,)
         Index of its segment.
+    path : ndarray, shape (m, 2)
+        Where the trajectory itself is in each of the `m` control iterations, rad.
     """
 
     time: NDArray[np.float64]
@@ -115,6 +124,7 @@ class SetPoints:
     acceleration: NDArray[np.float64]
     iterations: NDArray[np.int64]
     segment: NDArray[np.int64]
+    path: NDArray[np.float64]
 
 
 def _moves(points: Sequence[Pair], duration: float) -> list[Segment]:
@@ -233,26 +243,35 @@ def through(
 
 
 @lru_cache(maxsize=64)
-def sample(trajectory: Trajectory, conventions: Conventions) -> SetPoints:
+def sample(
+    trajectory: Trajectory, conventions: Conventions, timing: Timing = STUDY_TIMING
+) -> SetPoints:
     """Produce the set points of a trajectory.
 
-    Time starts at zero in each segment and is advanced by 3 ms, in the precision of
-    the run, when a set point has been produced; set points are produced while it does
-    not exceed the duration.
+    Time starts at zero in each segment and is advanced by the time of a set point (3 ms in the
+    study), in the precision of the run, when a set point has been produced; set points are
+    produced while it does not exceed the duration.
 
     Parameters
     ----------
     trajectory : Trajectory
         What to follow.
     conventions : Conventions
-        Precision, π and timing.
+        Precision, π and the last set point of a segment.
+    timing : Timing, optional
+        The study's by default.
 
     Returns
     -------
     SetPoints
         In radians; the arrays are shared between calls and read-only.
+
+    Notes
+    -----
+    The study adds its 3 ms up, so that a last bit decides whether a set point falls on the end of
+    a segment; other times are counted, and the end belongs to the segment.
     """
-    parts = [_sample_segment(segment, conventions) for segment in trajectory.segments]
+    parts = [_sample_segment(segment, conventions, timing) for segment in trajectory.segments]
     begin = np.cumsum([0.0, *(segment.duration for segment in trajectory.segments)])
     points = SetPoints(
         time=np.concatenate([part[0] + start for part, start in zip(parts, begin, strict=False)]),
@@ -261,6 +280,7 @@ def sample(trajectory: Trajectory, conventions: Conventions) -> SetPoints:
         acceleration=np.concatenate([part[3] for part in parts]),
         iterations=np.concatenate([part[4] for part in parts]),
         segment=np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts]),
+        path=np.concatenate([part[5] for part in parts]),
     )
     for array in vars(points).values():
         array.flags.writeable = False
@@ -273,28 +293,38 @@ Sampled = tuple[
     NDArray[np.float64],
     NDArray[np.float64],
     NDArray[np.int64],
+    NDArray[np.float64],
 ]
 
 
-def _sample_segment(segment: Segment, conventions: Conventions) -> Sampled:
+def _sample_segment(segment: Segment, conventions: Conventions, timing: Timing) -> Sampled:
     number = np.float32 if conventions.single else np.float64
     duration = number(segment.duration)
-    # In single precision a step may lose up to 0.4 % at the end of a long segment.
-    most = int(1.02 * segment.duration / SET_POINT_PERIOD) + 3
-    ticks = np.full(most, SET_POINT_PERIOD, number)
-    ticks[0] = 0.0
-    # cumsum adds one by one in the type of its argument, as the programs did.
-    clock = np.cumsum(ticks)
-    time = clock[clock <= duration].astype(np.float64)
+    if timing.set_point == SET_POINT_PERIOD:
+        # In single precision a step may lose up to 0.4 % at the end of a long segment.
+        most = int(1.02 * segment.duration / SET_POINT_PERIOD) + 3
+        ticks = np.full(most, SET_POINT_PERIOD, number)
+        ticks[0] = 0.0
+        # cumsum adds one by one in the type of its argument, as the programs did.
+        clock = np.cumsum(ticks)
+        time = clock[clock <= duration].astype(np.float64)
+    else:  # counted, where the study's programs have nothing to say
+        count = int(segment.duration / timing.set_point + 1e-9) + 1
+        time = _stored(np.arange(count) * timing.set_point, number)
     start, end = (
         _stored(np.array(angles) * conventions.pi / 180.0, number)
         for angles in (segment.start, segment.end)
     )
-    iterations = np.full(len(time), ITERATIONS)
+    iterations = np.full(len(time), timing.every)
     if not conventions.whole_set_points:
         iterations[-1] = 1
     position, velocity, acceleration = _quintic(start, end, float(duration), time[:, None], number)
-    return time, position, velocity, acceleration, iterations
+    # A set point stands still for its iterations; the trajectory goes on, up to its end.
+    begin = np.cumsum(iterations) - iterations
+    since = np.arange(iterations.sum()) - np.repeat(begin, iterations)
+    moments = np.minimum(np.repeat(time, iterations) + since * timing.period, segment.duration)
+    path, _, _ = _quintic(start, end, float(duration), moments[:, None], np.float64)
+    return time, position, velocity, acceleration, iterations, path
 
 
 def _quintic(

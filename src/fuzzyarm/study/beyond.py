@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from fuzzyarm.controller.catalogue import CATALOGUE, controller
+from fuzzyarm.controller.catalogue import controller
 from fuzzyarm.loop.run import Run, simulate
+from fuzzyarm.plant.setting import STUDY
 from fuzzyarm.study.published import RMS_PLACES, Eight, PublishedRow, published_rows
 from fuzzyarm.study.reproduce import TRAJECTORIES, four
 
@@ -56,13 +57,23 @@ class Beyond:
         return tuple(self.figures[place] for place in RMS_PLACES)
 
     @property
+    def rms_periods(self) -> tuple[float, ...]:
+        """The same of all control periods, from the set point that is held in each, degrees."""
+        return tuple(float(value) for run in self.runs for value in run.rms_periods)
+
+    @property
+    def rms_path(self) -> tuple[float, ...]:
+        """The same from the path on which the set points lie, degrees."""
+        return tuple(float(value) for run in self.runs for value in run.rms_path)
+
+    @property
     def beats_those_without_model(self) -> bool:
-        """Whether every RMS figure is below all published ones of controllers without a model."""
+        """Whether every RMS figure at the set points is below those of all rows without a model."""
         return _all_below(self.rms, self.best_without_model)
 
     @property
     def beats_all(self) -> bool:
-        """Whether every RMS figure is below all published ones."""
+        """Whether every RMS figure at the set points is below all published ones."""
         return _all_below(self.rms, self.best_of_all)
 
 
@@ -81,7 +92,7 @@ def run_beyond() -> Iterator[Beyond]:
                 controller(name),
                 TRAJECTORIES[trajectory](),
                 payload=True,
-                conventions=CATALOGUE[name].conventions,
+                conventions=STUDY,
             )
             for trajectory in rows[0].trajectories
         )

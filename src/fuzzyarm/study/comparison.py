@@ -1,7 +1,8 @@
 """All controllers under the same conditions: how near, how calmly, at what cost.
 
 The study compares errors alone, with set points that are held, motors without inductance and as
-much torque as is asked for. Here any of that can change, for all of them alike.
+much torque as is asked for, and it did not count alike for all. Here any of that can change, for
+all of them alike: nothing depends on what a controller, or its file, is called.
 """
 
 from __future__ import annotations
@@ -10,16 +11,25 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fuzzyarm.controller.catalogue import study_conventions
-from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.on_plant import driven_by, site_of
+from fuzzyarm.controller.controller import CompiledController, Controller
+from fuzzyarm.controller.on_plant import TextLaw, driven_by, site_of, timing_of
 from fuzzyarm.controller.own import find_controller, find_controllers
+from fuzzyarm.export.cost import step_cost
+from fuzzyarm.export.numbers import ExportError
 from fuzzyarm.loop.course import Course, Options, arm_motion
-from fuzzyarm.loop.loop import MAGNITUDES, rms
-from fuzzyarm.loop.program import Program, Record, error_taps, loop_for, shown_errors
+from fuzzyarm.loop.loop import HELD, LED, MAGNITUDES, rms
+from fuzzyarm.loop.program import (
+    Program,
+    Record,
+    error_taps,
+    loop_for,
+    shown_errors,
+    shown_means,
+)
 from fuzzyarm.loop.run import checked_arms
-from fuzzyarm.plant.setting import Conventions
+from fuzzyarm.plant.setting import PLAIN, Conventions
 from fuzzyarm.plant.trajectory import Trajectory, pick_and_place, reach_return
 from fuzzyarm.study.beyond import NAMES as BEYOND
 from fuzzyarm.study.beyond import SUMMARY_TABLE
@@ -73,7 +83,11 @@ class Compared:
     name : str
         Of the controller.
     rms : tuple of float
-        RMS errors, degrees; where a run diverged, until then.
+        RMS errors at the set points, degrees; where a run diverged, until then.
+    rms_periods : tuple of float
+        The same of all control periods, from the set point that is held in each.
+    rms_path : tuple of float
+        The same from the trajectory itself, which moves on while a set point stands.
     variation : tuple of float
         Mean magnitude of the change of a joint's torque from one control period to the next, N m:
         chatter.
@@ -83,14 +97,26 @@ class Compared:
 
     name: str
     rms: Four
+    rms_periods: Four
+    rms_path: Four
     variation: Four
     diverged: tuple[float | None, float | None]
 
     @property
     def error(self) -> float:
-        """Geometric mean of the RMS errors, degrees."""
-        with np.errstate(divide="ignore"):
-            return float(np.exp(np.mean(np.log(self.rms))))
+        """Geometric mean of the RMS errors at the set points, degrees."""
+        return geometric_mean(self.rms)
+
+    @property
+    def path_error(self) -> float:
+        """Geometric mean of the RMS errors from the trajectory, degrees."""
+        return geometric_mean(self.rms_path)
+
+
+def geometric_mean(values: Sequence[float]) -> float:
+    """Return the geometric mean of numbers that are not negative."""
+    with np.errstate(divide="ignore"):
+        return float(np.exp(np.mean(np.log(values))))
 
 
 def compare(
@@ -98,9 +124,10 @@ def compare(
     options: Options | None = None,
     *,
     trajectories: Sequence[Callable[[], Trajectory]] = TRAJECTORIES,
-    conventions: Conventions | None = None,
+    conventions: Conventions = PLAIN,
+    payload: bool = True,
 ) -> Iterator[Compared]:
-    """Run controllers with payload along two trajectories.
+    """Run controllers along two trajectories, all under the same conditions.
 
     Parameters
     ----------
@@ -111,28 +138,38 @@ def compare(
     trajectories : sequence of callable, optional
         Those of the summary table by default.
     conventions : Conventions, optional
-        By default those that the study had for each controller.
+        Of all of them.
+    payload : bool, optional
+        Whether the arm carries its load where the trajectory says.
     """
     for name, made in zip(names, find_controllers(names), strict=True):
-        counted = conventions or study_conventions(name)
         runs = [
-            watched_run(made, trajectory(), counted, options or Options())
+            watched_run(made, trajectory(), conventions, options or Options(), payload=payload)
             for trajectory in trajectories
         ]
+        first, second = runs
         yield Compared(
             made.name,
-            tuple(value for run in runs for value in run.rms),  # type: ignore[arg-type]
-            tuple(value for run in runs for value in run.variation),  # type: ignore[arg-type]
-            tuple(run.diverged for run in runs),  # type: ignore[arg-type]
+            (*first.rms, *second.rms),
+            (*first.rms_periods, *second.rms_periods),
+            (*first.rms_path, *second.rms_path),
+            (*first.variation, *second.variation),
+            (first.diverged, second.diverged),
         )
+
+
+Two = tuple[float, float]
+"""Of both links."""
 
 
 @dataclass(frozen=True)
 class Watched:
     """What is compared of one run: see :class:`Compared`."""
 
-    rms: tuple[float, float]
-    variation: tuple[float, float]
+    rms: Two
+    rms_periods: Two
+    rms_path: Two
+    variation: Two
     diverged: float | None
 
 
@@ -146,7 +183,7 @@ def watched_run(
 ) -> Watched:
     """Run a controller of compiled laws on the arm; what :func:`simulate` gives, and chatter."""
     arms = checked_arms(trajectory, None, payload=payload, conventions=conventions)
-    motion = arm_motion(trajectory, arms, conventions, options)
+    motion = arm_motion(trajectory, arms, conventions, options, timing_of(controller))
     arithmetic = options.arithmetic(conventions)
     program = Program(controller, arithmetic)
     if not program.compilable:
@@ -157,9 +194,17 @@ def watched_run(
     own = program.inputs(as_array=arithmetic.compiled)
     with np.errstate(all="ignore"):
         loop_for(program, course, record)(*course.inputs(), *own, *record.outputs)
-    errors = rms(shown_errors(course, record.rows))
-    first, second, *_ = record.changes(MAGNITUDES).tolist()
-    return Watched((float(errors[0]), float(errors[1])), (first, second), record.diverged())
+
+    def two(values: NDArray[np.float64]) -> Two:
+        return float(values[0]), float(values[1])
+
+    return Watched(
+        two(rms(shown_errors(course, record.rows))),
+        two(shown_means(course, record, HELD)),
+        two(shown_means(course, record, LED)),
+        two(record.changes(MAGNITUDES)),
+        record.diverged(),
+    )
 
 
 # --- Cost ---
@@ -174,23 +219,30 @@ class Cost:
     name : str
         Of the controller.
     operations : Operations
-        Counted.
-    seconds : float
-        Measured in the loop, as machine code.
+        Counted in the loop along a move, in the mean.
+    exported : int or None
+        What a step of the exported program takes at most; None of what cannot be exported.
+    seconds : float or None
+        Measured in the loop, as machine code; None where it was not.
     """
 
     name: str
     operations: Operations
-    seconds: float
+    exported: int | None
+    seconds: float | None
 
 
-def cost_of(name: str) -> Cost:
+def cost_of(name: str, *, conventions: Conventions = PLAIN, timed: bool = True) -> Cost:
     """Count the operations of a controller and measure its time.
 
     Parameters
     ----------
     name : str
-        Of the catalogue.
+        Of the catalogue, a sum or a file.
+    conventions : Conventions, optional
+        In which the time is measured.
+    timed : bool, optional
+        Whether it is.
 
     Returns
     -------
@@ -198,5 +250,15 @@ def cost_of(name: str) -> Cost:
         Operations of a control step, and its time in s.
     """
     made = find_controller(name)
-    seconds = measure_time(made, conventions=study_conventions(name))
-    return Cost(made.name, count_operations(made), seconds)
+    seconds = measure_time(made, conventions=conventions) if timed else None
+    return Cost(made.name, count_operations(made), exported_operations(made), seconds)
+
+
+def exported_operations(controller: Controller) -> int | None:
+    """Return what a step of the program exported from a text takes at most, None of others."""
+    if not isinstance(controller, CompiledController) or not isinstance(controller.law, TextLaw):
+        return None
+    try:
+        return step_cost(controller.law.text).exported.total()
+    except ExportError:
+        return None

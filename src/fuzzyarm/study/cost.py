@@ -15,9 +15,9 @@ import numpy as np
 
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.law import SIGNALS, TOLD, Law, law_kernel, tell
-from fuzzyarm.controller.on_plant import TextLaw
+from fuzzyarm.controller.on_plant import TextLaw, timing_of
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.loop.course import Options
+from fuzzyarm.loop.course import Motion, Options, arm_motion
 from fuzzyarm.loop.run import simulate
 from fuzzyarm.plant.arm import RATIOS, motor_torque
 from fuzzyarm.plant.setting import (
@@ -31,7 +31,7 @@ from fuzzyarm.plant.setting import (
     State,
     pose_of,
 )
-from fuzzyarm.plant.trajectory import Trajectory, sample, through
+from fuzzyarm.plant.trajectory import Trajectory, schedule, through
 
 # --- Numbers that count what is done with them ---
 
@@ -191,7 +191,9 @@ def count_operations(
     """
     _tally.clear()
     counting = _Counting(controller)
-    simulate(counting, trajectory or short_move(), payload=payload, options=Options(compiled=False))
+    options = Options(compiled=False)
+    move = timed_motion(controller, trajectory or short_move(), PLAIN, options, payload=payload)
+    simulate(counting, move, options=options)
     steps = max(counting.steps, 1)
     return Operations(
         _tally.arithmetic / steps, _tally.comparisons / steps, _tally.functions / steps
@@ -271,6 +273,19 @@ def _functions_of_partners(law: TextLaw) -> int:
     return found
 
 
+def timed_motion(
+    controller: Controller,
+    trajectory: Trajectory,
+    conventions: Conventions,
+    options: Options,
+    *,
+    payload: bool = False,
+) -> Motion:
+    """Return a trajectory at the period of a controller, for others to follow as often."""
+    arms = schedule(trajectory, payload=payload, conventions=conventions)
+    return arm_motion(trajectory, arms, conventions, options, timing_of(controller))
+
+
 CLOCK_AT_REST = Clock(0.0006, last=False, single=False)
 
 
@@ -309,12 +324,12 @@ def measure_time(
     rounds : int, optional
         Runs with it and without it. The fastest of either counts: what is slower was disturbed.
     """
-    trajectory = trajectory or timed_move()
+    move = timed_motion(controller, trajectory or timed_move(), conventions, Options())
     nothing = CompiledController(Law("nothing", law_kernel, "no torque", ()))
-    steps = int(sample(trajectory, conventions).iterations.sum())
+    steps = int(move.iterations.sum())
 
     def once(each: Controller) -> float:
-        return simulate(each, trajectory, conventions=conventions).seconds / steps
+        return simulate(each, move, conventions=conventions).seconds / steps
 
     once(controller), once(nothing)  # compiled, loaded, warm
     pairs = [(once(controller), once(nothing)) for _ in range(rounds)]

@@ -238,10 +238,11 @@ def draw_overview(results: Sequence[Reproduced], beyond: Sequence[Beyond] = ()) 
         for line, own in enumerate(beyond, len(chosen)):
             panel.axhline(-line, color="0.94", linewidth=0.7, zorder=0)
             panel.plot(own.figures[place], -line, "D", color=OWN_COLOUR, markersize=5.5)
+            panel.plot(own.rms_path[column], -line, "D", color=OWN_COLOUR, **_FROM_PATH)
         panel.set_xscale("log")
         panel.xaxis.set_major_formatter("{x:g}")
         panel.set_title(HEADINGS[column].format(first=first, second=second), fontsize=10)
-        panel.set_xlabel("RMS error, degrees", fontsize=9)
+        panel.set_xlabel("RMS error at the set points, degrees", fontsize=9)
         panel.grid(axis="x", color="0.9", linewidth=0.7)
         panel.set_axisbelow(True)
         panel.spines[["top", "right", "left"]].set_visible(False)
@@ -294,16 +295,23 @@ def _key(figure: Figure, chosen: Sequence[Reproduced], beyond: Sequence[Beyond])
             "linestyle": "none",
         }
         entries.append(Line2D([], [], label="beyond the study", **own))
+        entries.append(Line2D([], [], label="the same from the path", **own | _FROM_PATH))
     figure.legend(
         handles=entries, loc="outside lower center", ncols=len(entries), fontsize=9, frameon=False
     )
 
 
+_FROM_PATH: dict[str, Any] = {"markersize": 5.5, "fillstyle": "none"}
+"""How an error from the path is marked, beside one at the set points."""
+
 # --- Error against cost ---
 
 
 def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
-    """Draw the mean error of controllers against operations and time of a control step."""
+    """Draw mean errors of controllers against operations and time of a control step.
+
+    A mark is the error from the path; a line leads to the error at the set points.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(13.0, 7.0), layout="constrained")
@@ -313,14 +321,17 @@ def draw_cost(compared: Sequence[Compared], costs: Sequence[Cost]) -> Figure:
             cost.operations.total for cost in costs
         ],
         "time of a control step in the loop, both joints, ns (less than 10 at 10)": [
-            max(1e9 * cost.seconds, 10.0)
+            max(1e9 * (cost.seconds or 0.0), 10.0)
             for cost in costs  # what is less is lost in the noise
         ],
     }
     for panel, (heading, values) in zip(panels, headings.items(), strict=True):
         _draw_points(panel, compared, values)
         panel.set_xlabel(heading, fontsize=9)
-    panels[0].set_ylabel("mean RMS error (geometric), degrees", fontsize=9)
+    panels[0].set_ylabel(
+        "geometric mean of the RMS errors, degrees: from the path, line to that at the set points",
+        fontsize=9,
+    )
     _key_of_families(figure, [each.name for each in compared])
     return figure
 
@@ -329,7 +340,9 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
     for each, value in zip(compared, values, strict=True):
         chapter = chapter_of_controller(each.name)
         colour = _colour_of(chapter)
-        panel.plot(value, each.error, MARKS[chapter], color=colour, markersize=5.0)
+        ends = [each.path_error, each.error]
+        panel.plot([value, value], ends, color=colour, linewidth=0.8, alpha=0.6)
+        panel.plot(value, each.path_error, MARKS[chapter], color=colour, markersize=5.0)
     panel.set_xscale("log")
     panel.set_yscale("log")
     panel.yaxis.set_major_formatter("{x:g}")
@@ -339,7 +352,8 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
     panel.spines[["top", "right"]].set_visible(False)
     panel.margins(x=0.16, y=0.06)
     points = [
-        (math.log10(x), math.log10(each.error)) for x, each in zip(values, compared, strict=True)
+        (math.log10(x), math.log10(each.path_error))
+        for x, each in zip(values, compared, strict=True)
     ]
     scale = [
         size / (math.log10(high) - math.log10(low))
@@ -351,7 +365,7 @@ def _draw_points(panel: Axes, compared: Sequence[Compared], values: Sequence[flo
         to_the_left = right < -0.5 * _width(each.name)
         panel.annotate(
             each.name,
-            (value, each.error),
+            (value, each.path_error),
             # Widths are estimates: a label to the left ends where it is to end.
             xytext=(-BESIDE if to_the_left else right, up),
             textcoords="offset points",

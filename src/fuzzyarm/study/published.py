@@ -13,6 +13,12 @@ from functools import cache
 from importlib.resources import files
 
 from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.plant.setting import (
+    STUDY_CONVENTIONAL,
+    STUDY_DIRECT,
+    STUDY_TABLES,
+    Conventions,
+)
 
 MAXIMUM_ON = "pick-and-place"
 """On this trajectory the last figure of a link is its maximum."""
@@ -22,6 +28,13 @@ Eight = tuple[float, float, float, float, float, float, float, float]
 
 RMS_PLACES = (0, 2, 4, 6)
 """Where the RMS figures stand among the eight."""
+
+COUNTED = {
+    "conventional": STUDY_CONVENTIONAL,
+    "tables": STUDY_TABLES,
+    "direct": STUDY_DIRECT,
+}
+"""How the study counted in a row, by the word for it in the file."""
 
 MISPRINTS = {"7.1.1/hfie": (0, 0.0831)}
 """Rows with a misprint: the place of the figure, and what it has to be.
@@ -63,6 +76,8 @@ class PublishedRow:
         Mass of both links in the controller's model where it was made wrong, kg.
     payload : bool
         Whether the load was carried.
+    conventions : Conventions
+        How the study counted in this row, as its figures prove.
     trajectories : tuple of str
         First and second.
     figures : tuple of float
@@ -75,6 +90,7 @@ class PublishedRow:
     start: str
     model_mass: float | None
     payload: bool
+    conventions: Conventions
     trajectories: tuple[str, str]
     figures: Eight
 
@@ -123,6 +139,7 @@ def _row(first: dict[str, str], second: dict[str, str]) -> PublishedRow:
         start=first["start"],
         model_mass=float(first["model_mass_kg"]) if first["model_mass_kg"] else None,
         payload=first["payload"] == "yes",
+        conventions=COUNTED[first["counted"]],
         trajectories=(first["trajectory"], second["trajectory"]),
         figures=tuple(numbers),  # type: ignore[arg-type]
     )

@@ -361,11 +361,6 @@ def _with_mass(made: Controller, mass: float) -> Controller:
     return made
 
 
-def row_conventions(row: PublishedRow) -> Conventions:
-    """Return how the study counted in a row."""
-    return CATALOGUE[row.controller].conventions
-
-
 def reproduce_row(
     row: PublishedRow,
     variant: Variant = "as-printed",
@@ -375,7 +370,7 @@ def reproduce_row(
     runs: int = 0,
     watch: Callable[[int], None] | None = None,
 ) -> Reproduced:
-    """Run one row on both trajectories, in the study's conventions.
+    """Run one row on both trajectories, in the conventions that the study had for it.
 
     Parameters
     ----------
@@ -394,7 +389,7 @@ def reproduce_row(
     """
     made = made or row_controller(row, variant)
     there, back = (TRAJECTORIES[name]() for name in row.trajectories)
-    conventions = row_conventions(row)
+    conventions = row.conventions
     first, second = (
         simulate(made, trajectory, payload=row.payload, conventions=conventions, options=options)
         for trajectory in (there, back)

@@ -218,6 +218,12 @@ CHECKS: dict[str, Check] = {
             "An integral goes on growing while its drive is at a limit.",
         ),
         Check(
+            "windup-gain",
+            Severity.WARNING,
+            "An anti-windup goes back by the excess of a drive, and between integral and drive "
+            "stands more than constant gains.",
+        ),
+        Check(
             "no-limits",
             Severity.WARNING,
             "The anti-windup of an integral does nothing, as its drive has no limits. Only an info "
