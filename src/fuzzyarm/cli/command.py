@@ -479,9 +479,7 @@ def announced(words: str, *, shown: bool = True) -> Iterator[None]:
 
 @contextmanager
 def busy(message: str) -> Iterator[Callable[[str], None]]:
-    """Show `message` while something runs, elsewhere than on a terminal now and then; give what
-    changes it.
-    """
+    """Show `message` while something runs; give what changes it, now and then off a terminal."""
     if not sys.stderr.isatty():
         with announced(message):
             yield _told_now_and_then()

@@ -175,7 +175,7 @@ class Examiner:
             with self.lock:  # what a user wrote may remember things
                 return self._examined(ready.program, stand)
         except FuzzyarmError as error:
-            error.args = (f"scenario {stand.scenario.name}: {error.args[0]}", *error.args[1:])
+            error.at(f"scenario {stand.scenario.name}")
             raise
 
     def _examined(self, program: Program, stand: _Stand) -> Outcome:
