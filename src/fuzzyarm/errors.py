@@ -43,6 +43,15 @@ def _raised_elsewhere(kind: type[FuzzyarmError], words: tuple[Any, ...]) -> Fuzz
     return kind.__new__(kind, *words)
 
 
+def sentence_of(error: BaseException) -> str:
+    """Return what an error says; of one that nobody raised on purpose with its kind."""
+    if isinstance(error, FuzzyarmError):
+        return str(error)
+    if isinstance(error, OSError) and error.strerror:
+        return f"{f'{error.filename}: ' if error.filename else ''}{error.strerror}"
+    return f"{type(error).__name__}{f': {error}' if str(error) else ''}"
+
+
 class WordError(FuzzyarmError, ValueError):
     """A word on the command line, or in a field of a page, that says nothing sensible."""
 

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from fuzzyarm.tuning.design import Design
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
+    from fuzzyarm.tuning.tuned import Tuned
 
 TELL_EVERY = 0.1
 """Seconds between two words of the search."""
@@ -223,6 +224,8 @@ def _searched(order: Order, job: Job) -> dict[str, Any]:
     process = context.Process(target=search, args=(there, order), name="fuzzyarm-tune")
     process.start()
     there.close()
+    kept: dict[str, Any] | None = None
+    """What the search has found, before it was judged."""
     try:
         while True:
             if any(word.get("enough") for word in job.heard()):
@@ -233,10 +236,17 @@ def _searched(order: Order, job: Job) -> dict[str, Any]:
             said: dict[str, Any] = here.recv()
             if "done" in said:
                 return said["done"]  # type: ignore[no-any-return]
+            if "kept" in said:
+                kept = said["kept"]
+                continue
             if "failed" in said:
+                if kept is not None:
+                    return {**kept, "faults": [*kept["faults"], said["failed"]]}
                 raise _failure(said["failed"], said.get("field", ""))
             job.tell(said)
     except (EOFError, OSError):
+        if kept is not None:
+            return {**kept, "faults": [*kept["faults"], "its process has ended unexpectedly"]}
         raise TextError("the search has ended unexpectedly") from None
     finally:
         here.close()  # at which it ends itself, wherever it is
@@ -370,9 +380,18 @@ def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str,
     subject, given = prepared(order)
     teller = Teller(pipe, Design(subject, given["tuning"]), enough)
     tuned = tune_it(
-        subject, **given, watch=teller.search, watch_linear=teller.linear, text=order.text
+        subject,
+        **given,
+        watch=teller.search,
+        watch_linear=teller.linear,
+        take=lambda tuned: pipe.send({"kept": _reported(tuned)}),
+        text=order.text,
     )
     teller.rest()
+    return _reported(tuned)
+
+
+def _reported(tuned: Tuned) -> dict[str, Any]:
     files = [{"name": each.name, "new": each.new, "changed": each.changed} for each in tuned.files]
     return {**tuned.as_data(), "diff": tuned.diff(), "files": files}
 

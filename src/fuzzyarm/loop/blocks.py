@@ -194,7 +194,7 @@ def _recipe_of_fields(thing: Any) -> tuple[Any, ...] | None:
 
     That may be anything, such as a compiled function, and is computed again where it is needed.
     """
-    kind = type(thing)
+    kind: Any = type(thing)
     derived = _cached_names(kind)
     if not derived.intersection(getattr(thing, "__dict__", ())) or not _is_plain(kind):
         return None
@@ -203,7 +203,7 @@ def _recipe_of_fields(thing: Any) -> tuple[Any, ...] | None:
 
 
 @cache
-def _cached_names(kind: type) -> frozenset[str]:
+def _cached_names(kind: Any) -> frozenset[str]:
     """Return the cached properties of a class."""
     names = (name for each in kind.__mro__ for name in vars(each))
     return frozenset(n for n in names if isinstance(getattr(kind, n, None), cached_property))
@@ -271,7 +271,8 @@ def _recipe_of_plant(plant: Plant) -> tuple[Any, ...]:
     So whatever the class keeps for itself, a function or a lock, need not travel.
     """
     home: Home = vars(plant)[HOME]
-    left = {HOME, *_cached_names(type(plant))}
+    kind: Any = type(plant)
+    left = {HOME, *_cached_names(kind)}
     state = {
         name: value
         for name, value in vars(plant).items()
