@@ -76,7 +76,7 @@ def test_a_rule_base_is_fitted_to_samples(folder, capsys):
         (["heater", "--vary", "nothing=0..1", "--scenarios", "3"], "has 'nothing'"),
         (["heater", "--data", "set.csv"], "--data is for a rule base alone"),
         (["heater", "-o", "x.png"], "cannot tell the format"),
-        (["heater", "-o", "none/x.frb"], "there is no folder"),
+        (["heater", "-o", "none/x.frb"], "no such folder: 'none'"),
         (["heater", "--plot", "x.txt"], "does not have the suffix of a figure"),
         (["heater", "--time", "5"], "--time takes a time with a unit"),
         (["pd7.frb"], "a rule base alone"),

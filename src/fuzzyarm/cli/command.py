@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
+from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm import errors
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
+
+EXIT_INTERRUPTED = 130
+"""Exit status after Ctrl-C, whatever was kept."""
 
 # --- The record of a command ---
 
@@ -290,6 +294,56 @@ def load_table(path: str) -> LookupTable:
 
         return compile_table(model, source=path)
     return model
+
+
+class Saved(NamedTuple):
+    """Where a result of long work was written, empty for nowhere, and what failed meanwhile."""
+
+    path: str
+    fault: str = ""
+
+
+def saved(path: str, write: Callable[[str], object]) -> Saved:
+    """Write the result of long work; where that fails, into a folder for temporary files.
+
+    Parameters
+    ----------
+    path : str
+        Where it is to stand.
+    write : callable
+        Takes a path.
+    """
+    try:
+        write(path)
+    except OSError as error:
+        what = errors.sentence_of(error)
+        try:
+            other = os.path.join(mkdtemp(prefix="fuzzyarm-"), os.path.basename(path))
+            write(other)
+        except OSError:
+            return Saved("", f"{what}; the report has the result")
+        return Saved(other, f"{what}; {other} has the result")
+    return Saved(path)
+
+
+def attempted(work: Callable[[], object]) -> list[str]:
+    """Do what is not worth losing a report for, as a figure; return what failed."""
+    try:
+        work()
+    except Exception as error:
+        return [errors.sentence_of(error)]
+    return []
+
+
+def demand_places(*paths: str | None) -> None:
+    """Tell before long work what cannot be written after it."""
+    from fuzzyarm.text.files import demand_writable
+
+    for path in filter(None, paths):
+        folder = os.path.dirname(path)
+        if folder and not os.path.isdir(folder):
+            raise WordError(f"no such folder: '{folder}'")
+        demand_writable(path)
 
 
 # --- What is printed ---

@@ -27,18 +27,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
     WordError,
     argument,
+    attempted,
     busy,
     command,
     counted,
+    demand_places,
     flag,
     group,
     json_of,
     load_sheet,
     out,
+    print_error,
     print_json,
     require_suffix,
+    saved,
     say,
 )
 
@@ -46,16 +51,13 @@ if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
     from fuzzyarm.learning.fit import Fit, Options
 
-EXIT_INTERRUPTED = 130
-
 _OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml", ".lut", ".json", ".npz")
 """Suffixes of what is sampled rather than read as samples."""
 
 
 def _run(arguments: argparse.Namespace) -> int:
     require_suffix(arguments.out, (".frb",))
-    if not Path(arguments.out).parent.is_dir():
-        raise WordError(f"no such folder: '{Path(arguments.out).parent}'")
+    demand_places(arguments.out)
     options = _options(arguments)
     samples = _samples(arguments)
     test = _test(arguments, samples)
@@ -64,18 +66,26 @@ def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.learning.fit import fit
     from fuzzyarm.text.files import write_atomically
 
-    with busy("fitting") as tell:
-        made = fit(samples, options, tell or (lambda _words: None))
-    write_atomically(arguments.out, made.text)
-    report = _report(arguments, samples, made, test)
+    with busy(f"fitting {arguments.data}") as tell:
+        made = fit(samples, options, tell)
+    file, fault = saved(arguments.out, lambda path: write_atomically(path, made.text))
+    arguments.out = file
+    faults = [fault] if fault else []
+    report = _report(arguments, samples, made)
+    if test is not None:
+        faults += attempted(lambda: report.update(test=_tested(samples, made, test)))
+    if _is_model(arguments.data):
+        faults += attempted(lambda: report.update(fidelity=_fidelity(samples, made)))
     if arguments.json:
         print_json(report)
     else:
         say(*_lines(samples, made, report, options))
+    for each in faults:
+        print_error(each)
     if made.interrupted:
         say("fuzzyarm: interrupted: the best so far is written", to_errors=True)
         return EXIT_INTERRUPTED
-    return 0
+    return 1 if faults else 0
 
 
 # --- Words ---
@@ -163,13 +173,9 @@ def _test(arguments: argparse.Namespace, samples: Samples) -> Samples | None:
 # --- What is printed ---
 
 
-def _report(
-    arguments: argparse.Namespace, samples: Samples, made: Fit, test: Samples | None
-) -> dict[str, Any]:
+def _report(arguments: argparse.Namespace, samples: Samples, made: Fit) -> dict[str, Any]:
     """Return what was learned as JSON data."""
-    from fuzzyarm.learning.fit import fidelity, linear_outputs, outputs_of, score
-
-    data: dict[str, Any] = {
+    return {
         "file": arguments.out,
         "samples": len(samples),
         "inputs": list(samples.names),
@@ -195,15 +201,23 @@ def _report(
         "support": list(made.support),
         "interrupted": made.interrupted,
     }
-    if test is not None:
-        data["test"] = {
-            "samples": len(test),
-            "error": score(test, outputs_of(made.rulebase, test)),
-            "linear": score(test, linear_outputs(samples, test)),
-        }
-    if _is_model(arguments.data):
-        data["fidelity"] = fidelity(made.rulebase, samples)._asdict()
-    return data
+
+
+def _tested(samples: Samples, made: Fit, test: Samples) -> dict[str, Any]:
+    """Return how it does on the samples of --test, beside linear regression."""
+    from fuzzyarm.learning.fit import linear_outputs, outputs_of, score
+
+    return {
+        "samples": len(test),
+        "error": score(test, outputs_of(made.rulebase, test)),
+        "linear": score(test, linear_outputs(samples, test)),
+    }
+
+
+def _fidelity(samples: Samples, made: Fit) -> dict[str, float]:
+    from fuzzyarm.learning.fit import fidelity
+
+    return fidelity(made.rulebase, samples)._asdict()
 
 
 def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options) -> list[str]:

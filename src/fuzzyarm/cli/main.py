@@ -14,6 +14,7 @@ import warnings
 from collections.abc import Sequence
 
 from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
     Command,
     compiling_shown,
     print_error,
@@ -69,7 +70,6 @@ HEADINGS = {
 
 EXIT_INPUT = 1
 EXIT_USAGE = 2
-EXIT_INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -34,23 +34,26 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
     TOLD_EVERY,
     Argument,
     WordError,
     announced,
     argument,
+    attempted,
     command,
     counted,
+    demand_places,
     flag,
     group,
     json_of,
     print_error,
     print_json,
     require_suffix,
+    saved,
     say,
 )
 from fuzzyarm.cli.experiment import CONVENTIONS, TRAJECTORY, experiment_of
@@ -65,7 +68,7 @@ from fuzzyarm.cli.plants import (
 )
 from fuzzyarm.cli.sweep import cluster, duration_words
 from fuzzyarm.errors import sentence_of
-from fuzzyarm.text.files import demand_writable, stamp_of
+from fuzzyarm.text.files import stamp_of
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -74,8 +77,6 @@ if TYPE_CHECKING:
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
     from fuzzyarm.tuning.tuned import Tuned
-
-EXIT_INTERRUPTED = 130
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -119,7 +120,9 @@ def _run(arguments: argparse.Namespace) -> int:
         print_json({**tuned.as_data(), "files": files})
     else:
         say(*_lines(tuned, path, result.files))
-    faults = [*result.faults, *tuned.faults, *_drawn(tuned, path, arguments.plot)]
+    faults = [*result.faults, *tuned.faults]
+    if arguments.plot:
+        faults += attempted(lambda: _draw(tuned, path, arguments.plot))
     for fault in faults:
         print_error(fault)
     if tuned.found.unwritten:
@@ -150,51 +153,39 @@ class _Result:
         """Write it; where that fails, somewhere else."""
         if not self.out:
             return
-        try:
-            if self.files:
-                self._again(tuned)
-            elif stamp_of(self.out) != self.stamp:  # somebody has worked on it meanwhile
-                other = Path(self.out).with_name(f"{Path(self.out).stem}-tuned.frb")
-                self.files = tuned.write(other)
-                self.faults.append(f"{self.out} has changed since; it is left, and {other} written")
-            else:
-                self.files = tuned.write(self.out)
-        except OSError as error:
-            self._rescue(tuned, error)
+        if self.files:
+            self._again(tuned)
+        elif stamp_of(self.out) != self.stamp:  # somebody has worked on it meanwhile
+            other = str(Path(self.out).with_name(f"{Path(self.out).stem}-tuned.frb"))
+            self.faults.append(f"{self.out} has changed since; it is left, and {other} written")
+            self._first(tuned, other)
+        else:
+            self._first(tuned, self.out)
         self.stamp = stamp_of(self.files[0]) if self.files else self.stamp
+
+    def _first(self, tuned: Tuned, path: str) -> None:
+        def write(place: str) -> None:
+            self.files = tuned.write(place)
+
+        fault = saved(path, write).fault
+        self.faults += [fault] if fault else []
 
     def _again(self, tuned: Tuned) -> None:
         if stamp_of(self.files[0]) != self.stamp:
             self.faults.append(f"{self.files[0]} has changed since it was written; it is left so")
             return
-        self.files = tuned.write(self.files[0])
-
-    def _rescue(self, tuned: Tuned, error: OSError) -> None:
-        assert self.out
-        what = sentence_of(error)
-        if self.files:
-            self.faults.append(f"{what}; the numbers are in it, not what they are worth")
-            return
         try:
-            folder = Path(mkdtemp(prefix="fuzzyarm-tuned-"))
-            self.files = tuned.write(folder / Path(self.out).name)
-        except OSError:
-            self.faults.append(f"{what}; the numbers are in the report alone")
-        else:
-            self.faults.append(f"{what}; {self.files[0]} has the result")
+            self.files = tuned.write(self.files[0])
+        except OSError as error:
+            words = "the numbers are in it, not what they are worth"
+            self.faults.append(f"{sentence_of(error)}; {words}")
 
 
-def _drawn(tuned: Tuned, path: str, plot: str | None) -> Iterator[str]:
-    """Draw the figure; yield why it could not be."""
-    if not plot:
-        return
+def _draw(tuned: Tuned, path: str, plot: str) -> None:
     from fuzzyarm.show.figures import save_figure
     from fuzzyarm.show.figures.tuning import tuning_figure
 
-    try:
-        save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), plot)
-    except Exception as error:
-        yield sentence_of(error)
+    save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), plot)
 
 
 def _require_sensible(arguments: argparse.Namespace) -> None:
@@ -205,10 +196,7 @@ def _require_sensible(arguments: argparse.Namespace) -> None:
         from fuzzyarm.show.figures.style import require_figure_suffix
 
         require_figure_suffix(arguments.plot)
-    for path in filter(None, (arguments.out, arguments.plot)):
-        if not Path(path).parent.is_dir():
-            raise WordError(f"there is no folder '{Path(path).parent}'")
-        demand_writable(path)
+    demand_places(arguments.out, arguments.plot)
     if arguments.resume and not arguments.journal:
         raise WordError("--resume goes on with the file of --journal, and none is given")
     if arguments.workers is not None and not 1 <= arguments.workers <= 10_000:

@@ -224,35 +224,43 @@ def _searched(order: Order, job: Job) -> dict[str, Any]:
     process = context.Process(target=search, args=(there, order), name="fuzzyarm-tune")
     process.start()
     there.close()
-    kept: dict[str, Any] | None = None
-    """What the search has found, before it was judged."""
+    kept: list[dict[str, Any]] = []
     try:
-        while True:
-            if any(word.get("enough") for word in job.heard()):
-                here.send("enough")
-            if not here.poll(TELL_EVERY):
-                job.check()
-                continue
-            said: dict[str, Any] = here.recv()
-            if "done" in said:
-                return said["done"]  # type: ignore[no-any-return]
-            if "kept" in said:
-                kept = said["kept"]
-                continue
-            if "failed" in said:
-                if kept is not None:
-                    return {**kept, "faults": [*kept["faults"], said["failed"]]}
-                raise _failure(said["failed"], said.get("field", ""))
-            job.tell(said)
+        return _heard(here, job, kept)
     except (EOFError, OSError):
-        if kept is not None:
-            return {**kept, "faults": [*kept["faults"], "its process has ended unexpectedly"]}
+        if kept:
+            return _with_fault(kept[-1], "its process has ended unexpectedly")
         raise TextError("the search has ended unexpectedly") from None
     finally:
         here.close()  # at which it ends itself, wherever it is
         process.join(2.0)
         if process.is_alive():
             process.kill()
+
+
+def _heard(here: Connection, job: Job, kept: list[dict[str, Any]]) -> dict[str, Any]:
+    """Pass on what the search says; return its report, and keep what comes before that."""
+    while True:
+        if any(word.get("enough") for word in job.heard()):
+            here.send("enough")
+        if not here.poll(TELL_EVERY):
+            job.check()
+            continue
+        said: dict[str, Any] = here.recv()
+        if "done" in said:
+            return said["done"]  # type: ignore[no-any-return]
+        if "kept" in said:
+            kept.append(said["kept"])
+        elif "failed" in said and kept:
+            return _with_fault(kept[-1], said["failed"])
+        elif "failed" in said:
+            raise _failure(said["failed"], said.get("field", ""))
+        else:
+            job.tell(said)
+
+
+def _with_fault(report: dict[str, Any], words: str) -> dict[str, Any]:
+    return {**report, "faults": [*report["faults"], words]}
 
 
 def _failure(message: str, field: str) -> FuzzyarmError:
