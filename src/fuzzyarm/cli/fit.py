@@ -7,8 +7,9 @@ rule base is learned as well: the result is its surrogate, with its fidelity.
 The model is Takagi and Sugeno's: LOW and HIGH of the inputs that matter, a linear conclusion
 for each combination. Cross-validation decides how many terms there are, how far conclusions
 are shrunk towards linear regression, and whether moving the terms pays; with --series its
-parts are blocks of time. --words N gives the rules of Wang and Mendel instead. What is
-written is scored as written. Ctrl-C keeps the best so far (exit status 130).
+parts are blocks of time. Up to 1000 samples a second one around all of it judges what came of
+it. --words N gives the rules of Wang and Mendel instead. What is written is scored as written.
+Ctrl-C keeps the best so far (exit status 130), and so does the end of --time.
 
 Examples
 --------
@@ -46,6 +47,7 @@ from fuzzyarm.cli.command import (
     saved,
     say,
 )
+from fuzzyarm.cli.plants import time_of
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
@@ -82,9 +84,10 @@ def _run(arguments: argparse.Namespace) -> int:
         say(*_lines(samples, made, report, options))
     for each in faults:
         print_error(each)
-    if made.interrupted:
-        say("fuzzyarm: interrupted: the best so far is written", to_errors=True)
-        return EXIT_INTERRUPTED
+    if made.limits:
+        print_error(_broken_off(made.limits))
+        if "time" not in made.limits:
+            return EXIT_INTERRUPTED
     return 1 if faults else 0
 
 
@@ -112,6 +115,8 @@ def _options(arguments: argparse.Namespace) -> Options:
         digits=arguments.digits,
         outside=arguments.outside or ("clamp" if _is_model(arguments.data) else "extend"),
         seed=arguments.seed,
+        nested={"yes": True, "no": False, "auto": None}[arguments.nested],
+        seconds=time_of(arguments.time, "--time") if arguments.time else math.inf,
         name=name,
     )
 
@@ -192,6 +197,8 @@ def _report(arguments: argparse.Namespace, samples: Samples, made: Fit) -> dict[
         },
         "cross_validation": {
             "error": made.cross_validation,
+            "judged": made.judged,
+            "of_the_choice": made.choice,
             "linear": made.linear_cross_validation,
             "candidates": [
                 {"structure": words, "rules": rules, "error": error}
@@ -223,7 +230,8 @@ def _fidelity(samples: Samples, made: Fit) -> dict[str, float]:
 def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options) -> list[str]:
     kind = "wrong answers" if samples.classes else "RMS error"
     blocks = " in blocks" if options.series else ""
-    cross = f"cross-validation, {options.parts} parts{blocks} (RMS)"
+    nested = "nested " if made.judged == "nested" else ""
+    cross = f"{nested}cross-validation, {options.parts} parts{blocks} (RMS)"
     rows = [("", "model", "linear regression")]
     rows.append((f"training ({kind})", *_pair(made.error, made.linear_error)))
     rows.append((cross, *_pair(made.cross_validation, made.linear_cross_validation)))
@@ -240,6 +248,8 @@ def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options
         f"{report['file']}: {counted(report['rules'], 'rule')}, {made.structure}",
         *(f"  {a:<{width}}  {b:>10}  {c:>17}" for a, b, c in rows),
     ]
+    if made.judged == "by the choice":
+        lines.append("  its structure was chosen on the same parts: on others it may be more")
     if "fidelity" in report:
         told = report["fidelity"]
         worst, mean = (f"{100.0 * told[key]:.2g} %" for key in ("worst_share", "rms_share"))
@@ -252,6 +262,14 @@ def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options
     elif made.cross_validation > made.linear_cross_validation:
         lines.append("  linear regression is better on samples not seen")
     return lines
+
+
+def _broken_off(limits: tuple[str, ...]) -> str:
+    """Say what Ctrl-C, or the end of the time, has left out."""
+    why = "the time is over" if "time" in limits else "interrupted"
+    if "search" in limits:
+        return f"{why}: the best so far is written"
+    return f"{why}: the model is written, and its error is that by which it was chosen"
 
 
 def _pair(model: float, linear: float) -> tuple[str, str]:
@@ -309,6 +327,13 @@ COMMANDS = (
         *group(
             "the search",
             argument("--folds N", "parts of the cross-validation", type=int, default=5),
+            argument(
+                "--nested",
+                "go the whole way again without each part, to judge it; auto: up to 1000 samples",
+                choices=("auto", "yes", "no"),
+                default="auto",
+            ),
+            argument("--time TIME", "at most so long, as in 90s or 10min; the best until then"),
             argument("--seed N", "seed of everything that is drawn", type=int, default=0),
         ),
     ),
