@@ -150,7 +150,7 @@ def draw_tuning(browser: Any, address: str) -> None:
     }.items():
         tune.get_by_label(name, exact=True).fill(value)
     tune.get_by_role("button", name="Start").click()
-    tune.get_by_text("unseen: costs").wait_for()
+    tune.get_by_text("better than the file").wait_for()
     page.wait_for_timeout(400)
     page.screenshot(path=HERE / "designer_tune.png")
     page.close()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, Self
+
 
 class FuzzyarmError(Exception):
     """What went wrong, in one clear sentence to a person.
@@ -24,6 +26,30 @@ class FuzzyarmError(Exception):
 
     def __str__(self) -> str:
         return f"{self.message} ({self.hint})" if self.hint else self.message
+
+    def at(self, where: str) -> Self:
+        """Return the error, which now says first where it came up: a run, a scenario."""
+        self.message = f"{where}: {self.message}"
+        self.args = (self.message, *self.args[1:])
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Pickle calls the class with `args`, which is not what each subclass takes.
+        return _raised_elsewhere, (type(self), self.args), vars(self)
+
+
+def _raised_elsewhere(kind: type[FuzzyarmError], words: tuple[Any, ...]) -> FuzzyarmError:
+    """Return an error that was raised in another process."""
+    return kind.__new__(kind, *words)
+
+
+def sentence_of(error: BaseException) -> str:
+    """Return what an error says; of one that nobody raised on purpose with its kind."""
+    if isinstance(error, FuzzyarmError):
+        return str(error)
+    if isinstance(error, OSError) and error.strerror:
+        return f"{f'{error.filename}: ' if error.filename else ''}{error.strerror}"
+    return f"{type(error).__name__}{f': {error}' if str(error) else ''}"
 
 
 class WordError(FuzzyarmError, ValueError):

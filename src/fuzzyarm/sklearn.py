@@ -69,6 +69,7 @@ class _FuzzyModel(BaseEstimator):
             digits=self.digits,
             outside=self.outside,
             seed=0 if self.random_state is None else int(self.random_state),
+            nested=False,  # scikit-learn judges by samples of its own
         )
 
     def _learn(self, samples: Samples) -> Fit:

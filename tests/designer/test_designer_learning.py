@@ -313,10 +313,10 @@ def test_a_plant_that_was_named_is_learned_and_tuned_on(page, monkeypatch, capsy
         return {"take": True} if "report" in news else "close" if "taken" in news else None
 
     tuned = {"lines": "gain G_e 0.5 .. 2 times", "seconds": 0.3, "evals": 3, "unseen": 1}
-    heard = page.do("tune", "servo-soc.frb", take, **asked, **tuned, linear=False)
+    heard = page.do("tune", "servo-soc.frb", take, **asked, **tuned)
     taken = next(news["taken"] for news in heard if "taken" in news)
     words += ["--tune", "gain G_e 0.5 .. 2 times", "--for", "300ms", "--evals", "3"]
-    words += ["--unseen", "1", "--no-linear", "-o", "command.frb"]
+    words += ["--unseen", "1", "-o", "command.frb"]
     assert main(["tune", "servo-soc.frb", *words]) == 0
     capsys.readouterr()
     assert taken["new"] == (page.folder / "command.frb").read_text()
@@ -383,3 +383,57 @@ def test_gains_get_ranges_and_keep_those_that_they_have(page):
     assert (
         "table" in SharedText(page.folder / "thesis-6.1.lut").answer({"what": "movable"})["error"]
     )
+
+
+PLAIN = """\
+import multiprocessing
+from pathlib import Path
+
+from fuzzyarm.plant import Plant, Port
+
+class Kiln(Plant):
+    axis = "room"
+    inputs = {"power": Port("%", 0, 100)}
+    outputs = {"temperature": Port("°C", -50, 100)}
+    states = {"T": "°C"}
+    duration = 300.0
+
+    def start(self, rng):
+        return [15.0]
+
+    def derivative(self, t, x, u, p):
+        return [0.002 * u[0] - 0.001 * (x[0] - 10.0)]
+
+class Breaks(Kiln):
+    def start(self, rng):
+        import os, sys
+        judging = sys._getframe()
+        while judging is not None and judging.f_code.co_name != "_judge":
+            judging = judging.f_back
+        if judging is not None:
+            os._exit(9)
+        return [15.0]
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["Kiln", "Breaks"])
+def test_on_a_plant_in_plain_python_the_result_is_kept_whatever_follows(page, name, monkeypatch):
+    monkeypatch.chdir(page.folder)
+    (page.folder / "own.py").write_text(PLAIN)
+    page.own = (f"own.py:{name}",)
+
+    def take(news):
+        return {"take": True} if "report" in news else "close" if "taken" in news else None
+
+    asked = {"plant": f"own.py:{name}", "reference": "temperature=step:20", "evals": 8, "unseen": 1}
+    heard = page.do("tune", "heater.frb", take, **asked)
+    report = next(news["report"] for news in heard if "report" in news)
+    assert report["trials"] == 8
+    if name == "Kiln":
+        assert report["faults"] == []
+        assert set(report["rows"]) == {"as in the file", "tuned", "linear PD"}
+    else:
+        assert report["faults"] == ["its process has ended unexpectedly"]
+    taken = next(news["taken"] for news in heard if "taken" in news)
+    assert "# tuned: nelder-mead, 8 evaluations" in taken["new"]

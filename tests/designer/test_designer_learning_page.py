@@ -62,7 +62,7 @@ def test_a_search_is_watched_stopped_taken_and_undone(served, view):  # noqa: F8
     tune.get_by_role("button", name="Stop, keep the best").click()
     take = tune.get_by_role("button", name="Take it")
     until(take.is_enabled, "the report")
-    assert "unseen: costs" in tune.locator(".report").text_content()
+    assert "better than the file" in tune.locator(".report").text_content()
     take.click()
     until(lambda: "# tuned: nelder-mead" in text_of(page), "the change")
     assert text_of(page).startswith("# typed meanwhile\n")

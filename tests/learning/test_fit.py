@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from fuzzyarm.learning.structure import Judge
 from fuzzyarm.learning.validation import validate
 from tests.learning.mackey_glass import mackey_glass
 
+fitting = sys.modules["fuzzyarm.learning.fit"]  # of the name of a function
 DATA = Path(os.environ.get("FUZZYARM_DATA", Path(__file__).parents[2].parent / "shared" / "data"))
 needs_data = pytest.mark.skipif(
     not DATA.is_dir(), reason="the data sets are not ours to ship: set FUZZYARM_DATA"
@@ -44,7 +47,7 @@ def is_sound(made):
 @pytest.mark.slow
 def test_mackey_glass():
     x, y, later_x, later_y = mackey_glass()
-    made = fit(as_samples(x, y), Options(series=True))
+    made = fit(as_samples(x, y), Options(series=True, nested=False))
     assert test_error(made, later_x, later_y) < 0.003
     assert len(made.rulebase.rules) <= 16
     assert all(len(each.terms) == 2 for each in made.rulebase.inputs)
@@ -66,9 +69,9 @@ def shared(name, count):
 @pytest.mark.slow
 def test_the_series_of_frbs():
     train, later = shared("mackey_glass_frbs.csv", 500)
-    made = fit(train, Options(series=True))
+    made = fit(train, Options(series=True, nested=False))
     assert rms(later.outputs - outputs_of(made.rulebase, later)) < 0.0015
-    few = fit(train, Options(terms=(2, 2, 1, 1), series=True))
+    few = fit(train, Options(terms=(2, 2, 1, 1), series=True, nested=False))
     assert rms(later.outputs - outputs_of(few.rulebase, later)) < 0.005
     assert len(few.rulebase.rules) == 4
 
@@ -88,13 +91,13 @@ def test_friedman_and_diabetes():
     x, y = datasets.make_friedman1(500, noise=1.0, random_state=0)
     order = np.random.default_rng(0).permutation(len(y))
     train, later = order[100:], order[:100]
-    made = fit(as_samples(x[train], y[train]), Options(rules=8, parts=3, move=False))
+    made = fit(as_samples(x[train], y[train]), Options(rules=8, parts=3, move=False, nested=False))
     assert test_error(made, x[later], y[later]) < 1.4
     is_sound(made)
     x, y = datasets.load_diabetes(return_X_y=True)
     order = np.random.default_rng(1).permutation(len(y))
     train, later = order[90:], order[:90]
-    made = fit(as_samples(x[train], y[train]), Options(rules=3, parts=3, move=False))
+    made = fit(as_samples(x[train], y[train]), Options(rules=3, parts=3, move=False, nested=False))
     asked = as_samples(x[later], y[later])
     linear = rms(asked.outputs - linear_outputs(as_samples(x[train], y[train]), asked))
     assert test_error(made, x[later], y[later]) < 1.05 * linear
@@ -119,10 +122,10 @@ def test_samples_of_a_line_give_a_line():
     "options",
     [
         Options(rules=4),
-        Options(start="fcm", rules=4, merge=0.5),
-        Options(start="subtractive", rules=5),
+        Options(start="fcm", rules=4, merge=0.5, nested=False),
+        Options(start="subtractive", rules=5, nested=False),
         Options(method="wang-mendel", words=(3, 5)),
-        Options(terms=(3, 2), move=True, outside="clamp"),
+        Options(terms=(3, 2), move=True, outside="clamp", nested=False),
         Options(rules=1),
     ],
     ids=["grid", "fcm", "subtractive", "words", "terms", "one rule"],
@@ -145,21 +148,22 @@ def test_comments_say_what_the_rules_rest_on():
 def test_inputs_that_do_not_vary_or_depend_on_each_other():
     samples = bumps()
     inputs = np.column_stack([samples.inputs, samples.inputs[:, 0] * 2.0, np.full(60, 7.0)])
-    made = fit(as_samples(inputs, samples.values), Options(rules=4))
+    made = fit(as_samples(inputs, samples.values), Options(rules=4, nested=False))
     assert made.error < 2.5
     doubts = check_text(made.text).diagnostics
     assert [(each.name, each.message) for each in doubts] == [
         ("unused-variable", "no rule uses 'x4'")  # it does not vary
     ]
-    same = fit(as_samples(inputs, np.full(60, 3.0)))
+    same = fit(as_samples(inputs, np.full(60, 3.0)), Options(nested=False))
     assert np.allclose(outputs_of(same.rulebase, as_samples(inputs, np.zeros(60))), 3.0, atol=1e-3)
 
 
 def test_large_and_small_units_change_nothing():
     samples = bumps()
-    here = fit(samples, Options(terms=(2, 2)))
+    options = Options(terms=(2, 2), nested=False)
+    here = fit(samples, options)
     scaled = as_samples(samples.inputs * 1e6, samples.values * 1e-6, samples.names)
-    there = fit(scaled, Options(terms=(2, 2)))
+    there = fit(scaled, options)
     assert there.error == pytest.approx(1e-6 * here.error, rel=0.05)
 
 
@@ -200,9 +204,83 @@ def test_judging_in_one_go_is_judging_by_refitting():
         assert np.allclose(found.squares[test], squares, rtol=1e-5, atol=1e-8)
 
 
+# --- Judged by samples that have decided nothing ---
+
+
+@pytest.mark.parametrize("series", [False, True])
+@pytest.mark.parametrize(
+    "given", [{"rules": 4}, {"method": "wang-mendel", "words": (2, 4)}], ids=["grid", "words"]
+)
+def test_the_nested_error_is_that_of_going_the_whole_way_without_each_part(given, series):
+    from fuzzyarm.learning.data import folds
+
+    samples = bumps(45)
+    options = Options(**given, series=series, parts=3, digits=12, seed=4)
+    made = fit(samples, options)
+    assert made.judged == "nested"
+    assert f"nested 3-fold cross-validation{' in blocks' if series else ''} " in made.text
+    off = []
+    for train, test in folds(45, 3, series=series, seed=4):
+        part = fit(samples.part(train), replace(options, nested=False))
+        assert part.judged == "by the choice"
+        assert "Its structure was chosen on the same parts" in part.text
+        asked = samples.part(test)
+        off.append(asked.outputs - outputs_of(part.rulebase, asked))
+    assert made.cross_validation == pytest.approx(rms(np.concatenate(off)), rel=1e-3)
+    plain = fit(samples, replace(options, nested=False))
+    assert plain.cross_validation == plain.choice == made.choice
+    assert plain.rulebase == made.rulebase
+
+
+def test_where_nothing_is_chosen_nothing_is_nested():
+    made = fit(bumps(), Options(terms=(2, 1), shrinkage=0.01, move=False))
+    assert (made.judged, made.cross_validation) == ("fixed", made.choice)
+    assert "nested" not in made.text
+    assert "chosen" not in made.text
+    many = bumps(1200)
+    assert fit(many, Options(terms=(2, 1), move=False)).judged == "by the choice"
+    assert fit(many, Options(terms=(2, 1), move=False, nested=True)).judged == "nested"
+
+
+def test_ctrl_c_in_the_judgement_leaves_the_model_as_it_is():
+    def interrupt(words):
+        if words.startswith("the whole way without part 2"):
+            raise KeyboardInterrupt
+
+    made = fit(bumps(), Options(rules=2), interrupt)
+    assert (made.interrupted, made.limits, made.judged) == (False, ("judgement",), "by the choice")
+    assert made.rulebase == fit(bumps(), Options(rules=2)).rulebase
+    assert "interrupted" not in made.text
+    is_sound(made)
+
+
+@pytest.mark.parametrize(
+    ("method", "seconds"),
+    [(method, seconds) for method, some in (("sugeno", 7.0), ("wang-mendel", 1.0))
+     for seconds in (1e-6, some, 1e9)],
+)  # fmt: skip
+def test_time_ends_a_search_with_the_best_until_then(method, seconds, monkeypatch):
+    from itertools import count
+
+    from fuzzyarm.learning import limits
+
+    ticks = count(0.0, 0.1)  # each look at the clock takes a tenth of a second
+    monkeypatch.setattr(limits.time, "monotonic", lambda: next(ticks))
+    made = fit(bumps(), Options(method=method, words=(2, 5), rules=4, seconds=seconds, parts=3))
+    monkeypatch.undo()
+    assert ("time" in made.limits) == (seconds < 1e9)
+    assert made.interrupted == ("ended with its time" in made.text)
+    assert made.interrupted or seconds > 1e-6
+    assert made.candidates
+    is_sound(made)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        (Options(seconds=0.0), "a time of 0 s is out of range"),
+        (Options(terms=(40, 40)), "a grid of 1,600 rules is too large"),
+        (Options(terms=(30, 30)), "900 rules on 2 inputs has 2,700 numbers"),
         (Options(method="magic"), "unknown method"),
         (Options(start="middle"), "unknown start"),
         (Options(rules=0), "number of rules must be 1 to"),
@@ -218,6 +296,13 @@ def test_options_without_sense_are_refused(options, message):
         fit(bumps(), options)
 
 
+def test_more_classes_than_outputs_are_refused_at_once(monkeypatch):
+    words = tuple(f"class {k}" for k in range(33))
+    samples = Samples(("a",), np.arange(66.0)[:, None], "kind", np.arange(66.0) % 33, words)
+    with pytest.raises(FitError, match="'kind' has 33 classes, and a model at most 32"):
+        fit(samples)
+
+
 def test_too_few_samples():
     with pytest.raises(FitError, match="one sample"):
         fit(as_samples([1.0], [1.0]))
@@ -229,7 +314,7 @@ def test_classes_have_an_output_each():
     draw = np.random.default_rng(2)
     inputs = np.concatenate([draw.normal(m, 0.3, (30, 2)) for m in (0.0, 2.0, 4.0)])
     samples = Samples(("a", "b"), inputs, "kind", np.repeat([0.0, 1.0, 2.0], 30), ("a", "m", "z"))
-    made = fit(samples, Options(terms=(3, 1)))
+    made = fit(samples, Options(terms=(3, 1), nested=False))
     assert [each.name for each in made.rulebase.outputs] == ["kind a", "m", "z"]
     assert made.error < 0.05
     assert score(samples, outputs_of(made.rulebase, samples)) == made.error
@@ -254,7 +339,7 @@ def table(tmp_path):
 def test_fit_and_validate(table, tmp_path, capsys):
     model = tmp_path / "m.frb"
     words = ["fit", str(table), "-o", str(model), "--terms", "2,1", "--test", str(table), "--json"]
-    assert main(words) == 0
+    assert main([*words, "--nested", "no"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["test"]["error"] == pytest.approx(report["training"]["error"])
     assert report["rules"] == 2
@@ -274,7 +359,10 @@ def test_a_surrogate_has_its_fidelity(tmp_path, capsys):
     from fuzzyarm import load, shipped
 
     source, model = shipped("thesis-6.1.lut"), tmp_path / "s.frb"
-    assert main(["fit", str(source), "-o", str(model), "--terms", "3,3", "--json"]) == 0
+    assert (
+        main(["fit", str(source), "-o", str(model), "--terms", "3,3", "--json", "--move", "no"])
+        == 0
+    )
     told = json.loads(capsys.readouterr().out)["fidelity"]
     table, rulebase = load(source), load(model)
     mesh = np.meshgrid(*(axis.levels for axis in table.axes), indexing="ij")
@@ -306,6 +394,35 @@ def test_damaged_data_are_shown_with_their_line(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "d.csv:3:1: error[not-a-number]" in said
     assert "x,3" in said
+
+
+def test_the_report_says_how_was_judged_and_what_ctrl_c_has_left_out(
+    table, tmp_path, monkeypatch, capsys
+):
+    words = ["fit", str(table), "-o", str(tmp_path / "m.frb"), "--rules", "2", "--move", "no"]
+    assert main([*words, "--json"]) == 0
+    judged = json.loads(capsys.readouterr().out)["cross_validation"]
+    assert judged["judged"] == "nested"
+    assert judged["error"] != judged["of_the_choice"]
+    assert main(words) == 0
+    assert "nested cross-validation, 5 parts (RMS)" in capsys.readouterr().out
+    assert main([*words, "--nested", "no"]) == 0
+    said = capsys.readouterr().out
+    assert "nested" not in said
+    assert "its structure was chosen on the same parts" in said
+    monkeypatch.setattr(fitting, "_of_part", raising(KeyboardInterrupt()))
+    assert main(words) == 130
+    assert "the model is written" in capsys.readouterr().err
+    monkeypatch.undo()
+    assert main([*words, "--time", "1us"]) == 0
+    assert "the time is over: the best so far is written" in capsys.readouterr().err
+
+
+def raising(error):
+    def fails(*_words, **_given):
+        raise error
+
+    return fails
 
 
 def test_ctrl_c_writes_the_best(table, tmp_path, monkeypatch, capsys):

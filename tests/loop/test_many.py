@@ -4,15 +4,17 @@ import os
 import signal
 import textwrap
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fuzzyarm import load
 from fuzzyarm.controller import Controller, controller, find_controller
 from fuzzyarm.controller.catalogue import CATALOGUE
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import FuzzyarmError, MissingExtraError
 from fuzzyarm.loop import Options, Sensor, Signal, SweepError, simulate, simulate_many
 from fuzzyarm.loop.blocks import TravelError, in_order, packed, unpacked
 from fuzzyarm.loop.many import METRICS, Bench, experiment_of
@@ -333,6 +335,121 @@ def test_a_controller_of_a_file_travels_as_its_text(tmp_path):
     np.testing.assert_array_equal(
         simulate(made, short).errors, simulate(unpacked(content), short).errors
     )
+
+
+def test_what_was_used_travels_as_well(heater):
+    # Of what was computed on the way, such as a compiled formula, nothing goes along.
+    from fuzzyarm.tuning.cost import Cost
+
+    cost = Cost("rms + 0.5*max(0, overshoot - 1)")
+    values = {"rms": 2.0, "overshoot": 3.0}
+    fresh = packed(cost)
+    assert cost.of(values) == 3.0
+    assert packed(cost) == fresh
+    assert unpacked(fresh).of(values) == 3.0
+    text = load(heater)
+    simulate(text, "room", references={"temperature": Signal("step", (20.0,))}, duration=100.0)
+    again = unpacked(packed(text))
+    assert again.model == text.model
+
+
+def test_a_file_that_was_loaded_twice_travels_and_so_do_two_of_one_name(heater, tmp_path):
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "mine.py").write_text(KILN.replace("0.02 * u", "0.04 * u"))
+    names = ("mine.py:Kiln", "other/mine.py:Kiln", "mine.py:Kiln")
+    plants = [find_plant(name) for name in names]
+    content = [packed(plant) for plant in plants]
+    for name in names:
+        Path(name).unlink(missing_ok=True)
+    given = {"references": {"temperature": Signal("step", (40.0,))}, "duration": 100.0}
+    made = find_controller(heater)
+    for plant, packet in zip(plants, content, strict=True):
+        again = unpacked(packet)
+        np.testing.assert_array_equal(
+            simulate(made, plant, **given).errors, simulate(made, again, **given).errors
+        )
+    slow, fast = (simulate(made, plant, **given).final[0] for plant in plants[:2])
+    assert slow != fast
+
+
+ODD = """
+import threading
+from functools import cached_property
+
+from fuzzyarm.plant import Plant, Port
+
+
+class Keeps(Plant):
+    inputs = {"power": Port("%", 0, 100)}
+    outputs = {"temperature": Port("°C")}
+    states = {"T": "°C"}
+    parameters = {"loss": 0.01}
+    duration = 200.0
+
+    def __init__(self):
+        self.loss = lambda p, T: p * (T - 20.0)
+        self.lock = threading.Lock()
+
+    @cached_property
+    def other(self):
+        return threading.Lock()
+
+    def start(self, rng):
+        with self.other:
+            return [20.0]
+
+    def derivative(self, t, x, u, p):
+        with self.lock:
+            return [0.02 * u[0] - self.loss(p[0], x[0])]
+
+
+def made(share):
+    class Within(Keeps):
+        def derivative(self, t, x, u, p):
+            return [share * rate for rate in super().derivative(t, x, u, p)]
+
+    return Within
+
+
+Within = made(0.5)
+oven = Within()
+"""
+
+
+@pytest.mark.parametrize("name", ["Keeps", "Within", "oven"])
+def test_a_plant_that_keeps_what_does_not_travel(name, heater, tmp_path):
+    (tmp_path / "odd.py").write_text(ODD)
+    plant = with_parameters(find_plant(f"odd.py:{name}"), {"loss": 0.02})
+    given = {"references": {"temperature": Signal("step", (40.0,))}}
+    text = (tmp_path / "heater.frb").read_text().replace("axis room", "axis " + plant.name)
+    (tmp_path / "heater.frb").write_text(text)
+    made = find_controller(heater)
+    before = simulate(made, plant, **given)
+    content = [packed(plant), packed(find_plant(f"odd.py:{name}"))]
+    (tmp_path / "odd.py").unlink()
+    changed, fresh = map(unpacked, content)  # the one does not change the other
+    np.testing.assert_array_equal(before.errors, simulate(made, changed, **given).errors)
+    assert (changed.parameters["loss"].value, fresh.parameters["loss"]) == (0.02, 0.01)
+    assert packed(changed)
+
+
+def test_errors_travel():
+    class OwnError(FuzzyarmError, ValueError):
+        def __init__(self, message, place, *, hint=""):
+            super().__init__(f"{message} at {place}", hint=hint)
+            self.place = place
+
+    error = OwnError("nothing", 3, hint="look there").at("run 2")
+    again = unpacked(packed(error))
+    assert (str(again), again.place) == ("run 2: nothing at 3 (look there)", 3)
+    missing = unpacked(packed(MissingExtraError("cma", "CMA-ES")))
+    assert (str(missing), missing.extra) == (str(MissingExtraError("cma", "CMA-ES")), "cma")
+
+
+def test_what_a_plant_raises_says_in_which_run(heater, tmp_path):
+    (tmp_path / "mine.py").write_text(KILN.replace("return [0.02", "return [1 / p[0] * 0.02"))
+    with pytest.raises(FuzzyarmError, match=r"^run 1: plant kiln failed: .*mine.py:21: ZeroDiv"):
+        simulate_many(heater, "mine.py:Kiln", {"loss": [0.1, 0.0]}, workers=1)
 
 
 def test_what_cannot_travel_says_so():

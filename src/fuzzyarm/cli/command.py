@@ -7,9 +7,12 @@ import math
 import os
 import re
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
+from tempfile import mkdtemp
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm import errors
@@ -23,6 +26,9 @@ if TYPE_CHECKING:
     from fuzzyarm.model.rulebase import RuleBase
     from fuzzyarm.table import LookupTable
 
+
+EXIT_INTERRUPTED = 130
+"""Exit status after Ctrl-C, whatever was kept."""
 
 # --- The record of a command ---
 
@@ -293,6 +299,56 @@ def load_table(path: str) -> LookupTable:
     return model
 
 
+class Saved(NamedTuple):
+    """Where a result of long work was written, empty for nowhere, and what failed meanwhile."""
+
+    path: str
+    fault: str = ""
+
+
+def saved(path: str, write: Callable[[str], object]) -> Saved:
+    """Write the result of long work; where that fails, into a folder for temporary files.
+
+    Parameters
+    ----------
+    path : str
+        Where it is to stand.
+    write : callable
+        Takes a path.
+    """
+    try:
+        write(path)
+    except OSError as error:
+        what = errors.sentence_of(error)
+        try:
+            other = os.path.join(mkdtemp(prefix="fuzzyarm-"), os.path.basename(path))
+            write(other)
+        except OSError:
+            return Saved("", f"{what}; the report has the result")
+        return Saved(other, f"{what}; {other} has the result")
+    return Saved(path)
+
+
+def attempted(work: Callable[[], object]) -> list[str]:
+    """Do what is not worth losing a report for, as a figure; return what failed."""
+    try:
+        work()
+    except Exception as error:
+        return [errors.sentence_of(error)]
+    return []
+
+
+def demand_places(*paths: str | None) -> None:
+    """Tell before long work what cannot be written after it."""
+    from fuzzyarm.text.files import demand_writable
+
+    for path in filter(None, paths):
+        folder = os.path.dirname(path)
+        if folder and not os.path.isdir(folder):
+            raise WordError(f"no such folder: '{folder}'")
+        demand_writable(path)
+
+
 # --- What is printed ---
 
 
@@ -393,11 +449,37 @@ def _display() -> Progress:
     return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
+SOON = 1.5
+"""Seconds after which a command that nobody watches on a terminal says what it does."""
+
+TOLD_EVERY = 10.0
+"""Seconds between two lines of progress there."""
+
+
 @contextmanager
-def busy(message: str) -> Iterator[Callable[[str], None] | None]:
-    """Show `message` while something runs, on a terminal only; give what changes it."""
+def announced(words: str, *, shown: bool = True) -> Iterator[None]:
+    """Say in one line on the standard error what is being done, where it takes a while.
+
+    On a terminal nothing is said: a bar is shown there.
+    """
+    if not shown or sys.stderr.isatty():
+        yield
+        return
+    timer = threading.Timer(SOON, print_error, (words,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+@contextmanager
+def busy(message: str) -> Iterator[Callable[[str], None]]:
+    """Show `message` while something runs; give what changes it, now and then off a terminal."""
     if not sys.stderr.isatty():
-        yield None
+        with announced(message):
+            yield _told_now_and_then()
         return
     with _display() as display:
         task = display.add_task(message, total=None)
@@ -406,10 +488,34 @@ def busy(message: str) -> Iterator[Callable[[str], None] | None]:
 
 @contextmanager
 def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Callable[[int], None]]:
-    """Show a bar, on a terminal only; give what moves it on."""
-    if not shown or not sys.stderr.isatty():
+    """Show a bar, and elsewhere than on a terminal a line now and then; give what moves it on."""
+    if not shown:
         yield lambda _count: None
+        return
+    if not sys.stderr.isatty():
+        tell, done = _told_now_and_then(), 0
+
+        def advance(count: int) -> None:
+            nonlocal done
+            done += count
+            tell(f"{title}, {100 * done // max(total, 1)} %")
+
+        with announced(title):
+            yield advance
         return
     with _display() as display:
         task = display.add_task(title, total=total)
         yield lambda count: display.advance(task, count)
+
+
+def _told_now_and_then() -> Callable[[str], None]:
+    """Return what says words on the standard error, once in `TOLD_EVERY` seconds."""
+    told = time.monotonic()
+
+    def tell(words: str) -> None:
+        nonlocal told
+        if time.monotonic() - told >= TOLD_EVERY:
+            told = time.monotonic()
+            print_error(words)
+
+    return tell

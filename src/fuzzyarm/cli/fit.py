@@ -7,8 +7,9 @@ rule base is learned as well: the result is its surrogate, with its fidelity.
 The model is Takagi and Sugeno's: LOW and HIGH of the inputs that matter, a linear conclusion
 for each combination. Cross-validation decides how many terms there are, how far conclusions
 are shrunk towards linear regression, and whether moving the terms pays; with --series its
-parts are blocks of time. --words N gives the rules of Wang and Mendel instead. What is
-written is scored as written. Ctrl-C keeps the best so far (exit status 130).
+parts are blocks of time. Up to 1000 samples a second one around all of it judges what came of
+it. --words N gives the rules of Wang and Mendel instead. What is written is scored as written.
+Ctrl-C keeps the best so far (exit status 130), and so does the end of --time.
 
 Examples
 --------
@@ -27,26 +28,30 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
     WordError,
     argument,
+    attempted,
     busy,
     command,
     counted,
+    demand_places,
     flag,
     group,
     json_of,
     load_sheet,
     out,
+    print_error,
     print_json,
     require_suffix,
+    saved,
     say,
 )
+from fuzzyarm.cli.plants import time_of
 
 if TYPE_CHECKING:
     from fuzzyarm.learning.data import Samples
     from fuzzyarm.learning.fit import Fit, Options
-
-EXIT_INTERRUPTED = 130
 
 _OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml", ".lut", ".json", ".npz")
 """Suffixes of what is sampled rather than read as samples."""
@@ -54,8 +59,7 @@ _OF_MODELS = (".frb", ".fll", ".fcl", ".fis", ".fml", ".xml", ".lut", ".json", "
 
 def _run(arguments: argparse.Namespace) -> int:
     require_suffix(arguments.out, (".frb",))
-    if not Path(arguments.out).parent.is_dir():
-        raise WordError(f"no such folder: '{Path(arguments.out).parent}'")
+    demand_places(arguments.out)
     options = _options(arguments)
     samples = _samples(arguments)
     test = _test(arguments, samples)
@@ -64,18 +68,27 @@ def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.learning.fit import fit
     from fuzzyarm.text.files import write_atomically
 
-    with busy("fitting") as tell:
-        made = fit(samples, options, tell or (lambda _words: None))
-    write_atomically(arguments.out, made.text)
-    report = _report(arguments, samples, made, test)
+    with busy(f"fitting {arguments.data}") as tell:
+        made = fit(samples, options, tell)
+    file, fault = saved(arguments.out, lambda path: write_atomically(path, made.text))
+    arguments.out = file
+    faults = [fault] if fault else []
+    report = _report(arguments, samples, made)
+    if test is not None:
+        faults += attempted(lambda: report.update(test=_tested(samples, made, test)))
+    if _is_model(arguments.data):
+        faults += attempted(lambda: report.update(fidelity=_fidelity(samples, made)))
     if arguments.json:
         print_json(report)
     else:
         say(*_lines(samples, made, report, options))
-    if made.interrupted:
-        say("fuzzyarm: interrupted: the best so far is written", to_errors=True)
-        return EXIT_INTERRUPTED
-    return 0
+    for each in faults:
+        print_error(each)
+    if made.limits:
+        print_error(_broken_off(made.limits))
+        if "time" not in made.limits:
+            return EXIT_INTERRUPTED
+    return 1 if faults else 0
 
 
 # --- Words ---
@@ -102,6 +115,8 @@ def _options(arguments: argparse.Namespace) -> Options:
         digits=arguments.digits,
         outside=arguments.outside or ("clamp" if _is_model(arguments.data) else "extend"),
         seed=arguments.seed,
+        nested={"yes": True, "no": False, "auto": None}[arguments.nested],
+        seconds=time_of(arguments.time, "--time") if arguments.time else math.inf,
         name=name,
     )
 
@@ -163,13 +178,9 @@ def _test(arguments: argparse.Namespace, samples: Samples) -> Samples | None:
 # --- What is printed ---
 
 
-def _report(
-    arguments: argparse.Namespace, samples: Samples, made: Fit, test: Samples | None
-) -> dict[str, Any]:
+def _report(arguments: argparse.Namespace, samples: Samples, made: Fit) -> dict[str, Any]:
     """Return what was learned as JSON data."""
-    from fuzzyarm.learning.fit import fidelity, linear_outputs, outputs_of, score
-
-    data: dict[str, Any] = {
+    return {
         "file": arguments.out,
         "samples": len(samples),
         "inputs": list(samples.names),
@@ -186,6 +197,8 @@ def _report(
         },
         "cross_validation": {
             "error": made.cross_validation,
+            "judged": made.judged,
+            "of_the_choice": made.choice,
             "linear": made.linear_cross_validation,
             "candidates": [
                 {"structure": words, "rules": rules, "error": error}
@@ -195,21 +208,30 @@ def _report(
         "support": list(made.support),
         "interrupted": made.interrupted,
     }
-    if test is not None:
-        data["test"] = {
-            "samples": len(test),
-            "error": score(test, outputs_of(made.rulebase, test)),
-            "linear": score(test, linear_outputs(samples, test)),
-        }
-    if _is_model(arguments.data):
-        data["fidelity"] = fidelity(made.rulebase, samples)._asdict()
-    return data
+
+
+def _tested(samples: Samples, made: Fit, test: Samples) -> dict[str, Any]:
+    """Return how it does on the samples of --test, beside linear regression."""
+    from fuzzyarm.learning.fit import linear_outputs, outputs_of, score
+
+    return {
+        "samples": len(test),
+        "error": score(test, outputs_of(made.rulebase, test)),
+        "linear": score(test, linear_outputs(samples, test)),
+    }
+
+
+def _fidelity(samples: Samples, made: Fit) -> dict[str, float]:
+    from fuzzyarm.learning.fit import fidelity
+
+    return fidelity(made.rulebase, samples)._asdict()
 
 
 def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options) -> list[str]:
     kind = "wrong answers" if samples.classes else "RMS error"
     blocks = " in blocks" if options.series else ""
-    cross = f"cross-validation, {options.parts} parts{blocks} (RMS)"
+    nested = "nested " if made.judged == "nested" else ""
+    cross = f"{nested}cross-validation, {options.parts} parts{blocks} (RMS)"
     rows = [("", "model", "linear regression")]
     rows.append((f"training ({kind})", *_pair(made.error, made.linear_error)))
     rows.append((cross, *_pair(made.cross_validation, made.linear_cross_validation)))
@@ -226,6 +248,8 @@ def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options
         f"{report['file']}: {counted(report['rules'], 'rule')}, {made.structure}",
         *(f"  {a:<{width}}  {b:>10}  {c:>17}" for a, b, c in rows),
     ]
+    if made.judged == "by the choice":
+        lines.append("  its structure was chosen on the same parts: on others it may be more")
     if "fidelity" in report:
         told = report["fidelity"]
         worst, mean = (f"{100.0 * told[key]:.2g} %" for key in ("worst_share", "rms_share"))
@@ -238,6 +262,14 @@ def _lines(samples: Samples, made: Fit, report: dict[str, Any], options: Options
     elif made.cross_validation > made.linear_cross_validation:
         lines.append("  linear regression is better on samples not seen")
     return lines
+
+
+def _broken_off(limits: tuple[str, ...]) -> str:
+    """Say what Ctrl-C, or the end of the time, has left out."""
+    why = "the time is over" if "time" in limits else "interrupted"
+    if "search" in limits:
+        return f"{why}: the best so far is written"
+    return f"{why}: the model is written, and its error is that by which it was chosen"
 
 
 def _pair(model: float, linear: float) -> tuple[str, str]:
@@ -295,6 +327,13 @@ COMMANDS = (
         *group(
             "the search",
             argument("--folds N", "parts of the cross-validation", type=int, default=5),
+            argument(
+                "--nested",
+                "go the whole way again without each part, to judge it; auto: up to 1000 samples",
+                choices=("auto", "yes", "no"),
+                default="auto",
+            ),
+            argument("--time TIME", "at most so long, as in 90s or 10min; the best until then"),
             argument("--seed N", "seed of everything that is drawn", type=int, default=0),
         ),
     ),

@@ -28,17 +28,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
     JSON,
     SET,
     WordError,
     argument,
+    attempted,
     command,
+    demand_places,
     flag,
     group,
     out,
+    print_error,
     print_json,
     progress_bar,
     require_suffix,
+    saved,
 )
 from fuzzyarm.cli.experiment import (
     CONVENTIONS,
@@ -58,6 +63,7 @@ from fuzzyarm.cli.plants import (
     require_plain,
     split_settings,
 )
+from fuzzyarm.errors import FuzzyarmError, sentence_of
 from fuzzyarm.language.controller_meaning import MAX_DELAY
 
 if TYPE_CHECKING:
@@ -69,39 +75,42 @@ if TYPE_CHECKING:
     from fuzzyarm.loop import Motion, Options
     from fuzzyarm.plant import Conventions
 
+LOOKS = 20
+"""In how many parts a pass is run."""
+
 
 def _run(arguments: argparse.Namespace) -> int:
     _check(arguments)
     training = _Training(arguments)
-    shown: list[dict[str, Any]] = []
-    finished: list[Snapshot] = []
-    film: list[Snapshot] = []
-    for snapshot in training.snapshots():
-        if snapshot.complete:
-            finished.append(snapshot)
-        if arguments.animate:
-            film.append(snapshot)
-        if arguments.every and not arguments.json:
-            training.show(snapshot)
-        elif arguments.every:
-            shown.append(training.data(snapshot))
-    start, last = training.trainee.start, finished[-1]
+    training.run()
+    start, last = training.trainee.start, training.last
+    faults = list(training.faults)
     if arguments.out:
-        training.write(last.learned)
-    training.draw(finished, film)
-    status = 0 if last.diverged is None else DIVERGED
-    if not arguments.json:
-        training.print(finished)
-        return status
-    report = {
-        "passes": [training.data(snapshot) for snapshot in finished],
-        "levels": {axis.name: list(axis.levels) for axis in start.axes},
-        "tables": last.learned.values.tolist(),
-        "visits": last.learned.visits.tolist(),
-        "file": arguments.out,
-    }
-    print_json({**report, "snapshots": shown} if arguments.every else report, 1)
-    return status
+        written = saved(arguments.out, lambda path: training.write(last, path))
+        arguments.out = written.path
+        faults += [written.fault] if written.fault else []
+    if arguments.json:
+        report = {
+            "passes": [training.data(snapshot) for snapshot in training.finished],
+            "levels": {axis.name: list(axis.levels) for axis in start.axes},
+            "tables": last.learned.values.tolist(),
+            "visits": last.learned.visits.tolist(),
+            "file": arguments.out,
+        }
+        shown = [training.data(snapshot) for snapshot in training.shown]
+        print_json({**report, "snapshots": shown} if arguments.every else report, 1)
+    else:
+        training.print(last)
+    faults += attempted(training.draw)
+    for fault in faults:
+        print_error(fault)
+    if training.interrupted:
+        words = f"interrupted in pass {len(training.finished) + 1}: what was learned is kept"
+        print_error(words)
+        return EXIT_INTERRUPTED
+    if faults:
+        return 1
+    return 0 if last.diverged is None else DIVERGED
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -137,9 +146,7 @@ def _check_files(arguments: argparse.Namespace) -> None:
         from fuzzyarm.show.figures.animation import require_animation
 
         require_animation(arguments.animate)
-    for path in filter(None, (arguments.out, arguments.plot, arguments.animate)):
-        if not Path(path).parent.is_dir():
-            raise WordError(f"no such folder: '{Path(path).parent}'")
+    demand_places(arguments.out, arguments.plot, arguments.animate)
 
 
 def _sources(arguments: argparse.Namespace) -> Sources:
@@ -175,10 +182,45 @@ class _Training:
         connect = connections(arguments)
         self.trainee = Trainee(made.with_gains(gains), plant, connect, self.name)
         self.count = len(self.trainee.axes)
+        self.finished: list[Snapshot] = []
+        self.film: list[Snapshot] = []
+        self.shown: list[Snapshot] = []
+        self.faults: list[str] = []
+        self.interrupted = False
+        self._latest: Snapshot | None = None
         if arguments.joint is not None and not 1 <= arguments.joint <= self.count:
             raise WordError(f"--joint takes 1 to {self.count}, not {arguments.joint}")
 
-    def snapshots(self) -> Iterator[Snapshot]:
+    def run(self) -> None:
+        """Train. Ctrl-C, or a plant that fails, ends it: what was learned until then stays."""
+        arguments = self.arguments
+        try:
+            for snapshot in self._snapshots():
+                self._latest = snapshot
+                if snapshot.complete:
+                    self.finished.append(snapshot)
+                if arguments.animate:
+                    self.film.append(snapshot)
+                if arguments.every:
+                    self.shown.append(snapshot)
+                    if not arguments.json:
+                        self.show(snapshot)
+        except KeyboardInterrupt:
+            if self._latest is None:
+                raise
+            self.interrupted = True
+        except (FuzzyarmError, MemoryError) as error:
+            if self._latest is None:
+                raise
+            self.faults.append(sentence_of(error))
+
+    @property
+    def last(self) -> Snapshot:
+        """The last pass that came to its end, or what there is of the first."""
+        assert self._latest is not None
+        return self.finished[-1] if self.finished else self._latest
+
+    def _snapshots(self) -> Iterator[Snapshot]:
         """Train, with a progress bar where a terminal shows it."""
         arguments = self.arguments
         options = options_of(arguments, self.trainee.plant)
@@ -195,17 +237,21 @@ class _Training:
                 done = snapshot.points
                 yield snapshot
 
-    def _every(self, points: int) -> int | None:
-        """Return after how many set points a table is looked at; for a film often enough."""
+    def _every(self, points: int) -> int:
+        """Return after how many set points it is looked at a table.
+
+        For a film often enough, and else so that Ctrl-C is heard and it is seen how far it is.
+        """
         arguments = self.arguments
-        asked: int | None = arguments.every
-        if asked or not arguments.animate:
-            return asked
+        if arguments.every:
+            return int(arguments.every)
+        if not arguments.animate:
+            return max(1, -(-points // LOOKS))
         from fuzzyarm.show.figures.learning import MOST_FRAMES
 
         return max(1, -(-points * int(arguments.passes) // MOST_FRAMES))
 
-    def draw(self, finished: list[Snapshot], film: list[Snapshot]) -> None:
+    def draw(self) -> None:
         """Write the figure and the film that were asked for."""
         arguments = self.arguments
         if not (arguments.plot or arguments.animate):
@@ -215,11 +261,11 @@ class _Training:
 
         names, like = self.trainee.axes, self.trainee.like
         if arguments.plot:
-            whole = learning.Training(self.name, finished, names, like)
+            whole = learning.Training(self.name, self.finished or [self.last], names, like)
             save_figure(learning.learning_figure(whole), arguments.plot)
         if arguments.animate:
-            whole = learning.Training(self.name, film, names, like)
-            frames = min(learning.MOST_FRAMES, len(film))
+            whole = learning.Training(self.name, self.film, names, like)
+            frames = min(learning.MOST_FRAMES, len(self.film))
             with progress_bar("drawing", frames) as advance:
                 learning.animate_learning(whole, arguments.animate, watch=advance)
 
@@ -257,15 +303,15 @@ class _Training:
         )
         self._print_tables(console, snapshot.learned, with_visits=False)
 
-    def print(self, finished: list[Snapshot]) -> None:
+    def print(self, last: Snapshot) -> None:
         """Print the errors of each pass and the tables at the end."""
         from fuzzyarm.controller.program import AXIS
         from fuzzyarm.learning.self_organizing import error_words
         from fuzzyarm.show.drawing import make_console
 
         console = make_console()
-        last, out = finished[-1], self.arguments.out
-        for snapshot in finished:
+        out = self.arguments.out
+        for snapshot in self.finished:
             console.print(
                 f"pass {snapshot.passage}: RMS error {error_words(snapshot)}"
                 + (", learning off" if self.arguments.freeze else "")
@@ -282,19 +328,19 @@ class _Training:
             both = "" if single else f", all axes in one table over {inputs}"
             console.print(f"{out}: written{both}", soft_wrap=True)
 
-    def write(self, learned: Learned) -> None:
+    def write(self, last: Snapshot, path: str) -> None:
         """Write the table of one joint, or one over both."""
         from fuzzyarm.table import write_table
 
-        table = self.trainee.table(learned, self._provenance(), self.arguments.joint)
-        write_table(table, self.arguments.out)
+        table = self.trainee.table(last.learned, self._provenance(last), self.arguments.joint)
+        write_table(table, path)
 
-    def _provenance(self) -> dict[str, str]:
+    def _provenance(self, last: Snapshot) -> dict[str, str]:
         arguments = self.arguments
         start = " ".join(Path(word).name for word in arguments.start)
         pairs = self.trainee.provenance(
             self._words(),
-            arguments.passes,
+            last.passage if last.complete else f"a part of 1, {last.time:.4g} s",
             "" if arguments.controller and start == "zero" else start,
             Path(arguments.performance).name if arguments.performance else "",
             arguments.conventions,

@@ -13,7 +13,13 @@ import sys
 import warnings
 from collections.abc import Sequence
 
-from fuzzyarm.cli.command import Command, print_error, print_findings, print_os_error
+from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
+    Command,
+    print_error,
+    print_findings,
+    print_os_error,
+)
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.text.diagnostic import RuleBaseError
 
@@ -63,7 +69,6 @@ HEADINGS = {
 
 EXIT_INPUT = 1
 EXIT_USAGE = 2
-EXIT_INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -97,11 +97,7 @@ def _run(arguments: argparse.Namespace) -> int:
     _write_files(arguments, results, made[0][1])
     if arguments.watch:
         _watch(results, made[0][1])
-    if arguments.json:
-        shown = [run_as_json(result) for result in results]
-        print_json(shown if len(shown) > 1 else shown[0])
-    else:
-        print("\n\n".join(map(_as_text, results)))
+    _print_results(results, as_json=arguments.json)
     lost = [
         name
         for result, name in zip(results, arguments.controller, strict=True)
@@ -110,6 +106,14 @@ def _run(arguments: argparse.Namespace) -> int:
     for name in lost:
         _print_notes(name)
     return DIVERGED if lost else 0
+
+
+def _print_results(results: Sequence[Run], *, as_json: bool) -> None:
+    if not as_json:
+        print("\n\n".join(map(_as_text, results)))
+        return
+    shown = [run_as_json(result) for result in results]
+    print_json(shown if len(shown) > 1 else shown[0])
 
 
 def _print_notes(name: str) -> None:

@@ -25,17 +25,23 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import BrokenExecutor
 from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
     JSON,
+    TOLD_EVERY,
     WordError,
+    announced,
     argument,
+    attempted,
     command,
     counted,
+    demand_places,
     flag,
     group,
     print_error,
@@ -60,7 +66,7 @@ from fuzzyarm.cli.plants import (
     plant_of,
     require_plain,
 )
-from fuzzyarm.errors import demand_extra
+from fuzzyarm.errors import FuzzyarmError, demand_extra, sentence_of
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -216,17 +222,24 @@ def sweep(arguments: argparse.Namespace) -> int:
     file = None
     if arguments.out:
         file = SweepFile(arguments.out, asked.question, front, bench.outputs, bench.column_units)
-    rows = _answered(asked, file, arguments)
-    if rows is None:
-        return 130
-    many = many_of(bench, asked.changes, rows)
-    if arguments.plot:
-        _plot(many, asked, axes, arguments)
-    if arguments.json:
-        print_json(_as_json(many, asked, arguments))
-    else:
-        say(*_as_text(many, asked, arguments))
-    return 0
+    answer = _answered(asked, file, arguments)
+    faults = list(answer.faults)
+    many = many_of(bench, asked.changes, answer.rows)
+    if len(many):
+        if arguments.json:
+            print_json(_as_json(many, asked, arguments))
+        else:
+            say(*_as_text(many, asked, arguments))
+    if arguments.plot and len(many) == asked.count:
+        faults += attempted(lambda: _plot(many, asked, axes, arguments))
+    for fault in faults:
+        print_error(fault)
+    if answer.interrupted:
+        done = f"{len(many)} of {counted(asked.count, 'run')}"
+        kept = "-o keeps them" if file is None else f"{file.path} has them, --resume goes on"
+        print_error(f"interrupted after {done}; {kept}")
+        return EXIT_INTERRUPTED
+    return 1 if faults else 0
 
 
 def _require_sensible(arguments: argparse.Namespace, metrics: tuple[str, ...]) -> None:
@@ -246,17 +259,26 @@ def _require_sensible(arguments: argparse.Namespace, metrics: tuple[str, ...]) -
         from fuzzyarm.show.figures.style import require_figure_suffix
 
         require_figure_suffix(arguments.plot)
+    demand_places(arguments.plot)
 
 
-def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespace) -> Vector | None:
-    """Run what is missing; return the rows of all runs, or None where Ctrl-C ended it."""
+class _Answer(NamedTuple):
+    """The rows of the runs that were made, all or the first ones, and what failed."""
+
+    rows: Vector
+    faults: list[str]
+    interrupted: bool
+
+
+def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespace) -> _Answer:
+    """Run what is missing. Ctrl-C ends it, and so does a run that fails, with those before it."""
     import numpy as np
 
     from fuzzyarm.loop.many import METRICS, check_extremes, stream
 
     check_extremes(asked.bench, asked.changes)
     rows = np.empty((asked.count, 1 + len(asked.bench.outputs) * len(METRICS)))
-    done = 0
+    done, faults, interrupted = 0, list[str](), False
     if file is not None and arguments.resume and file.path.exists():
         known = file.resume()
         done = len(known)
@@ -265,6 +287,7 @@ def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespac
         file.begin()
     try:
         with (
+            announced(f"sweeping {arguments.controller}: {counted(asked.count - done, 'run')}"),
             cluster(arguments) as (executor, workers),
             _progress(asked.count, done) as moved,
             closing(
@@ -280,15 +303,27 @@ def _answered(asked: Asked, file: SweepFile | None, arguments: argparse.Namespac
         ):
             for first, part in parts:
                 rows[first : first + len(part)] = part
-                if file is not None:
-                    file.append(first, part)
+                if file is not None and not faults:
+                    faults += _appended(file, first, part)
                 done = first + len(part)
                 moved(done)
     except KeyboardInterrupt:
-        kept = "-o keeps them" if file is None else f"{file.path} has them, --resume goes on"
-        print_error(f"interrupted after {done} of {counted(asked.count, 'run')}; {kept}")
-        return None
-    return rows
+        interrupted = True
+    except (FuzzyarmError, MemoryError, BrokenExecutor) as error:
+        if not done:
+            raise
+        faults.append(sentence_of(error))
+    return _Answer(rows[:done], faults, interrupted)
+
+
+def _appended(file: SweepFile, first: int, part: Vector) -> list[str]:
+    """Write rows; where that fails, the runs go on for the report, and the file ends there."""
+    try:
+        file.append(first, part)
+    except OSError as error:
+        words = f"the file has the runs before {first}, and --resume goes on from there"
+        return [f"{file.path}: {error.strerror or error}; {words}"]
+    return []
 
 
 @contextmanager
@@ -302,10 +337,6 @@ def cluster(arguments: argparse.Namespace) -> Iterator[tuple[Executor | None, in
 
     with Client(arguments.dask, timeout="20s", set_as_default=False) as client:
         yield client.get_executor(), arguments.workers or sum(client.ncores().values()) or 1
-
-
-TOLD_EVERY = 10.0
-"""Where stderr is not a terminal, s."""
 
 
 @contextmanager

@@ -37,17 +37,23 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fuzzyarm.cli.command import (
+    EXIT_INTERRUPTED,
+    TOLD_EVERY,
     Argument,
     WordError,
+    announced,
     argument,
+    attempted,
     command,
     counted,
+    demand_places,
     flag,
     group,
     json_of,
     print_error,
     print_json,
     require_suffix,
+    saved,
     say,
 )
 from fuzzyarm.cli.experiment import CONVENTIONS, TRAJECTORY, experiment_of
@@ -61,6 +67,8 @@ from fuzzyarm.cli.plants import (
     require_plain,
 )
 from fuzzyarm.cli.sweep import cluster, duration_words
+from fuzzyarm.errors import sentence_of
+from fuzzyarm.text.files import stamp_of
 
 if TYPE_CHECKING:
     from fuzzyarm.controller.text import ControllerText
@@ -69,8 +77,6 @@ if TYPE_CHECKING:
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
     from fuzzyarm.tuning.tuned import Tuned
-
-EXIT_INTERRUPTED = 130
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -95,43 +101,102 @@ def _run(arguments: argparse.Namespace) -> int:
         if arguments.data:
             raise WordError("--data is for a rule base alone; a controller runs in its loop")
         given |= {"stage": _stage(arguments, subject), "scenarios": arguments.scenarios}
-        given["conventions"] = _conventions(arguments)
+        given["conventions"] = conventions_of(arguments)
     else:
         given |= _samples(arguments, subject)
     given["journal"] = _journal(arguments, path)
+    result = _Result(arguments.out)
     with (
+        announced(f"tuning {path}: the file as it is, then up to {arguments.evals} trials"),
         cluster(arguments) as (executor, workers),
-        _shown(arguments.evals, shown=not arguments.json) as progress,
+        _shown(arguments.evals) as progress,
     ):
         given |= {"watch": progress.search, "watch_linear": progress.linear}
+        given |= {"take": result.take, "tell": progress.tell}
         tuned = tune(path, **given, workers=workers, executor=executor)
-    written = tuned.write(arguments.out) if arguments.out else []
-    if arguments.plot:
-        from fuzzyarm.show.figures import save_figure
-        from fuzzyarm.show.figures.tuning import tuning_figure
-
-        save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), arguments.plot)
+    result.take(tuned)
     if arguments.json:
-        print_json({**tuned.as_data(), "files": [os.fspath(each) for each in written]})
+        files = [os.fspath(each) for each in result.files]
+        print_json({**tuned.as_data(), "files": files})
     else:
-        say(*_lines(tuned, path, written))
+        say(*_lines(tuned, path, result.files))
+    faults = [*result.faults, *tuned.faults]
+    if arguments.plot:
+        faults += attempted(lambda: _draw(tuned, path, arguments.plot))
+    for fault in faults:
+        print_error(fault)
+    if tuned.found.unwritten:
+        print_error(f"{tuned.found.unwritten}; the last trials are not in the journal")
     if tuned.found.interrupted:
         kept = f"; {arguments.journal} has all, --resume goes on" if arguments.journal else ""
         print_error(f"interrupted: the best so far is kept{kept}")
         return EXIT_INTERRUPTED
-    return 0
+    return 1 if faults or tuned.found.unwritten else 0
+
+
+class _Result:
+    """The tuned file on the disk: written when it is found, and again with what it is worth.
+
+    Parameters
+    ----------
+    out : str or None
+        Where to; nothing is written without.
+    """
+
+    def __init__(self, out: str | None) -> None:
+        self.out = out
+        self.stamp = stamp_of(out) if out else None
+        self.files: list[Path] = []
+        self.faults: list[str] = []
+
+    def take(self, tuned: Tuned) -> None:
+        """Write it; where that fails, somewhere else."""
+        if not self.out:
+            return
+        if self.files:
+            self._again(tuned)
+        elif stamp_of(self.out) != self.stamp:  # somebody has worked on it meanwhile
+            other = str(Path(self.out).with_name(f"{Path(self.out).stem}-tuned.frb"))
+            self.faults.append(f"{self.out} has changed since; it is left, and {other} written")
+            self._first(tuned, other)
+        else:
+            self._first(tuned, self.out)
+        self.stamp = stamp_of(self.files[0]) if self.files else self.stamp
+
+    def _first(self, tuned: Tuned, path: str) -> None:
+        def write(place: str) -> None:
+            self.files = tuned.write(place)
+
+        fault = saved(path, write).fault
+        self.faults += [fault] if fault else []
+
+    def _again(self, tuned: Tuned) -> None:
+        if stamp_of(self.files[0]) != self.stamp:
+            self.faults.append(f"{self.files[0]} has changed since it was written; it is left so")
+            return
+        try:
+            self.files = tuned.write(self.files[0])
+        except OSError as error:
+            words = "the numbers are in it, not what they are worth"
+            self.faults.append(f"{sentence_of(error)}; {words}")
+
+
+def _draw(tuned: Tuned, path: str, plot: str) -> None:
+    from fuzzyarm.show.figures import save_figure
+    from fuzzyarm.show.figures.tuning import tuning_figure
+
+    save_figure(tuning_figure(tuned, f"{Path(path).name}: {tuned.cost}"), plot)
 
 
 def _require_sensible(arguments: argparse.Namespace) -> None:
     """Tell mistakes before anything runs."""
     if arguments.out:
         require_suffix(arguments.out, (".frb",))
-        if not Path(arguments.out).parent.is_dir():
-            raise WordError(f"there is no folder '{Path(arguments.out).parent}'")
     if arguments.plot:
         from fuzzyarm.show.figures.style import require_figure_suffix
 
         require_figure_suffix(arguments.plot)
+    demand_places(arguments.out, arguments.plot)
     if arguments.resume and not arguments.journal:
         raise WordError("--resume goes on with the file of --journal, and none is given")
     if arguments.workers is not None and not 1 <= arguments.workers <= 10_000:
@@ -287,9 +352,6 @@ def _digests(arguments: argparse.Namespace, path: str) -> dict[str, str]:
 
 # --- While it runs ---
 
-TOLD_EVERY = 10.0
-"""Where stderr is not a terminal, s."""
-
 REDRAWN_EVERY = 0.2
 """Where it is one, s."""
 
@@ -302,12 +364,12 @@ class _Progress:
     evals : int
         Of the search.
     say : callable
-        Takes a search and a line that says how far it is.
+        Takes a search, or none, and a line that says how far it is.
     every : float
         Seconds between two words.
     """
 
-    def __init__(self, evals: int, say: Callable[[Found, str], None], every: float) -> None:
+    def __init__(self, evals: int, say: Callable[[Found | None, str], None], every: float) -> None:
         self.evals, self.say, self.every = evals, say, every
         self.told = time.monotonic()
         self.first: tuple[int, float] | None = None
@@ -326,6 +388,11 @@ class _Progress:
             state = f"{counted(len(found.trials), 'trial')}, best {found.best.score.cost:.5g}"
             self.say(found, f"the linear controller, tuned on the same: {state}")
 
+    def tell(self, words: str) -> None:
+        """Hear what follows the searches."""
+        if self._is_time():
+            self.say(None, words)
+
     def _is_time(self) -> bool:
         now = time.monotonic()
         if now - self.told < self.every:
@@ -337,6 +404,8 @@ class _Progress:
         yield f"{len(found.trials)} of {self.evals} trials"
         if found.refused:
             yield f"{found.refused} refused"
+        if found.failed:
+            yield f"{found.failed} failed"
         yield f"best {found.best.score.cost:.5g}"
 
     def _left(self, done: int) -> Iterator[str]:
@@ -348,22 +417,25 @@ class _Progress:
 
 
 @contextmanager
-def _shown(evals: int, *, shown: bool) -> Iterator[_Progress]:
+def _shown(evals: int) -> Iterator[_Progress]:
     """Show trials, the best cost and its curve on stderr; give what is told of the searches."""
-    if not shown or not sys.stderr.isatty():
+    if not sys.stderr.isatty():
         yield _Progress(evals, lambda _found, state: print_error(state), TOLD_EVERY)
         return
     from rich.console import Console
     from rich.live import Live
+    from rich.text import Text
 
     from fuzzyarm.show.tuning import search_view
 
     console = Console(stderr=True)
     with Live(console=console, transient=True, auto_refresh=False) as live:
 
-        def draw(found: Found, state: str) -> None:
-            live.update(search_view(found, state, console.width), refresh=True)
+        def draw(found: Found | None, state: str) -> None:
+            view = Text(state) if found is None else search_view(found, state, console.width)
+            live.update(view, refresh=True)
 
+        draw(None, "the file as it is")
         yield _Progress(evals, draw, REDRAWN_EVERY)
 
 
@@ -388,19 +460,14 @@ def _lines(tuned: Tuned, path: str, written: list[Path]) -> Iterator[str]:
         f" in {duration_words(found.seconds)}"
     )
     yield from (f"  {line}" for line in table_lines(tuned))
-    yield tuned.claim()
+    yield from tuned.claim().split("; ")
     if len(found.trials) > 1:
         columns = shutil.get_terminal_size().columns if sys.stdout.isatty() else 80
         yield from plain_text(curve_view(found.curve, width_for(columns))).splitlines()
     front = list(front_lines(tuned))
     if front:
         yield from ("front of error and chatter:", *(f"  {line}" for line in front))
-    if tuned.on_a_bound:
-        yield f"on a bound of its range: {', '.join(tuned.on_a_bound)}"
-    if found.refused:
-        yield f"{counted(found.refused, 'trial')} broke an expect or prove line"
-    if tuned.digits != tuned.plan.digits:
-        yield f"{tuned.digits} digits were needed, not {tuned.plan.digits}"
+    yield from tuned.remarks()
     yield from change_lines(tuned)
     if written:
         yield f"wrote {', '.join(map(os.fspath, written))}"

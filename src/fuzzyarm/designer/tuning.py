@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from fuzzyarm.tuning.design import Design
     from fuzzyarm.tuning.scenarios import Stage
     from fuzzyarm.tuning.search import Found
+    from fuzzyarm.tuning.tuned import Tuned
 
 TELL_EVERY = 0.1
 """Seconds between two words of the search."""
@@ -223,26 +224,43 @@ def _searched(order: Order, job: Job) -> dict[str, Any]:
     process = context.Process(target=search, args=(there, order), name="fuzzyarm-tune")
     process.start()
     there.close()
+    kept: list[dict[str, Any]] = []
     try:
-        while True:
-            if any(word.get("enough") for word in job.heard()):
-                here.send("enough")
-            if not here.poll(TELL_EVERY):
-                job.check()
-                continue
-            said: dict[str, Any] = here.recv()
-            if "done" in said:
-                return said["done"]  # type: ignore[no-any-return]
-            if "failed" in said:
-                raise _failure(said["failed"], said.get("field", ""))
-            job.tell(said)
+        return _heard(here, job, kept)
     except (EOFError, OSError):
+        if kept:
+            return _with_fault(kept[-1], "its process has ended unexpectedly")
         raise TextError("the search has ended unexpectedly") from None
     finally:
         here.close()  # at which it ends itself, wherever it is
         process.join(2.0)
         if process.is_alive():
             process.kill()
+
+
+def _heard(here: Connection, job: Job, kept: list[dict[str, Any]]) -> dict[str, Any]:
+    """Pass on what the search says; return its report, and keep what comes before that."""
+    while True:
+        if any(word.get("enough") for word in job.heard()):
+            here.send("enough")
+        if not here.poll(TELL_EVERY):
+            job.check()
+            continue
+        said: dict[str, Any] = here.recv()
+        if "done" in said:
+            return said["done"]  # type: ignore[no-any-return]
+        if "kept" in said:
+            kept.append(said["kept"])
+        elif "failed" in said and kept:
+            return _with_fault(kept[-1], said["failed"])
+        elif "failed" in said:
+            raise _failure(said["failed"], said.get("field", ""))
+        else:
+            job.tell(said)
+
+
+def _with_fault(report: dict[str, Any], words: str) -> dict[str, Any]:
+    return {**report, "faults": [*report["faults"], words]}
 
 
 def _failure(message: str, field: str) -> FuzzyarmError:
@@ -370,9 +388,18 @@ def _tuned(pipe: Connection, order: Order, enough: threading.Event) -> dict[str,
     subject, given = prepared(order)
     teller = Teller(pipe, Design(subject, given["tuning"]), enough)
     tuned = tune_it(
-        subject, **given, watch=teller.search, watch_linear=teller.linear, text=order.text
+        subject,
+        **given,
+        watch=teller.search,
+        watch_linear=teller.linear,
+        take=lambda tuned: pipe.send({"kept": _reported(tuned)}),
+        text=order.text,
     )
     teller.rest()
+    return _reported(tuned)
+
+
+def _reported(tuned: Tuned) -> dict[str, Any]:
     files = [{"name": each.name, "new": each.new, "changed": each.changed} for each in tuned.files]
     return {**tuned.as_data(), "diff": tuned.diff(), "files": files}
 

@@ -10,17 +10,17 @@ result: errors are those of the rule base as it is read back from it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.language import parse
 from fuzzyarm.learning.data import Samples, folds
+from fuzzyarm.learning.limits import MOST_COEFFICIENTS, Clock
 from fuzzyarm.learning.starts import grid_premises, merged, pruned
 from fuzzyarm.learning.structure import (
     SHRINKAGES,
@@ -30,6 +30,7 @@ from fuzzyarm.learning.structure import (
     clustered,
     grid_words,
     grown_grids,
+    most_rules,
     smallest_good,
 )
 from fuzzyarm.learning.sugeno import (
@@ -51,6 +52,7 @@ from fuzzyarm.learning.written import (
     sugeno_rulebase,
 )
 from fuzzyarm.model.rulebase import RuleBase
+from fuzzyarm.text.diagnostic import MAX_OUTPUTS
 from fuzzyarm.text.names import printable
 from fuzzyarm.text.shown import one_line
 from fuzzyarm.version import __version__
@@ -65,6 +67,12 @@ WORSE_AS_TEXT = 0.01
 """Part of the error by which rounding may make a model worse; else it gets more digits."""
 
 MOST_DIGITS = 12
+MOST_NESTED = 1000
+"""Samples up to which the cross-validation is nested where nothing is said: with 300 of them the
+error by which a structure was chosen is some 2 % too small, with 40 up to a quarter."""
+
+Judged = Literal["nested", "fixed", "by the choice"]
+
 MOST_RULES = 1000
 """Of a Sugeno model: more of them nobody reads."""
 
@@ -109,6 +117,11 @@ class Options:
         Of the model while its terms are moved, at most.
     seed : int
         Of all that is drawn.
+    nested : bool or None
+        Whether the whole way is judged by a cross-validation around it; None: up to
+        :data:`MOST_NESTED` samples, where the choice of a structure makes a difference.
+    seconds : float
+        Wall time, at most; the best until then is taken.
     name, description : str
         Of the rule base.
     """
@@ -127,6 +140,8 @@ class Options:
     outside: str = "extend"
     evaluations: int = 80
     seed: int = 0
+    nested: bool | None = None
+    seconds: float = math.inf
     name: str = "model"
     description: str = ""
 
@@ -149,8 +164,9 @@ class Fit:
     linear_error : float
         The same of linear regression.
     cross_validation : float
-        Root mean square error on samples not seen, of the structure that was chosen; for
-        classes that of the outputs, 0 or 1.
+        Root mean square error on samples not seen; for classes that of the outputs, 0 or 1.
+        Where it is nested, the samples of each part have decided nothing: structure, shrinkage
+        and terms were found without them.
     linear_cross_validation : float
         The same of linear regression.
     candidates : tuple of (str, int, float)
@@ -165,6 +181,13 @@ class Fit:
         Of the numbers of terms.
     interrupted : bool
         Whether it is the best of a search that was broken off.
+    choice : float
+        The error of cross-validation by which the structure was chosen.
+    judged : str
+        ``nested``, ``fixed`` where nothing was left to choose, or ``by the choice``: on the same
+        parts, which makes the error of few samples look smaller than it is.
+    limits : tuple of str
+        What was broken off by Ctrl-C, ``search`` or ``judgement``, or by the ``time``.
     """
 
     rulebase: RuleBase
@@ -180,6 +203,9 @@ class Fit:
     support: tuple[float, ...]
     digits: int
     interrupted: bool = False
+    choice: float = math.nan
+    judged: Judged = "fixed"
+    limits: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         words = f"error {self.error:.4g}, of linear regression {self.linear_error:.4g}"
@@ -214,10 +240,11 @@ def fit(
     """
     chosen = options or Options()
     _check(samples, chosen)
+    clock = Clock(chosen.seconds)
     with one_thread():
         if chosen.method == "wang-mendel":
-            return _fit_words(samples, chosen, on_step)
-        return _fit_sugeno(samples, chosen, on_step)
+            return _fit_words(samples, chosen, on_step, clock)
+        return _fit_sugeno(samples, chosen, on_step, clock)
 
 
 def _check(samples: Samples, options: Options) -> None:
@@ -237,10 +264,20 @@ def _check(samples: Samples, options: Options) -> None:
             raise FitError(f"number of {name} must be {least} to {most}, not {value}")
     if options.shrinkage is not None and not 0.0 <= options.shrinkage < math.inf:
         raise FitError(f"shrinkage must be 0 or more, not {options.shrinkage:g}")
-    if len(samples.classes) == 1:
-        raise FitError(f"'{samples.target}' has only one class: '{samples.classes[0]}'")
+    if not options.seconds > 0.0:
+        raise FitError(f"a time of {options.seconds:g} s is out of range")
+    _check_classes(samples)
     if options.terms is not None:
         _check_terms(samples, options, options.terms)
+
+
+def _check_classes(samples: Samples) -> None:
+    count = len(samples.classes)
+    if count == 1:
+        raise FitError(f"'{samples.target}' has only one class: '{samples.classes[0]}'")
+    if count > MAX_OUTPUTS:
+        message = f"'{samples.target}' has {count:,} classes, and a model at most {MAX_OUTPUTS}"
+        raise FitError(message, hint="numbers instead of words, or fewer classes")
 
 
 def _check_terms(samples: Samples, options: Options, terms: tuple[int, ...]) -> None:
@@ -253,6 +290,10 @@ def _check_terms(samples: Samples, options: Options, terms: tuple[int, ...]) -> 
         raise FitError(
             f"a grid of {math.prod(terms):,} rules is too large", hint=f"at most {MOST_RULES:,}"
         )
+    if math.prod(terms) > most_rules(MOST_RULES, len(terms)):
+        count = math.prod(terms) * (len(terms) + 1)
+        message = f"a grid of {math.prod(terms)} rules on {len(terms)} inputs has {count:,} numbers"
+        raise FitError(message, hint=f"at most {MOST_COEFFICIENTS:,}: fewer terms, fewer inputs")
     if options.start != "grid":
         raise FitError("terms of each input are for a grid, not for clusters")
 
@@ -268,11 +309,58 @@ def _searched(samples: Samples) -> Samples:
     return samples.part(rows)
 
 
-def _fit_sugeno(samples: Samples, options: Options, on_step: Callable[[str], None]) -> Fit:
+class _Way(NamedTuple):
+    """A structure that was found, with its terms as they are written, and how."""
+
+    best: Candidate
+    tried: list[Candidate]
+    judge: Judge
+    finished: bool
+
+
+def _fit_sugeno(
+    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Clock
+) -> Fit:
+    way = _found(samples, options, on_step, clock)
+    error = Error(way.best.error, "fixed" if _nothing_to_choose(options) else "by the choice")
+    if error.judged != "fixed" and way.finished:
+
+        def learned(part: Samples) -> Callable[[Samples], Array]:
+            return _of_part(_found(part, options, lambda _words: None, clock, judged=True), part)
+
+        error = _nested(samples, options, learned, error, on_step, clock)
+    try:
+        return _written(samples, options, way, error, clock)
+    except KeyboardInterrupt:  # one word is enough: the next one ends it
+        return _written(samples, options, way._replace(finished=False), error, clock)
+
+
+def _nothing_to_choose(options: Options) -> bool:
+    fixed = options.terms is not None and options.shrinkage is not None
+    return fixed and options.move is not None
+
+
+def _found(
+    samples: Samples,
+    options: Options,
+    on_step: Callable[[str], None],
+    clock: Clock,
+    *,
+    judged: bool = False,
+) -> _Way:
+    """Go the way from samples to a structure whose terms have moved.
+
+    With `judged` it is gone for the judgement, where half a way means nothing.
+    """
     few = _searched(samples)
     parts = list(folds(len(few), options.parts, series=options.series, seed=options.seed))
     shrinkages = SHRINKAGES if options.shrinkage is None else (options.shrinkage,)
-    judge = Judge(few.inputs, few.outputs, parts, shrinkages, on_step)
+
+    def told(words: str) -> None:
+        clock.begin_to_end(_share_of_search(samples, options))  # there is one candidate now
+        on_step(words)
+
+    judge = Judge(few.inputs, few.outputs, parts, shrinkages, told, clock.check)
     tried, finished = _tried(judge, samples, options)
     chosen = smallest_good(tried) if options.terms is None else tried[-1]
     if finished and options.move is not False and chosen.premises.terms:
@@ -280,9 +368,75 @@ def _fit_sugeno(samples: Samples, options: Options, on_step: Callable[[str], Non
         tried += moved
     premises = chosen.premises
     if chosen.optimised and finished:
-        premises, finished = _optimised(chosen, few, options, on_step)
-    best = replace(chosen, premises=premises)
-    return _written(samples, options, best, tried, judge.linear_error(), interrupted=not finished)
+        premises, finished = _optimised(chosen, few, options, on_step, clock)
+    if judged and not finished:
+        raise KeyboardInterrupt
+    return _Way(replace(chosen, premises=premises), tried, judge, finished)
+
+
+def _of_part(way: _Way, part: Samples) -> Callable[[Samples], Array]:
+    """Return what a model of some samples says of others."""
+    premises = way.best.premises
+    weights, scaling = consequents(premises, part.inputs, part.outputs, way.best.shrinkage)
+
+    def outputs(asked: Samples) -> Array:
+        found = predicted(premises, weights, scaling.regressors(asked.inputs), asked.inputs)
+        return scaling.middle + scaling.range * found
+
+    return outputs
+
+
+# --- Judged on samples that have decided nothing ---
+
+SEARCH, JUDGEMENT = 0.6, 0.8
+"""Shares of the time at whose ends the search and its judgement are broken off."""
+
+
+def _is_nested(samples: Samples, options: Options) -> bool:
+    return len(samples) <= MOST_NESTED if options.nested is None else options.nested
+
+
+def _share_of_search(samples: Samples, options: Options) -> float:
+    return SEARCH if _is_nested(samples, options) else JUDGEMENT
+
+
+class Error(NamedTuple):
+    """An error of cross-validation, and what the parts were used for besides."""
+
+    value: float
+    judged: Judged
+    broken_off: bool = False
+
+
+def _nested(
+    samples: Samples,
+    options: Options,
+    learned: Callable[[Samples], Callable[[Samples], Array]],
+    error: Error,
+    on_step: Callable[[str], None],
+    clock: Clock,
+) -> Error:
+    """Return the error of the whole way, gone again without the samples of each part.
+
+    Ctrl-C, or the end of the time, leaves the error by which was chosen.
+    """
+    if not _is_nested(samples, options):
+        return error
+    few = _searched(samples)
+    parts = list(folds(len(few), options.parts, series=options.series, seed=options.seed))
+    if min(len(train) for train, _ in parts) < 2:
+        return error
+    off = []
+    try:
+        for number, (train, test) in enumerate(parts, 1):
+            clock.run_until(JUDGEMENT)
+            clock.check()
+            on_step(f"the whole way without part {number} of {len(parts)}, to judge it")
+            asked = few.part(test)
+            off.append(asked.outputs - learned(few.part(train))(asked))
+    except KeyboardInterrupt:
+        return error._replace(broken_off=True)
+    return Error(rms(np.concatenate(off)), "nested")
 
 
 def _tried(judge: Judge, samples: Samples, options: Options) -> tuple[list[Candidate], bool]:
@@ -323,11 +477,16 @@ def _moved(
 
 
 def _optimised(
-    chosen: Candidate, few: Samples, options: Options, on_step: Callable[[str], None]
+    chosen: Candidate,
+    few: Samples,
+    options: Options,
+    on_step: Callable[[str], None],
+    clock: Clock,
 ) -> tuple[Premises, bool]:
     width = float(few.outputs.std(axis=0).mean())
 
     def tell(cost: float) -> None:
+        clock.check()
         on_step(f"moving terms: training error {cost * width:.4g}")
 
     def move(premises: Premises, evaluations: int) -> tuple[Premises, bool]:
@@ -342,29 +501,21 @@ def _optimised(
     return move(fewer, options.evaluations // 2)
 
 
-def _written(
-    samples: Samples,
-    options: Options,
-    best: Candidate,
-    tried: list[Candidate],
-    linear: float,
-    *,
-    interrupted: bool,
-) -> Fit:
+def _written(samples: Samples, options: Options, way: _Way, error: Error, clock: Clock) -> Fit:
     """Round, write, read back and score; take more digits where rounding shows."""
-    premises, shrinkage = best.premises, best.shrinkage
+    best, premises, shrinkage = way.best, way.best.premises, way.best.shrinkage
     weights, scaling = consequents(premises, samples.inputs, samples.outputs, shrinkage)
     regressors = scaling.regressors(samples.inputs)
     numbers = scaling.middle + scaling.range * predicted(
         premises, weights, regressors, samples.inputs
     )
     off = samples.outputs - numbers
-    error = np.sqrt(np.mean(off**2, axis=0))
+    spread = np.sqrt(np.mean(off**2, axis=0))
     wanted = rms(off)
     digits = options.digits
     while True:
         layout = Layout(options.name, options.description, options.outside, digits)
-        rulebase = sugeno_rulebase(premises, samples, shrinkage, error, layout)
+        rulebase = sugeno_rulebase(premises, samples, shrinkage, spread, layout)
         residual = samples.outputs - outputs_of(rulebase, samples)
         floor = 1e-4 * float(scaling.range.max())
         if rms(residual) <= (1.0 + WORSE_AS_TEXT) * max(wanted, floor) or digits >= MOST_DIGITS:
@@ -377,17 +528,29 @@ def _written(
         score(samples, samples.outputs - residual),
         score(samples, numbers),
         score(samples, linear_outputs(samples)),
-        best.error,
-        linear,
-        tuple((each.words, each.size, each.error) for each in tried),
+        error.value,
+        way.judge.linear_error(),
+        tuple((each.words, each.size, each.error) for each in way.tried),
         best.words,
         shrinkage,
         tuple(strengths.sum(axis=0).tolist()),
         digits,
-        interrupted,
+        not way.finished,
+        best.error,
+        error.judged,
+        tuple(_limits(way.finished, error, clock)),
     )
     comments = rule_comments(rulebase, samples, strengths, residual)
     return _with_text(made, commented(rulebase, _head(samples, options, made), comments))
+
+
+def _limits(finished: bool, error: Error, clock: Clock) -> Iterator[str]:
+    if not finished:
+        yield "search"
+    if error.broken_off:
+        yield "judgement"
+    if clock.up:
+        yield "time"
 
 
 def _with_text(made: Fit, text: str) -> Fit:
@@ -401,6 +564,7 @@ def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
     kind = "wrong answers" if samples.classes else "RMS error"
     source = printable(short_source(samples.source))
     how = f"{options.parts}-fold cross-validation{' in blocks' if options.series else ''}"
+    how = f"nested {how}" if made.judged == "nested" else how
     rules = len(made.rulebase.rules)
     lines = [
         f"Learned by fuzzyarm {__version__} from {source}: {len(samples):,} samples,"
@@ -410,36 +574,41 @@ def _head(samples: Samples, options: Options, made: Fit) -> list[str]:
         f"RMS error in {how} {made.cross_validation:.4g};"
         f" linear regression {made.linear_cross_validation:.4g}.",
     ]
+    if made.judged == "by the choice":
+        lines.append("Its structure was chosen on the same parts: on others it may be more.")
     if not math.isnan(made.shrinkage):
         lines.append(f"Shrinkage {made.shrinkage:.2g}, seed {options.seed}.")
     if made.interrupted:
-        lines.append("The search was interrupted: the best so far.")
+        ended = "ended with its time" if "time" in made.limits else "was interrupted"
+        lines.append(f"The search {ended}: the best so far.")
     return lines
 
 
 # --- Wang and Mendel ---
 
 
-def _fit_words(samples: Samples, options: Options, on_step: Callable[[str], None]) -> Fit:
+def _fit_words(
+    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Clock
+) -> Fit:
     low, high = options.words
     if not low <= high:
         raise WordsError(f"words from {low} to {high}: the range is empty")
     layout = Layout(options.name, options.description)
     parts = list(folds(len(samples), options.parts, series=options.series, seed=options.seed))
     judge = Judge(samples.inputs, samples.outputs, parts)
-    tried: list[tuple[str, int, float]] = []
-    errors: dict[int, float] = {}
-    finished = True
-    try:
-        for words in range(low, high + 1):
-            errors[words] = _error_of_words(samples, words, parts, layout)
-            tried.append((f"{words} words", words, errors[words]))
-            on_step(f"{words} words: {errors[words]:.4g}")
-    except KeyboardInterrupt:
-        if not errors:
-            raise
-        finished = False
+    errors, finished = _errors_of_words(samples, options, on_step, clock)
     chosen = min(errors, key=errors.__getitem__)
+    judgement = Error(errors[chosen], "fixed" if low == high else "by the choice")
+    if judgement.judged != "fixed" and finished:
+
+        def learned(part: Samples) -> Callable[[Samples], Array]:
+            own, complete = _errors_of_words(part, options, lambda _words: None, clock)
+            if not complete:
+                raise KeyboardInterrupt
+            model, _ = wang_mendel(part, min(own, key=own.__getitem__), layout)
+            return lambda asked: outputs_of(model, asked)
+
+        judgement = _nested(samples, options, learned, judgement, on_step, clock)
     rulebase, support = wang_mendel(samples, chosen, layout)
     error = score(samples, outputs_of(rulebase, samples))
     made = Fit(
@@ -448,14 +617,17 @@ def _fit_words(samples: Samples, options: Options, on_step: Callable[[str], None
         error,
         error,
         score(samples, linear_outputs(samples)),
-        errors[chosen],
+        judgement.value,
         judge.linear_error(),
-        tuple(tried),
+        tuple((f"{words} words", words, each) for words, each in errors.items()),
         f"{chosen} words of each variable, after Wang and Mendel",
         math.nan,
         tuple(map(float, support)),
         0,
-        interrupted=not finished,
+        not finished,
+        errors[chosen],
+        judgement.judged,
+        tuple(_limits(finished, judgement, clock)),
     )
     head = _head(samples, options, made)
     counts = np.asarray(support)
@@ -467,18 +639,31 @@ def _fit_words(samples: Samples, options: Options, on_step: Callable[[str], None
     return _with_text(made, commented(rulebase, head, {}, by_rule))
 
 
-def _error_of_words(
-    samples: Samples,
-    words: int,
-    parts: list[tuple[NDArray[np.intp], NDArray[np.intp]]],
-    layout: Layout,
-) -> float:
-    errors = []
-    for train, test in parts:
-        rulebase, _ = wang_mendel(samples.part(train), words, layout)
-        asked = samples.part(test)
-        errors.append(asked.outputs - outputs_of(rulebase, asked))
-    return rms(np.concatenate(errors))
+def _errors_of_words(
+    samples: Samples, options: Options, on_step: Callable[[str], None], clock: Clock
+) -> tuple[dict[int, float], bool]:
+    """Return the error of cross-validation by the number of words, and whether of all of them."""
+    low, high = options.words
+    layout = Layout(options.name, options.description)
+    parts = list(folds(len(samples), options.parts, series=options.series, seed=options.seed))
+    errors: dict[int, float] = {}
+    try:
+        for words in range(low, high + 1):
+            off = []
+            for train, test in parts:
+                if errors:
+                    clock.check()
+                rulebase, _ = wang_mendel(samples.part(train), words, layout)
+                asked = samples.part(test)
+                off.append(asked.outputs - outputs_of(rulebase, asked))
+            errors[words] = rms(np.concatenate(off))
+            clock.begin_to_end(_share_of_search(samples, options))
+            on_step(f"{words} words: {errors[words]:.4g}")
+    except KeyboardInterrupt:
+        if not errors:
+            raise
+        return errors, False
+    return errors, True
 
 
 # --- What a rule base says of samples ---

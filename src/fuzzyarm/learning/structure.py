@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.learning.limits import MOST_COEFFICIENTS
 from fuzzyarm.learning.starts import (
     cluster_premises,
     fuzzy_c_means,
@@ -89,7 +90,8 @@ class Candidate:
 class Judge(NamedTuple):
     """Samples with the parts by which candidates are judged.
 
-    `shrinkages` are those that may be chosen; `on_step` is told what has been tried.
+    `shrinkages` are those that may be chosen; `on_step` is told what has been tried, and `check`
+    called often: what it raises ends the search.
     """
 
     inputs: Array
@@ -97,6 +99,7 @@ class Judge(NamedTuple):
     parts: Parts
     shrinkages: Sequence[float] = SHRINKAGES
     on_step: Callable[[str], None] = lambda _words: None
+    check: Callable[[], None] = lambda: None
 
     def linear_error(self) -> float:
         """Return the error of linear regression."""
@@ -107,6 +110,7 @@ class Judge(NamedTuple):
         """Return a structure with its best shrinkage, its terms where they are."""
         squares = np.empty((len(self.shrinkages), len(self.inputs)))
         for train, test in self.parts:
+            self.check()
             errors = self._errors_by_shrinkage(premises, train, test)
             squares[:, test] = np.mean(errors**2, axis=2)
         least = squares[squares.mean(axis=1).argmin()]
@@ -151,7 +155,12 @@ class Judge(NamedTuple):
             inputs, outputs = self.inputs[train], self.outputs[train]
             shrinkage = candidate.shrinkage
             premises, finished = optimised(
-                candidate.premises, inputs, outputs, shrinkage, evaluations
+                candidate.premises,
+                inputs,
+                outputs,
+                shrinkage,
+                evaluations,
+                on_step=lambda _cost: self.check(),
             )
             if not finished:
                 raise KeyboardInterrupt
@@ -218,13 +227,18 @@ def grown_grids(judge: Judge, most: int, names: Sequence[str]) -> Iterator[Candi
         for k in varying:
             # An input begins with two terms; one term and two terms are one step apart.
             larger = [*counts[:k], counts[k] + 1, *counts[k + 1 :]]
-            if math.prod(larger) <= most and larger[k] <= MOST_TERMS:
+            if larger[k] <= MOST_TERMS and math.prod(larger) <= most_rules(most, len(counts)):
                 grid = grid_premises(judge.inputs, larger)
                 following.append((judge.judged(grid_words(larger, names), grid), larger))
         if not following:
             return
         best, counts = min(following, key=lambda each: each[0].error)
         yield best
+
+
+def most_rules(most: int, inputs: int) -> int:
+    """Return how many rules a model on some inputs may have at most."""
+    return min(most, MOST_COEFFICIENTS // (inputs + 1))
 
 
 def grid_words(counts: Sequence[int], names: Sequence[str]) -> str:
@@ -263,6 +277,7 @@ def clustered(judge: Judge, start: str, most: int, seed: int) -> Iterator[Candid
 
 def _clusterings(judge: Judge, start: str, most: int, seed: int) -> Iterator[tuple[Array, Array]]:
     different = len(np.unique(judge.inputs, axis=0))
+    most = most_rules(most, judge.inputs.shape[1])
     if start == "subtractive":
         for radius in RADII:
             yield subtractive_clusters(judge.inputs, radius, min(most, different))

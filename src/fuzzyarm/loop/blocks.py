@@ -7,6 +7,7 @@ other machine would have to have.
 
 from __future__ import annotations
 
+import copyreg
 import importlib
 import io
 import math
@@ -14,7 +15,8 @@ import pickle
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from functools import cache
+from functools import cache, cached_property
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -24,8 +26,8 @@ from fuzzyarm.controller.controller import CompiledController
 from fuzzyarm.controller.law import Law
 from fuzzyarm.controller.on_plant import TextLaw, make_law
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.plant.own import OWN, SOURCE, executed, plant_class
-from fuzzyarm.plant.plant import Plant, PlantError
+from fuzzyarm.plant.own import HOME, OWN, SOURCE, Home, module_again, plant_again, plant_class
+from fuzzyarm.plant.plant import Plant
 
 Rows = NDArray[np.float64]
 """What came of some runs, one in each row."""
@@ -177,11 +179,40 @@ def recipe(thing: Any) -> tuple[Any, ...] | None:
         return make_law, (thing.text, thing.find_law, thing.site)
     if isinstance(thing, Law):
         return _law_of, _name_of(thing)
+    if isinstance(thing, Plant) and HOME in vars(thing):
+        return _recipe_of_plant(thing)
     if type(thing) is CompiledController:  # without the arrays of its last run
         return _controller_of, (thing.law, dict(thing.gains), thing.name)
-    if callable(thing) and getattr(thing, "__module__", "").startswith(OWN):
+    # A function that was printed has no module at all.
+    if callable(thing) and (getattr(thing, "__module__", None) or "").startswith(OWN):
         return _recipe_of_own(thing)
-    return None
+    return _recipe_of_fields(thing)
+
+
+def _recipe_of_fields(thing: Any) -> tuple[Any, ...] | None:
+    """Return how a thing with cached properties is made again: without what they have cached.
+
+    That may be anything, such as a compiled function, and is computed again where it is needed.
+    """
+    kind: Any = type(thing)
+    derived = _cached_names(kind)
+    if not derived.intersection(getattr(thing, "__dict__", ())) or not _is_plain(kind):
+        return None
+    state = {name: value for name, value in vars(thing).items() if name not in derived}
+    return copyreg.__newobj__, (kind,), state  # type: ignore[attr-defined]
+
+
+@cache
+def _cached_names(kind: Any) -> frozenset[str]:
+    """Return the cached properties of a class."""
+    names = (name for each in kind.__mro__ for name in vars(each))
+    return frozenset(n for n in names if isinstance(getattr(kind, n, None), cached_property))
+
+
+def _is_plain(kind: type) -> bool:
+    """Whether a class leaves it to pickle how its things are taken apart."""
+    ways = ("__reduce_ex__", "__reduce__", "__getstate__", "__setstate__", "__getnewargs_ex__")
+    return all(getattr(kind, way, None) is getattr(object, way, None) for way in ways)
 
 
 def _name_of(law: Law) -> tuple[str, str]:
@@ -208,23 +239,43 @@ def _recipe_of_own(thing: Any) -> tuple[Any, ...] | None:
     module = sys.modules[thing.__module__]
     if not name or not hasattr(module, SOURCE):
         return None
-    found: Any = module
-    for part in name.split("."):
+    # A file that was loaded twice has two of each; a function knows its own.
+    found: Any = thing.__globals__ if isinstance(thing, FunctionType) else vars(module)
+    first, *rest = name.split(".")
+    found = found.get(first)
+    for part in rest:
         found = getattr(found, part, None)
     if found is not thing and isinstance(thing, type) and thing.__bases__[1:] == (Plant,):
         return plant_class, thing.__bases__[:1]
-    if found is not thing:
-        raise pickle.PicklingError(f"{module.__file__} has another object under the name {name}")
+    if found is not thing and not _same_class(found, thing):
+        return None  # made in a function, or under a decorator: its name does not lead to it
     return _own_thing, (module.__file__, getattr(module, SOURCE), name)
 
 
+def _same_class(found: Any, thing: Any) -> bool:
+    """Whether two classes come from the same text; the name of their module says so."""
+    both = isinstance(found, type) and isinstance(thing, type)
+    return both and (found.__module__, found.__qualname__) == (thing.__module__, thing.__qualname__)
+
+
 def _own_thing(path: str, source: str, name: str) -> Any:
-    found: Any = _own_module(path, source)
+    found: Any = module_again(path, source)
     for part in name.split("."):
         found = getattr(found, part)
     return found
 
 
-@cache
-def _own_module(path: str, source: str) -> Any:
-    return executed(path, PlantError, source)
+def _recipe_of_plant(plant: Plant) -> tuple[Any, ...]:
+    """Return how a plant of a user's file is made again: from its text, then what was changed.
+
+    So whatever the class keeps for itself, a function or a lock, need not travel.
+    """
+    home: Home = vars(plant)[HOME]
+    kind: Any = type(plant)
+    left = {HOME, *_cached_names(kind)}
+    state = {
+        name: value
+        for name, value in vars(plant).items()
+        if name not in left and (name not in home.begun or home.begun[name] is not value)
+    }
+    return plant_again, (home.path, home.source, home.key), state

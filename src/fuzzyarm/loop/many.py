@@ -373,7 +373,7 @@ class Bench:
             with self.interpreted:  # what a user wrote may remember things
                 return self.run(index, changes)
         except FuzzyarmError as error:
-            error.args = (f"run {index}: {error.args[0]}", *error.args[1:])
+            error.at(f"run {index}")
             raise
 
 

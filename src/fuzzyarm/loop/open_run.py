@@ -177,5 +177,5 @@ def plain_errors(plant: Plant) -> Iterator[None]:
     except Exception as error:
         if is_compiled(plant):
             raise
-        path = sys.modules[type(plant).__module__].__file__ or ""
+        path = getattr(sys.modules.get(type(plant).__module__), "__file__", None) or ""
         raise PlantError(f"plant {plant.name} failed: {failure(path, error)}") from error

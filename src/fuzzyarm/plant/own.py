@@ -5,11 +5,13 @@ from __future__ import annotations
 import linecache
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from copy import copy
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from fuzzyarm.plant.adapters import (
     ControlPlant,
@@ -79,12 +81,30 @@ def own_plant(place: str) -> Plant:
     if not wanted and len(found) != 1:
         hint = f"name one, as in {path}:{next(iter(found))}" if found else ""
         raise PlantError(f"{path} has {len(found) or 'no'} plants", name=path, hint=hint)
-    key = wanted or next(iter(found))
-    thing = found[key]
+    return _made(module, wanted or next(iter(found)))
+
+
+HOME = "_fuzzyarm_home"
+"""Under which a plant of a user's file has where it comes from."""
+
+
+class Home(NamedTuple):
+    """Where a plant comes from: a file, its text, a name in it; and its attributes at first."""
+
+    path: str
+    source: str
+    key: str
+    begun: Mapping[str, Any]
+
+
+def _made(module: ModuleType, key: str) -> Plant:
+    """Make the plant that a name of a user's file stands for."""
+    path = str(module.__file__)
+    thing = getattr(module, key)
     if is_control_system(thing):
         thing = ControlPlant(thing)
     try:
-        plant = as_plant(thing() if isinstance(thing, type) else thing)
+        plant = as_plant(thing() if isinstance(thing, type) else copy(thing))
     except PlantError:
         raise
     except Exception as error:
@@ -92,7 +112,19 @@ def own_plant(place: str) -> Plant:
     if not plant.name:
         plant.name = key.lower()
     interface_of(plant)  # tells what is missing
+    vars(plant)[HOME] = Home(path, getattr(module, SOURCE), key, dict(vars(plant)))
     return plant
+
+
+def plant_again(path: str, source: str, key: str) -> Plant:
+    """Make a plant of a file whose text came from another process."""
+    return _made(module_again(path, source), key)
+
+
+@cache
+def module_again(path: str, source: str) -> ModuleType:
+    """Execute a text that came from another process, once."""
+    return executed(path, PlantError, source)
 
 
 def _is_plant_of(module: ModuleType, value: Any) -> bool:
@@ -150,7 +182,8 @@ def executed(path: str, fault: Callable[[str], Exception], source: str | None = 
             raise fault(f"{path} is not UTF-8 text") from error
     else:  # for tracebacks, and for the digests of kernels
         linecache.cache[path] = (len(source), None, source.splitlines(keepends=True), path)
-    module = ModuleType(f"{OWN}{Path(path).stem}")
+    # By what it says, not by its name alone: two files may both be called mine.py.
+    module = ModuleType(f"{OWN}{Path(path).stem}_{sha256(source.encode()).hexdigest()[:12]}")
     module.__file__ = path
     vars(module)[SOURCE] = source
     # dataclasses and others look the module of a class up.

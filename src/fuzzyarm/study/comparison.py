@@ -142,7 +142,7 @@ def compare(
     payload : bool, optional
         Whether the arm carries its load where the trajectory says.
     """
-    for name, made in zip(names, find_controllers(names), strict=True):
+    for made in find_controllers(names):
         runs = [
             watched_run(made, trajectory(), conventions, options or Options(), payload=payload)
             for trajectory in trajectories

@@ -59,18 +59,42 @@ def write_atomically(path: str | Path, content: str | bytes) -> None:
         If the folder or the file cannot be written, or `path` is a folder; what is there is
         then untouched.
     """
-    # Replacing needs no leave from the old file, so a file that may not be written is asked.
-    if os.path.isdir(path):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if os.path.exists(path) and not os.access(path, os.W_OK):
-        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    _demand_leave(path)
     data = content.encode() if isinstance(content, str) else content
-    try:
+    with _named(path):
         if _stays(path):
             with open(path, "wb") as file:
                 file.write(data)
         else:
             _replace(Path(os.path.realpath(path)), data)
+
+
+def demand_writable(path: str | Path) -> None:
+    """Raise the OSError that :func:`write_atomically` would raise, as far as it can be foreseen.
+
+    For what is written after long work; that the disk is full then, nobody knows now.
+    """
+    _demand_leave(path)
+    if not _stays(path):
+        with _named(path):
+            handle, name = _part_in(Path(os.path.realpath(path)).parent)
+            os.close(handle)
+            os.unlink(name)
+
+
+def _demand_leave(path: str | Path) -> None:
+    # Replacing needs no leave from the old file, so a file that may not be written is asked.
+    if os.path.isdir(path):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+
+@contextlib.contextmanager
+def _named(path: str | Path) -> Iterator[None]:
+    """Have errors name the file that was meant, and not a part of it."""
+    try:
+        yield
     except OSError as error:
         if error.errno is None:
             raise
@@ -86,7 +110,7 @@ def _stays(path: str | Path) -> bool:
 
 
 def _replace(target: Path, data: bytes) -> None:
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=".fuzzyarm-", suffix=".part")
+    handle, name = _part_in(target.parent)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
@@ -96,6 +120,10 @@ def _replace(target: Path, data: bytes) -> None:
     except BaseException:
         os.unlink(name)
         raise
+
+
+def _part_in(folder: Path) -> tuple[int, str]:
+    return tempfile.mkstemp(dir=folder, prefix=".fuzzyarm-", suffix=".part")
 
 
 def _umask() -> int:

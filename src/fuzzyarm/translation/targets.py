@@ -199,6 +199,7 @@ C99 = Target(
             math.pow: ("pow({})", REAL),
             math.fmod: ("fmod({})", REAL),
             math.floor: ("floor({})", REAL),
+            math.ceil: ("(int64_t)ceil({})", WHOLE),
             np.floor: ("floor({})", REAL),
             np.ceil: ("ceil({})", REAL),
             np.rint: ("rint({})", REAL),

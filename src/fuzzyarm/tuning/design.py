@@ -61,7 +61,8 @@ class Parameter:
 
     def value(self, share: float) -> float:
         """Return the number at a share of its range; exact at both ends and at the start."""
-        known = {0.0: self.low, 1.0: self.high, self.share: self.start}
+        inside = self.low <= self.start <= self.high
+        known = {**({self.share: self.start} if inside else {}), 0.0: self.low, 1.0: self.high}
         if share in known:
             return known[share]
         first, last = self._steps(self.low), self._steps(self.high)
@@ -138,7 +139,7 @@ class Design:
         self.subject = subject
         self.sheets = rulebases_of(subject)
         model = subject.model if isinstance(subject, ControllerText) else None
-        blocks = self._blocks(tuning)
+        blocks = blocks_of(subject, tuning)
         own = tuning is None  # ranges behind gains are part of what the file says
         parts = [*_gains(model, blocks, own=own)] if model is not None else []
         for sheet, block in blocks.items():
@@ -153,18 +154,13 @@ class Design:
             raise TuneError(message)
         self.start = np.array([each.share for each in self.parameters])
 
-    def _blocks(self, given: Tuning | None) -> dict[str, Tuning]:
-        """Return what is said of each rule base."""
-        if given is not None:
-            return dict(_divided(given, self.sheets))
-        if says_what_moves(self.subject):
-            return {
-                name: each.tuning for name, each in self.sheets.items() if each.tuning is not None
-            }
-        return {name: everything(each) for name, each in self.sheets.items()}
-
     def at(self, point: Sequence[float] | Vector, digits: int | None = None) -> Candidate:
-        """Return what the file is at a point, its numbers rounded to so many digits."""
+        """Return what the file is at a point, its numbers rounded to so many digits.
+
+        Where it starts it is the file itself, even where that breaks its own ranges.
+        """
+        if digits is None and np.array_equal(point, self.start):
+            return self.as_it_is()
         waiting = [float(share) for share in point]
         gains: dict[str, tuple[float, ...]] = {}
         changed: dict[str, dict[str, Variable]] = {}
@@ -211,6 +207,16 @@ def rulebases_of(subject: ControllerText | RuleBase) -> dict[str, RuleBase]:
         for name, sheets in subject.sheets.items()
         if len(sheets) == 1 and isinstance(sheets[0], RuleBase)
     }
+
+
+def blocks_of(subject: ControllerText | RuleBase, given: Tuning | None) -> dict[str, Tuning]:
+    """Return what is said of each rule base: beside the file, in it, or else that all may move."""
+    sheets = rulebases_of(subject)
+    if given is not None:
+        return dict(_divided(given, sheets))
+    if says_what_moves(subject):
+        return {name: each.tuning for name, each in sheets.items() if each.tuning is not None}
+    return {name: everything(each) for name, each in sheets.items()}
 
 
 def says_what_moves(subject: ControllerText | RuleBase) -> bool:
@@ -292,9 +298,34 @@ def _divided(tuning: Tuning, sheets: Mapping[str, RuleBase]) -> Iterator[tuple[s
 
 
 def _gains(model: ControllerModel, blocks: Mapping[str, Tuning], *, own: bool) -> Iterator[_Part]:
-    """Yield the gains that may move; what a rule base says goes before the gain's own range."""
+    """Yield the gains that may move."""
+    ranges = gain_ranges(model, blocks.values(), own=own)
+    for gain in model.gains:
+        if gain.name in ranges:
+            yield _Part("", None, gain.name, tuple(_said(gain, ranges[gain.name], model)))
+
+
+def gain_ranges(
+    model: ControllerModel, blocks: Iterable[Tuning], *, own: bool
+) -> dict[str, GainTuning]:
+    """Return how each gain may move; what a rule base says goes before the gain's own range.
+
+    Parameters
+    ----------
+    model : ControllerModel
+        Whose gains they are.
+    blocks : iterable of Tuning
+        What rule bases say, or lines that are given beside the file.
+    own : bool
+        Whether ``tune`` behind a gain counts.
+
+    Raises
+    ------
+    TuneError
+        If there is no such gain, or it is said twice.
+    """
     said: dict[str, GainTuning] = {}
-    for block in blocks.values():
+    for block in blocks:
         for each in block.gains:
             for name in each.names:
                 if name in said and said[name] != each:
@@ -307,20 +338,10 @@ def _gains(model: ControllerModel, blocks: Mapping[str, Tuning], *, own: bool) -
             hint = near_hint(name, known)[0] or f"there are {', '.join(known) or 'none'}"
             raise TuneError(f"{model.name} has no gain '{name}'", name=name, hint=hint)
     for gain in model.gains:
-        if gain.name in said:
-            yield _Part("", None, gain.name, tuple(_said(gain, said[gain.name], model)))
-        elif own and gain.tune is not None:
-            values = [each.value(math.pi) for each in gain.values]
-            scale: Scale = "log" if gain.tune.log else "linear"
-            yield _Part(
-                "",
-                None,
-                gain.name,
-                tuple(
-                    Parameter(name, gain.tune.low, gain.tune.high, value, scale)
-                    for name, value in _named(gain.name, values)
-                ),
-            )
+        if own and gain.tune is not None:
+            ends = gain.tune.low, gain.tune.high
+            said.setdefault(gain.name, GainTuning((gain.name,), *ends, log=gain.tune.log))
+    return said
 
 
 def _said(gain: GainModel, tuning: GainTuning, model: ControllerModel) -> Iterator[Parameter]:

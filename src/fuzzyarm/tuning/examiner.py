@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from fuzzyarm.controller.catalogue import controller_of
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.program import SourceError
 from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.learning.data import Samples
@@ -50,7 +49,7 @@ Over = Literal["mean", "worst"]
 """How the costs of several scenarios become one."""
 
 REFUSED = 1e9
-"""The cost of a candidate that breaks a promise of its file."""
+"""The cost of a candidate that breaks a promise of its file, or that fails."""
 
 
 class Score(NamedTuple):
@@ -66,6 +65,8 @@ class Score(NamedTuple):
         Means of RMS error and chatter, for the front of both; not a number for samples.
     diverged : int
         Runs that did.
+    fault : str
+        What failed, of a candidate that has no cost for that.
     """
 
     cost: float
@@ -73,6 +74,7 @@ class Score(NamedTuple):
     error: float = math.nan
     chatter: float = math.nan
     diverged: int = 0
+    fault: str = ""
 
 
 @dataclass(frozen=True)
@@ -145,37 +147,38 @@ class Examiner:
         ready = self.ready(candidate)
         return self.folded([self.run(ready, at) for at in range(len(self.stands))], candidate)
 
-    def ready(self, candidate: Candidate) -> Ready:
-        """Make what all scenarios of a candidate share."""
+    def tried(self, point: Vector, digits: int | None = None) -> Score:
+        """Examine a point of a search, which goes on where a candidate fails."""
+        try:
+            return self.score(point, digits)
+        except FuzzyarmError as error:
+            return failed(error)
+
+    def ready(self, candidate: Candidate) -> Program | None:
+        """Make what all scenarios of a candidate share; None where nothing runs."""
         subject = self.problem.subject
         if not isinstance(subject, ControllerText) or not self.stands:
-            return Ready(None, None)
+            return None
         loop = self.stands[0].bench.loop
-        try:
-            if not candidate.rulebases:
-                gains = {name: list(values) for name, values in candidate.gains.items()}
-                return Ready(loop.program_with(gains), None)
-            made = controller_of(controller_at(subject, candidate))
-            from fuzzyarm.controller.on_plant import controller_on
+        if not candidate.rulebases:
+            gains = {name: list(values) for name, values in candidate.gains.items()}
+            return loop.program_with(gains)
+        made = controller_of(controller_at(subject, candidate))
+        from fuzzyarm.controller.on_plant import controller_on
 
-            return Ready(Program(controller_on(made, loop.site), loop.arithmetic), None)
-        except SourceError:
-            raise
-        except FuzzyarmError as error:  # a gain that its law refuses
-            return Ready(None, error)
+        return Program(controller_on(made, loop.site), loop.arithmetic)
 
-    def run(self, ready: Ready, at: int) -> Outcome:
+    def run(self, program: Program | None, at: int) -> Outcome:
         """Run one scenario of a candidate."""
-        if ready.program is None:
-            return Outcome(REFUSED)
+        assert program is not None
         stand = self.stands[at]
         try:
             if stand.bench.loop.compiled:
-                return self._examined(ready.program, stand)
+                return self._examined(program, stand)
             with self.lock:  # what a user wrote may remember things
-                return self._examined(ready.program, stand)
+                return self._examined(program, stand)
         except FuzzyarmError as error:
-            error.args = (f"scenario {stand.scenario.name}: {error.args[0]}", *error.args[1:])
+            error.at(f"scenario {stand.scenario.name}")
             raise
 
     def _examined(self, program: Program, stand: _Stand) -> Outcome:
@@ -209,7 +212,7 @@ class Examiner:
         diverged = sum(each.diverged for each in outcomes)
         error = float(np.mean([each.error for each in outcomes]))
         chatter = float(np.mean([each.chatter for each in outcomes]))
-        if self.own is not None and not any(part >= REFUSED for part in parts):
+        if self.own is not None:
             runs = [each.run for each in outcomes]
             with self.lock:
                 own = asked(self.own, runs)
@@ -232,17 +235,14 @@ class Examiner:
     def runs_of(self, candidate: Candidate) -> Iterator[Run]:
         """Yield the runs of a candidate, for reports."""
         ready = self.ready(candidate)
-        if ready.program is None:
-            return
         for stand in self.stands:
-            yield stand.run(ready.program)
+            assert ready is not None
+            yield stand.run(ready)
 
 
-class Ready(NamedTuple):
-    """What all scenarios of a candidate share; a program, or why there is none."""
-
-    program: Program | None
-    error: FuzzyarmError | None
+def failed(error: FuzzyarmError) -> Score:
+    """Return the score of a candidate that cannot be examined."""
+    return Score(REFUSED, fault=str(error))
 
 
 class Outcome(NamedTuple):
@@ -321,36 +321,42 @@ class Panel:
         self._question = b""
 
     def scores(self, points: Sequence[Vector], digits: int | None = None) -> list[Score]:
-        """Examine points; in their order."""
+        """Examine points, in their order; one that fails says so, and the others go on."""
         if self.workers == 1 and self.executor is None:
-            return [self.examiner.score(point, digits) for point in points]
-        if self.executor is None and (self.examiner.compiled or not self.examiner.stands):
-            return self._in_threads(points, digits)
-        return self._elsewhere(points, digits)
+            return [self.examiner.tried(point, digits) for point in points]
+        if self.executor is not None or not self._in_threads:
+            return self._elsewhere(points, digits)
+        # All scenarios of all points as they come: a point alone has work for several. What is
+        # Python is done here, one candidate after the other, while the workers run machine code
+        # without the lock.
+        begun: list[Callable[[], Score] | FuzzyarmError] = []
+        for point in points:
+            try:
+                begun.append(self._begun(self.design.at(point, digits)))
+            except FuzzyarmError as error:
+                begun.append(error)
+        return [_outcome_of(each) for each in begun]
 
-    def _in_threads(self, points: Sequence[Vector], digits: int | None) -> list[Score]:
-        """Run all scenarios of all points as they come: a point alone has work for several."""
-        return self.scores_of([self.design.at(point, digits) for point in points])
+    def score_of(self, candidate: Candidate) -> Score:
+        """Examine a candidate, in threads of this process where it can; what fails is raised."""
+        return self._begun(candidate)() if self._in_threads else self.examiner.score_of(candidate)
 
-    def scores_of(self, candidates: Sequence[Candidate]) -> list[Score]:
-        """Examine candidates, in threads of this process."""
+    @property
+    def _in_threads(self) -> bool:
+        return self.examiner.compiled or not self.examiner.stands
+
+    def _begun(self, candidate: Candidate) -> Callable[[], Score]:
+        """Let the workers begin with a candidate; return what waits for its score."""
         examiner = self.examiner
-        if not examiner.compiled:
-            return [examiner.score_of(candidate) for candidate in candidates]
         pool = self._pool(lambda: ThreadPoolExecutor(self.workers, "fuzzyarm-tune"))
-        # The longest first, so that all workers finish together. What is Python is done here, one
-        # candidate after the other, while the workers run machine code without the lock.
+        # The longest first, so that all workers finish together.
         stands = range(len(examiner.stands))
-        longest_first = sorted(stands, key=lambda stand: -examiner.stands[stand].duration)
-        running: dict[tuple[int, int], Future[Outcome]] = {}
-        for at, candidate in enumerate(candidates):
-            ready = examiner.ready(candidate)
-            for stand in longest_first:
-                running[at, stand] = pool.submit(examiner.run, ready, stand)
-        return [
-            examiner.folded([running[at, stand].result() for stand in stands], candidate)
-            for at, candidate in enumerate(candidates)
-        ]
+        ready = examiner.ready(candidate)
+        running: dict[int, Future[Outcome]] = {
+            stand: pool.submit(examiner.run, ready, stand)
+            for stand in sorted(stands, key=lambda stand: -examiner.stands[stand].duration)
+        }
+        return lambda: examiner.folded([running[stand].result() for stand in stands], candidate)
 
     def _elsewhere(self, points: Sequence[Vector], digits: int | None) -> list[Score]:
         if not self._question:
@@ -391,9 +397,17 @@ def panel(
         made.close()
 
 
+def _outcome_of(begun: Callable[[], Score] | FuzzyarmError) -> Score:
+    """Wait for a score; what has failed says why."""
+    try:
+        return failed(begun) if isinstance(begun, FuzzyarmError) else begun()
+    except FuzzyarmError as error:
+        return failed(error)
+
+
 def examine(question: bytes, point: Any, digits: int | None) -> Score:
     """Examine a point in any process; `question` is a problem as bytes."""
-    return _examiner_of(question).score(point, digits)
+    return _examiner_of(question).tried(point, digits)
 
 
 @lru_cache(maxsize=4)

@@ -1,8 +1,12 @@
 """The opponent of every tuned rule base: straight lines in place of rules, tuned on the same cost.
 
-On the arm it is the shipped ``pd-motor``, with a proportional and a derivative gain for each
-joint. Elsewhere it is the controller itself with the plane that is nearest to each rule base, cut
-off at the range of its output. On samples it is linear regression.
+It is the controller itself with the plane that is nearest to each rule base, cut off at the range
+of its output; on the arm, where rules are not to be had, the shipped ``pd-motor``. On samples it
+is linear regression.
+
+It has every freedom of the file. Each slope moves, for peaks do; whatever gain may move in the file
+moves in its range here, unless it does no more than a slope does; and so does how far an output
+goes, and what it is in the middle, where peaks may change that.
 """
 
 from __future__ import annotations
@@ -23,10 +27,12 @@ from fuzzyarm.model.controller import (
     ControllerModel,
     Factor,
     GainModel,
+    Learn,
     Line,
     Product,
     Signal,
     Source,
+    Zoom,
 )
 from fuzzyarm.model.rulebase import (
     Consequent,
@@ -35,6 +41,7 @@ from fuzzyarm.model.rulebase import (
     Input,
     Is,
     Output,
+    PeakTuning,
     Rule,
     RuleBase,
     RuleBlock,
@@ -45,6 +52,7 @@ from fuzzyarm.model.rulebase import (
 from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.plant import Plant
 from fuzzyarm.shipped_files import shipped
+from fuzzyarm.tuning.design import blocks_of, gain_ranges
 from fuzzyarm.tuning.movement import TuneError
 
 NAME = "linear PD"
@@ -54,74 +62,214 @@ SPAN = 50.0
 """Gains of the opponent move between a fiftieth and fifty times where they begin."""
 
 
-def opponent(text: ControllerText, plant: Plant) -> tuple[ControllerText, Tuning]:
+def opponent(
+    text: ControllerText, plant: Plant, tuning: Tuning | None = None
+) -> tuple[ControllerText, Tuning]:
     """Return the linear controller that a fuzzy one has to beat, and what of it may move.
+
+    Parameters
+    ----------
+    text : ControllerText
+        The fuzzy one.
+    plant : Plant
+        Where it runs.
+    tuning : Tuning, optional
+        What may move in it, where the file is not to say it.
 
     Raises
     ------
     TuneError
         If the controller has no rule base that a plane could stand for.
     """
-    if isinstance(plant, Arm):
-        return read_controller(shipped("pd-motor.frb")), _moving(("K_p", "K_d"))
-    return straightened(text)
+    try:
+        return straightened(text, tuning)
+    except TuneError:
+        if not isinstance(plant, Arm):
+            raise
+    slopes = GainTuning(("K_p", "K_d"), 1.0 / SPAN, SPAN, times=True, per_axis=True)
+    return read_controller(shipped("pd-motor.frb")), Tuning((), (slopes,))
 
 
-def _moving(names: tuple[str, ...]) -> Tuning:
-    return Tuning((), (GainTuning(names, 1.0 / SPAN, SPAN, times=True, per_axis=True),))
-
-
-def straightened(text: ControllerText) -> tuple[ControllerText, Tuning]:
-    """Return a controller with a plane in place of each rule base, and its slopes to be tuned."""
-    model, sheets = text.model, dict(text.sheets)
-    gains: dict[str, GainModel] = {}
+def straightened(
+    text: ControllerText, tuning: Tuning | None = None
+) -> tuple[ControllerText, Tuning]:
+    """Return a controller with a plane in place of each rule base, and what of it may move."""
+    model, planes = text.model, _Planes(text, tuning)
     axes = []
     for part in model.axes:
         lines: list[Line] = []
         for line in part.lines:
-            lines += _straight(line, sheets, gains) if _is_rules(line) else [line]
+            lines += planes.lines_for(line) if _is_rules(line) else [line]
         axes.append(Axes(part.names, tuple(lines), part.span))
-    slopes = tuple(name for name, gain in gains.items() if gain.unit == "slope")
-    if not slopes:
+    if not planes.moving:
         hint = "leave the linear controller out (--no-linear)"
         message = "no rule base of the controller has a plane near it"
         raise TuneError(message, name=model.name, hint=hint)
     made: ControllerModel = replace(
-        model, axes=tuple(axes), gains=(*model.gains, *gains.values()), name=f"linear {model.name}"
+        model,
+        axes=tuple(axes),
+        gains=(*model.gains, *planes.gains.values()),
+        name=f"linear {model.name}",
     )
-    return replace(text, model=made, sheets=sheets, path=""), _moving(slopes)
+    moving = (*planes.moving, *planes.others())
+    return replace(text, model=made, sheets=planes.sheets, path=""), Tuning((), moving)
 
 
 def _is_rules(line: Line) -> bool:
     return isinstance(line, Signal) and line.source is not None and line.source.kind == "rules"
 
 
-def _straight(
-    line: Line, sheets: dict[str, tuple[Sheet, ...]], gains: dict[str, GainModel]
-) -> Iterator[Line]:
-    """Yield lines for one signal of a rule base: a sum, and what cuts it off."""
-    assert isinstance(line, Signal)
-    assert line.source is not None
-    rulebase = sheets[line.source.name][0]
-    if not isinstance(rulebase, RuleBase) or len(line.source.inputs) != len(rulebase.inputs):
-        raise TuneError(f"'{line.source.name}' is not the same for all axes", name=line.names[0])
-    for name, output in zip(line.names, rulebase.outputs, strict=True):
-        slopes, constant = nearest_plane(rulebase, output.name)
-        products = []
-        for signal, slope in zip(line.source.inputs, slopes, strict=True):
-            if slope == 0.0:
-                continue
-            gain = f"slope of {name} along {signal}"
-            gains[gain] = GainModel(gain, (Amount(((slope, False),)),), "slope")
-            products.append(Product((Factor(gain), Factor(signal))))
-        if constant != 0.0 or not products:
-            offset = f"offset of {name}"
-            gains[offset] = GainModel(offset, (Amount(((constant, False),)),), "offset")
-            products.append(Product((Factor(offset),)))
-        plane, cut = f"plane of {name}", f"cut of {name}"
-        yield Signal((plane,), None, tuple(products), line.span)
-        sheets[cut] = (cut_off(output),)
-        yield Signal((name,), Source("rules", cut, (plane,)), line.products, line.span)
+class _Planes:
+    """The lines that stand in place of rules, their gains, and what of them may move.
+
+    Parameters
+    ----------
+    text : ControllerText
+        With rules.
+    tuning : Tuning, optional
+        What may move in it, where the file is not to say it.
+    """
+
+    def __init__(self, text: ControllerText, tuning: Tuning | None) -> None:
+        self.model = text.model
+        self.sheets: dict[str, tuple[Sheet, ...]] = dict(text.sheets)
+        self.blocks = blocks_of(text, tuning)
+        self.ranges = gain_ranges(text.model, self.blocks.values(), own=tuning is None)
+        self.scaling = _scaling_gains(text.model)
+        self.gains: dict[str, GainModel] = {}
+        self.moving: list[GainTuning] = []
+        self._spoken_for: set[str] = set()
+
+    def lines_for(self, line: Line) -> Iterator[Line]:
+        """Yield lines for the signals of a rule base: sums, and what cuts them off."""
+        assert isinstance(line, Signal)
+        assert line.source is not None
+        sheet, inputs = line.source.name, line.source.inputs
+        rulebase = self.sheets[sheet][0]
+        if not isinstance(rulebase, RuleBase) or len(inputs) != len(rulebase.inputs):
+            raise TuneError(f"'{sheet}' is not the same for all axes", name=line.names[0])
+        for name, output in zip(line.names, rulebase.outputs, strict=True):
+            slopes, constant = nearest_plane(rulebase, output.name)
+            products = [
+                Product((Factor(self._slope(name, signal, slope)), Factor(signal)))
+                for signal, slope in zip(inputs, slopes, strict=True)
+                if slope != 0.0
+            ]
+            lopsided = not all(peaks.mirrored for peaks in self._peaks(sheet))
+            if constant != 0.0 or not products or lopsided:
+                offset = self._offset(name, output, constant, moves=bool(products))
+                products.append(Product((Factor(offset),)))
+            plane, cut = f"plane of {name}", f"cut of {name}"
+            yield Signal((plane,), None, tuple(products), line.span)
+            self.sheets[cut] = (cut_off(output),)
+            factors = line.products
+            moved = {each for peaks in self._peaks(sheet) for each in peaks.variables}
+            if output.name in moved and not set(line.reads()) & set(self.ranges):
+                limit = Factor(self._limit(name))
+                factors = tuple(each._replace(factors=(*each.factors, limit)) for each in factors)
+            yield Signal((name,), Source("rules", cut, (plane,)), factors, line.span)
+
+    def _peaks(self, sheet: str) -> tuple[PeakTuning, ...]:
+        return self.blocks[sheet].peaks if sheet in self.blocks else ()
+
+    # --- Gains of its own ---
+
+    def _own(self, name: str, value: float, unit: str) -> str:
+        self.gains[name] = GainModel(name, (Amount(((value, False),)),), unit)
+        return name
+
+    def _slope(self, name: str, signal: str, slope: float) -> str:
+        """Return the gain of a slope; it reaches as far as what scales the signal in the file."""
+        gain = self._own(f"slope of {name} along {signal}", slope, "slope")
+        low, high = 1.0 / SPAN, SPAN
+        for other in self.scaling.get(signal, ()):
+            if other in self.ranges and self._is_positive(other):
+                least, most = self._multiples(other)
+                low, high = min(low, least), max(high, most)
+                self._spoken_for.add(other)
+        self.moving.append(GainTuning((gain,), low, high, times=True, per_axis=True))
+        return gain
+
+    def _offset(self, name: str, output: Output, constant: float, *, moves: bool) -> str:
+        """Return the gain of what an output is in the middle of its inputs."""
+        gain = self._own(f"offset of {name}", constant, "offset")
+        if moves:
+            self.moving.append(GainTuning((gain,), output.low, output.high, per_axis=True))
+        return gain
+
+    def _limit(self, name: str) -> str:
+        """Return the gain of how far an output goes, where peaks say it and no gain does."""
+        gain = self._own(f"limit of {name}", 1.0, "limit")
+        self.moving.append(GainTuning((gain,), 1.0 / SPAN, 1.0, times=True, per_axis=True))
+        return gain
+
+    # --- Gains of the file ---
+
+    def _values(self, name: str) -> list[float]:
+        gain = next(each for each in self.model.gains if each.name == name)
+        return [each.value(math.pi) for each in gain.values]
+
+    def _is_positive(self, name: str) -> bool:
+        return self.ranges[name].low > 0.0 and min(self._values(name)) > 0.0
+
+    def _multiples(self, name: str) -> tuple[float, float]:
+        """Return between which multiples of itself a gain moves."""
+        each, values = self.ranges[name], self._values(name)
+        if each.times:
+            return each.low, each.high
+        return each.low / max(values), each.high / min(values)
+
+    def others(self) -> Iterator[GainTuning]:
+        """Yield the ranges of the gains that do more than a slope does."""
+        for name, each in self.ranges.items():
+            if name not in self._spoken_for:
+                yield replace(each, names=(name,))
+
+
+def _scaling_gains(model: ControllerModel) -> dict[str, set[str]]:
+    """Return the gains that do nothing but scale signals that only rules read, by signal."""
+    found: dict[str, set[str]] = {}
+    for part in model.axes:
+        for line in part.lines:
+            if isinstance(line, Signal) and len(line.names) == 1 and _only_rules_read(line, part):
+                common = set.intersection(*map(_multipliers, line.products))
+                found[line.names[0]] = found.get(line.names[0], common) & common
+    scaled = [name for names in found.values() for name in names]
+    return {
+        signal: {name for name in names if _mentions(model, name) == scaled.count(name)}
+        for signal, names in found.items()
+    }
+
+
+def _only_rules_read(signal: Signal, part: Axes) -> bool:
+    reading = [line for line in part.lines if signal.names[0] in _read_by(line)]
+    return bool(reading) and all(map(_is_rules, reading))
+
+
+def _multipliers(product: Product) -> set[str]:
+    names = [each.value for each in product.factors if isinstance(each.value, str)]
+    divide = {each.value for each in product.factors if each.divides}
+    return {name for name in names if names.count(name) == 1 and name not in divide}
+
+
+def _read_by(line: Line) -> Iterator[str]:
+    """Yield every name that a line mentions."""
+    if isinstance(line, Zoom):
+        yield from (*line.signals, str(line.by), str(line.inside))
+        return
+    if isinstance(line, Learn):
+        yield from (*line.inputs, str(line.rate), str(line.bound))
+        return
+    for product in line.products:
+        yield from (str(factor.value) for factor in product.factors)
+    if isinstance(line, Signal) and line.source is not None:
+        yield from (line.source.name, *line.source.inputs)
+        yield from (str(value) for _, value in line.source.options)
+
+
+def _mentions(model: ControllerModel, name: str) -> int:
+    """Return in how many lines a name stands, of axes of one kind."""
+    return sum(name in _read_by(line) for part in model.axes for line in part.lines)
 
 
 GRID = 9

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzyarm.errors import sentence_of
 from fuzzyarm.text.files import write_atomically
 from fuzzyarm.tuning.examiner import REFUSED, Panel, Score
 from fuzzyarm.tuning.movement import TuneError
@@ -52,6 +53,10 @@ class Budget:
             raise TuneError(f"a time of {self.seconds:g} s is out of range")
 
 
+BLOCK_SECONDS = 1.0
+"""How long points of a batch may take until the clock is asked again."""
+
+
 class Over(Exception):  # noqa: N818 - it ends a search, and never leaves it
     """The budget is spent."""
 
@@ -68,17 +73,31 @@ class Found:
         The cheapest that keeps all promises.
     refused : int
         Trials that broke one.
+    failed : int
+        Trials that could not be examined; the first of them says why.
     interrupted : bool
         Whether Ctrl-C ended it.
     seconds : float
         Wall time, of all parts where it was resumed.
+    fault : str
+        What ended it before its time; empty where nothing did.
+    unwritten : str
+        Why the journal does not have all trials; empty where it has.
     """
 
     trials: list[Trial]
     best: Trial
     refused: int = 0
+    failed: int = 0
     interrupted: bool = False
     seconds: float = 0.0
+    fault: str = ""
+    unwritten: str = ""
+
+    @property
+    def failure(self) -> str:
+        """What the first trial that failed says; empty where none did."""
+        return next((trial.score.fault for trial in self.trials if trial.score.fault), "")
 
     @property
     def curve(self) -> list[float]:
@@ -129,23 +148,31 @@ class Search:
     def run(self, method: str, seed: int) -> Found:
         """Search until the budget is spent or Ctrl-C comes; never raises for either.
 
-        Where the workers go, as those of a cluster may, it ends as with Ctrl-C.
+        Where the workers go, as those of a cluster may, it ends as with Ctrl-C; and whatever else
+        ends it, what it has found stays. Only where nothing but the file was examined there is
+        nothing to keep.
         """
-        start = self.panel.design.start
-        begun = self.panel.examiner.ready(self.panel.design.at(start))
-        if begun.error is not None:
-            raise begun.error
+        start, found = self.panel.design.start, self.found
         try:
             self.ask([start])
+            if found.trials[0].score.fault:
+                self.panel.examiner.score(start)  # raises what it is
+                raise TuneError(found.trials[0].score.fault)
             OPTIMISERS[method].run(self.ask, start, seed)
         except Over:
             pass
         except (KeyboardInterrupt, CancelledError):
-            if not self.found.trials:
+            if not found.trials:
                 raise
-            self.found.interrupted = True
-        self.found.seconds = self.seconds
-        return self.found
+            found.interrupted = True
+        except JournalError:
+            raise
+        except Exception as error:
+            if len(found.trials) < 2:
+                raise
+            found.fault = sentence_of(error)
+        found.seconds = self.seconds
+        return found
 
     @property
     def seconds(self) -> float:
@@ -160,13 +187,21 @@ class Search:
         costs: list[float] = []
         while len(costs) < min(len(points), left):
             # A few at a time, so that Ctrl-C and the clock are heard and little is lost.
-            block = points[len(costs) : min(len(costs) + 4 * self.panel.workers, left)]
+            block = points[len(costs) : min(len(costs) + self._block_size(), left)]
             costs += self._block(block)
             if self._late() and len(costs) < len(points):
                 raise Over
         if len(costs) < len(points):
             raise Over
         return costs
+
+    def _block_size(self) -> int:
+        """Return how many points are examined before the clock is asked again."""
+        workers, fresh = self.panel.workers, len(self.found.trials) - len(self.known)
+        if fresh <= 0:
+            return 4 * workers
+        pace = (time.monotonic() - self.begin) / fresh
+        return max(workers, min(4 * workers, int(BLOCK_SECONDS / max(pace, 1e-9))))
 
     def _late(self) -> bool:
         return self.seconds > self.budget.seconds and len(self.known) <= len(self.found.trials)
@@ -176,14 +211,18 @@ class Search:
         known = self.known[done : done + len(points)]
         for trial, point in zip(known, points, strict=False):
             if not np.array_equal(trial.point, point):
-                raise TuneError("the journal is of another search", hint="remove it")
+                raise JournalError("the journal is of another search", hint="remove it")
         fresh = list(points[len(known) :])
         found = [trial.score for trial in known] + self._examined(fresh)
         trials = [Trial(point, score) for point, score in zip(points, found, strict=True)]
-        for trial in trials:
-            self._take(trial)
+        for at, trial in enumerate(trials):
+            self._take(trial, known=at < len(known))
         if self.journal is not None and fresh:
-            self.journal.append(self.found.trials[done + len(known) :], done + len(known))
+            try:
+                self.journal.append(self.found.trials[done + len(known) :], done + len(known))
+            except OSError as error:  # the search is worth more than its journal
+                self.found.unwritten = f"{self.journal.path}: {error.strerror or error}"
+                self.journal = None
         self.watch(self.found)
         return [trial.score.cost for trial in self.found.trials[done:]]
 
@@ -195,15 +234,20 @@ class Search:
         scores = iter(self.panel.scores(sound))
         return [Score(REFUSED) if fails else next(scores) for fails in broken]
 
-    def _take(self, trial: Trial) -> None:
-        """Count a trial; one that would be the best has its properties proved first."""
+    def _take(self, trial: Trial, *, known: bool) -> None:
+        """Count a trial; one that would be the best has its properties proved first.
+
+        Of a known one the journal says what came of that.
+        """
         found = self.found
-        if trial.score.cost >= REFUSED:
+        if trial.score.fault:
+            found.failed += 1
+        elif trial.score.cost >= REFUSED:
             found.refused += 1
         elif trial.score.cost < found.best.score.cost:
-            unproved = (
-                self.promises.proof(self.panel.design.at(trial.point)) if self.promises else ""
-            )
+            unproved = ""
+            if self.promises and not known:
+                unproved = self.promises.proof(self.panel.design.at(trial.point))
             if unproved:
                 found.refused += 1
                 trial = trial._replace(score=Score(REFUSED))
@@ -215,6 +259,10 @@ class Search:
 # --- The journal ---
 
 HEAD = "# fuzzyarm tune 1\n"
+
+
+class JournalError(TuneError):
+    """A journal that is not that of the search, or is damaged."""
 
 
 class Journal:
@@ -238,7 +286,7 @@ class Journal:
 
     Raises
     ------
-    TuneError
+    JournalError
         If the file is of another search, or has trials that would be lost.
     OSError
         If it cannot be read or written.
@@ -255,14 +303,16 @@ class Journal:
             return
         if self.path.is_file() and self.path.read_text("utf-8", "replace").startswith(self.head):
             hint = "--resume goes on, or remove the file"
-            raise TuneError(f"{self.path} has trials of this search", hint=hint)
+            raise JournalError(f"{self.path} has trials of this search", hint=hint)
         write_atomically(self.path, self.head)
 
     def _read(self) -> None:
         text = self.path.read_text("utf-8", "replace")
         if not text.startswith(self.head):
             message = f"{self.path} is not the journal of this search"
-            raise TuneError(message, hint="what is asked must not change; give another --journal")
+            raise JournalError(
+                message, hint="what is asked must not change; give another --journal"
+            )
         whole = text[len(self.head) : text.rfind("\n") + 1]
         try:
             for line in whole.splitlines():
@@ -270,7 +320,7 @@ class Journal:
         except (ValueError, KeyError, TypeError):
             number = len(self.known) + 3
             message = f"{self.path}: line {number} is damaged"
-            raise TuneError(message, hint="remove what follows it") from None
+            raise JournalError(message, hint="remove what follows it") from None
         # A line that is torn is cut off.
         write_atomically(self.path, self.head + whole)
 
@@ -280,7 +330,8 @@ class Journal:
             math.nan if data[key] is None else float(data[key]) for key in ("rms", "chatter")
         )
         parts = tuple(map(float, data["parts"]))
-        score = Score(float(data["cost"]), parts, error, chatter, int(data["diverged"]))
+        fault = str(data.get("fault", ""))
+        score = Score(float(data["cost"]), parts, error, chatter, int(data["diverged"]), fault)
         return Trial(np.array(data["point"], dtype=float), score)
 
     def append(self, trials: Sequence[Trial], first: int) -> None:
@@ -298,5 +349,5 @@ class Journal:
                     "diverged": score.diverged,
                     "parts": score.parts,
                     "point": trial.point.tolist(),
-                }
+                } | ({"fault": score.fault} if score.fault else {})
                 file.write(json.dumps(data) + "\n")

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from fuzzyarm.controller.text import ControllerText, sheet_path
 from fuzzyarm.language.controllers import ControllerHeading, GainNode, UseNode
@@ -122,12 +123,49 @@ def _shape_node(shape: Shape) -> ShapeNode:
 # --- The texts ---
 
 
+class Originals(NamedTuple):
+    """The texts of a subject before a search, during which they may change or go.
+
+    Attributes
+    ----------
+    path, text : str
+        Of the file that is tuned; a rule base that came from no file is written anew.
+    used : dict of str to pair of str
+        Path and text of the rule bases that it uses, by the names that it gives them.
+    """
+
+    path: str
+    text: str
+    used: dict[str, tuple[str, str]]
+
+
+def originals_of(subject: ControllerText | RuleBase, path: str = "", text: str = "") -> Originals:
+    """Read the texts of a subject.
+
+    Parameters
+    ----------
+    subject : ControllerText or RuleBase
+        As in the files.
+    path, text : str, optional
+        Of its file, where they are known.
+    """
+    if isinstance(subject, RuleBase):
+        return Originals(path, text or (read_text(path) if path else write(subject)), {})
+    path = path or subject.path
+    used = {}
+    for use in subject.model.uses:
+        before = subject.sheets[use.name][0] if use.name in subject.sheets else None
+        if isinstance(before, RuleBase):
+            place = _place(use.files[0], path)
+            own = read_text(place) if place and _says(place, before) else write(before)
+            used[use.name] = place, own
+    return Originals(path, text or (read_text(path) if path else ""), used)
+
+
 def rewritten(
     subject: ControllerText | RuleBase,
     candidate: Candidate,
-    *,
-    path: str = "",
-    text: str = "",
+    originals: Originals,
     notes: Sequence[str] = (),
 ) -> list[Rewritten]:
     """Return the files of a subject with the numbers of a candidate, the subject's own first.
@@ -138,17 +176,15 @@ def rewritten(
         As in the files.
     candidate : Candidate
         The numbers.
-    path, text : str
-        Of the file; a rule base that came from no file is written anew.
+    originals : Originals
+        The texts as they were.
     notes : sequence of str
         What is said of the numbers, in comments.
     """
+    path, old = originals.path, originals.text
     if isinstance(subject, RuleBase):
-        old = text or (read_text(path) if path else write(subject))
         new = candidate.rulebases.get(subject.name, subject)
         return [Rewritten("", path, old, _edited(old, None, {}, (subject, new), notes))]
-    path = path or subject.path
-    old = text or (read_text(path) if path else "")
     model = subject.model
     inside = {each.name: each for each in model.rulebases}
     own = next(iter(inside.values()), None)
@@ -163,8 +199,7 @@ def rewritten(
         before = subject.sheets[use.name][0] if use.name in subject.sheets else None
         if changed is None or not isinstance(before, RuleBase):
             continue
-        place = _place(use.files[0], path)
-        sheet_text = read_text(place) if place and _says(place, before) else write(before)
+        place, sheet_text = originals.used[use.name]
         own_text = _edited(sheet_text, None, {}, (before, changed), notes)
         found.append(Rewritten(use.name, place, sheet_text, own_text))
     return found

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,14 +31,12 @@ from fuzzyarm.plant.trajectory import Trajectory
 from fuzzyarm.text.mistaken import MODEL, wrong_kind
 from fuzzyarm.tuning.cost import (
     ERRORS,
-    Cost,
     OwnCost,
     errors_between,
     read_cost,
 )
-from fuzzyarm.tuning.design import Candidate
-from fuzzyarm.tuning.examiner import Over, Panel, Problem, Score, panel
-from fuzzyarm.tuning.linear import NAME as LINEAR
+from fuzzyarm.tuning.examiner import Over, Problem, panel
+from fuzzyarm.tuning.judging import Job, Means, rounded, with_judgement
 from fuzzyarm.tuning.linear import opponent
 from fuzzyarm.tuning.movement import TuneError
 from fuzzyarm.tuning.promises import Promises
@@ -49,20 +47,14 @@ from fuzzyarm.tuning.scenarios import (
     train_scenarios,
     unseen_scenarios,
 )
-from fuzzyarm.tuning.search import Budget, Found, Journal, Search, Watch
-from fuzzyarm.tuning.text import changes_of, rewritten
-from fuzzyarm.tuning.tuned import MOST_DIGITS, UNSEEN, Method, Plan, Row, Tuned, notes_of
+from fuzzyarm.tuning.search import Budget, Journal, Search, Watch
+from fuzzyarm.tuning.text import Originals, changes_of, originals_of, rewritten
+from fuzzyarm.tuning.tuned import UNSEEN, Method, Plan, Row, Tuned, notes_of
 
 Vector = NDArray[np.float64]
 
 DEFAULT_COST = "rms"
 DEFAULT_DATA_COST = "rmse"
-WORSE = 0.01
-"""How much a cost may grow when numbers are rounded, before a digit more is kept."""
-
-LINEAR_EVALS = 150
-"""Candidates of the linear opponent for each of its gains, where the budget has so many."""
-
 
 # --- The whole way ---
 
@@ -95,6 +87,8 @@ def tune(
     journal: Journal | None = None,
     watch: Watch = lambda _found: None,
     watch_linear: Watch = lambda _found: None,
+    take: Callable[[Tuned], None] = lambda _tuned: None,
+    tell: Callable[[str], None] = lambda _words: None,
     text: str = "",
 ) -> Tuned:
     """Tune the gains of a controller and the terms of its rule bases, or of a rule base alone.
@@ -128,7 +122,7 @@ def tune(
     method : {"nelder-mead", "cma-es", "evolution"}, optional
         See :data:`fuzzyarm.tuning.optimisers.OPTIMISERS`.
     evals, seconds : int, float, optional
-        Candidates, and wall time.
+        Candidates of the search, and of the opponent's; wall time of the whole.
     seed : int, optional
         Of everything that is drawn.
     digits : int, optional
@@ -145,6 +139,11 @@ def tune(
         Where every trial is written down.
     watch, watch_linear : callable, optional
         Told of the search after each examination, and of that of the linear opponent.
+    take : callable, optional
+        Given what the search has found, with its texts, before anything is judged: whatever
+        fails afterwards, it can be written.
+    tell : callable, optional
+        Told in words what follows the search.
     text : str, optional
         Of the file, where it is not what stands on disk.
 
@@ -152,7 +151,8 @@ def tune(
     -------
     Tuned
         Ctrl-C ends the search, not the way: the best so far is rounded and judged. A linear
-        opponent whose search was ended is left out.
+        opponent whose search was ended is left out. What fails once a candidate besides the file
+        was examined is not raised, but stands in `faults`.
 
     Raises
     ------
@@ -181,8 +181,8 @@ def tune(
         options = options or Options(seed=seed)
         stage = stage or stage_of(model, on, options, references, duration, connect)
         job = _in_loop(model, moving, cost, stage, scenarios, plan, over, conventions)
-    means = _Means(workers, executor, journal, watch, watch_linear)
-    return _done(job, plan, means, path, text)
+    means = Means(workers, executor, journal, watch, watch_linear, take, tell)
+    return _done(job, plan, means, originals_of(model, path, text))
 
 
 def _loaded(
@@ -296,20 +296,6 @@ def stage_of(
     return Stage(plant, first, options, tuple(vary), references, duration, connect)
 
 
-class _Job(NamedTuple):
-    """What is tuned on what, and judged by what."""
-
-    problem: Problem
-    judged: dict[str, Problem]
-    linear: dict[str, Problem]
-    """The same for the opponent; empty without one."""
-    cost: str
-    scenarios: tuple[str, ...]
-    unseen: tuple[str, ...]
-    regression: dict[str, dict[str, float]]
-    """Errors of linear regression on samples."""
-
-
 def _in_loop(
     text: ControllerText,
     tuning: Tuning | None,
@@ -319,7 +305,7 @@ def _in_loop(
     plan: Plan,
     over: Over,
     conventions: Conventions,
-) -> _Job:
+) -> Job:
     said = cost if cost is not None else DEFAULT_COST
     asked = read_cost(said) if isinstance(said, str) else said
     controller = controller_of(text)
@@ -347,20 +333,22 @@ def _in_loop(
         if not stage.has_noise:
             noisy = stage.noisy()
             judged["noisy"] = replace(problem, scenarios=unseen, options=noisy.options)
-    linear = {}
+    linear, alone = {}, ""
     if plan.linear:
-        other, moving = opponent(text, stage.plant)
-        sets = {"train": problem, **judged}
-        linear = {name: replace(each, subject=other, tuning=moving) for name, each in sets.items()}
-    return _Job(
-        problem,
-        judged,
-        linear,
-        said if isinstance(said, str) else said.__name__,
-        tuple(each.name for each in train),
-        tuple(each.name for each in judged["unseen"].scenarios) if judged else (),
-        {},
-    )
+        try:
+            other, moving = opponent(text, stage.plant, tuning)
+        except TuneError as error:
+            alone = error.message
+        else:
+            sets = {"train": problem, **judged}
+            linear = {key: replace(p, subject=other, tuning=moving) for key, p in sets.items()}
+    unseen_names = tuple(each.name for each in judged["unseen"].scenarios) if judged else ()
+    names = {"train": tuple(each.name for each in train), "unseen": unseen_names}
+    return Job(problem, judged, linear, _cost_name(said), names, {}, alone)
+
+
+def _cost_name(cost: str | OwnCost) -> str:
+    return cost if isinstance(cost, str) else getattr(cost, "__name__", type(cost).__name__)
 
 
 KEPT_BACK = 5
@@ -377,12 +365,13 @@ def _on_samples(
     data: Samples | None,
     test: Samples | None,
     seed: int,
-) -> _Job:
+) -> Job:
     said = cost if cost is not None else DEFAULT_DATA_COST
     asked = read_cost(said, tuple(ERRORS)) if isinstance(said, str) else said
-    name = said if isinstance(said, str) else said.__name__
+    name = _cost_name(said)
     if data is None:
-        return _Job(Problem(rulebase, tuning, asked), {}, {}, name, (), (), {})
+        nothing: dict[str, tuple[str, ...]] = {"train": (), "unseen": ()}
+        return Job(Problem(rulebase, tuning, asked), {}, {}, name, nothing, {})
     data = _fitting(data, rulebase)
     if test is None:
         order = np.random.default_rng(seed).permutation(len(data))
@@ -402,8 +391,10 @@ def _on_samples(
         key: errors_between(linear_outputs(data, each)[:, 0], each.values)
         for key, each in sets.items()
     }
-    shown = {key: (f"{len(each)} samples",) for key, each in sets.items()}
-    return _Job(problem, judged, {}, name, shown["train"], shown["unseen"], regression)
+    shown: dict[str, tuple[str, ...]] = {
+        key: (f"{len(each)} samples",) for key, each in sets.items()
+    }
+    return Job(problem, judged, {}, name, shown, regression)
 
 
 def _fitting(samples: Samples, rulebase: RuleBase) -> Samples:
@@ -433,42 +424,22 @@ def _with_noise(samples: Samples, seed: int) -> Samples:
     return replace(samples, inputs=samples.inputs + drawn)
 
 
-# --- Search, round, judge ---
+# --- Search, and what follows ---
 
 
-class _Means(NamedTuple):
-    """By what is searched, and who is told."""
-
-    workers: int | None
-    executor: Executor | None
-    journal: Journal | None
-    watch: Watch
-    watch_linear: Watch
-
-
-def _done(job: _Job, plan: Plan, means: _Means, path: str, text: str) -> Tuned:
+def _done(job: Job, plan: Plan, means: Means, originals: Originals) -> Tuned:
+    """Search, round and tell; then judge: what fails then takes nothing back."""
     with panel(job.problem, means.workers, means.executor) as examining:
         design = examining.design
         promises = Promises(design.as_it_is().rulebases)
-        search = Search(examining, promises, plan.budget, means.journal, means.watch)
+        budget = plan.shared(judged=bool(job.judged), linear=bool(job.linear))
+        search = Search(examining, promises, budget, means.journal, means.watch)
         found = search.run(plan.method, plan.seed)
-        best = found.best.point
         candidate, digits, score = rounded(examining, promises, found, plan.digits)
-        start = found.trials[0].score if found.trials else examining.examiner.score(design.start)
-    rows = [Row("as in the file", {"train": start}), Row("tuned", {"train": score})]
-    linear = None
-    try:
-        for row, which in zip(rows, (design.as_it_is(), candidate), strict=True):
-            row.scores.update(_judge(job.judged, which, means))
-        if job.linear and not found.interrupted:
-            linear, row = _linear(job.linear, plan, means)
-            rows.append(row)
-    except KeyboardInterrupt:  # what was found is kept, judged or not
-        found.interrupted = True
-    if job.regression:
-        assert isinstance(job.problem.cost, Cost)
-        scores = {key: Score(job.problem.cost.of(each)) for key, each in job.regression.items()}
-        rows.append(Row("linear regression", scores))
+    rows = [
+        Row("as in the file", {"train": found.trials[0].score}),
+        Row("tuned", {"train": score}),
+    ]
     made = Tuned(
         job.problem.subject,
         candidate,
@@ -476,68 +447,26 @@ def _done(job: _Job, plan: Plan, means: _Means, path: str, text: str) -> Tuned:
         found,
         digits,
         tuple(rows),
-        tuple(design.on_a_bound(best)),
+        tuple(design.on_a_bound(found.best.point)),
         tuple(changes_of(job.problem.subject, design.sheets, candidate)),
         (),
         job.cost,
-        job.scenarios,
-        job.unseen,
-        linear,
+        job.names["train"],
+        (),
+        None,
         plan,
         job.problem.over,
         (),
+        (found.fault,) if found.fault else (),
     )
+    made = _written(made, originals)
+    means.take(made)
+    after = with_judgement(job, plan, means, made, (design.as_it_is(), candidate))
+    return _written(after, originals)
+
+
+def _written(made: Tuned, originals: Originals) -> Tuned:
+    """Return it with its texts and what stands in them."""
     notes = tuple(notes_of(made))
-    files = rewritten(job.problem.subject, candidate, path=path, text=text, notes=notes)
+    files = rewritten(made.subject, made.candidate, originals, notes)
     return replace(made, files=tuple(files), notes=notes)
-
-
-def rounded(
-    examining: Panel, promises: Promises, found: Found, digits: int
-) -> tuple[Candidate, int, Score]:
-    """Return the best candidate with rounded numbers, scored again.
-
-    A digit more is kept where rounding breaks a promise or costs more than one percent. Where
-    nothing was found the file stays as it is.
-    """
-    best, design = found.best, examining.design
-    if np.array_equal(best.point, design.start):
-        return design.as_it_is(), digits, best.score
-    while True:
-        candidate = design.at(best.point, digits)
-        if not promises.expected(candidate) and not promises.proof(candidate):
-            (score,) = examining.scores_of([candidate])  # here: a cluster may have gone
-            worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
-            if digits >= MOST_DIGITS or not worse:
-                return candidate, digits, score
-        elif digits >= MOST_DIGITS:
-            return design.as_it_is(), digits, found.trials[0].score
-        digits += 1
-
-
-def _judge(judged: Mapping[str, Problem], candidate: Candidate, means: _Means) -> dict[str, Score]:
-    found = {}
-    for name, problem in judged.items():
-        with panel(problem, means.workers, means.executor) as examining:
-            (found[name],) = examining.scores_of([candidate])
-    return found
-
-
-def _linear(problems: Mapping[str, Problem], plan: Plan, means: _Means) -> tuple[Found, Row]:
-    """Tune the linear opponent on the same cost and scenarios.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        If its search is ended: to beat half an opponent would say nothing.
-    """
-    with panel(problems["train"], means.workers, means.executor) as examining:
-        evals = min(plan.budget.evals, LINEAR_EVALS * len(examining.design.parameters))
-        budget = Budget(evals, plan.budget.seconds)
-        search = Search(examining, None, budget, watch=means.watch_linear)
-        found = search.run(plan.method, plan.seed)
-        if found.interrupted:
-            raise KeyboardInterrupt
-        candidate, _, score = rounded(examining, Promises({}), found, plan.digits)
-    judged = {name: each for name, each in problems.items() if name != "train"}
-    return found, Row(LINEAR, {"train": score, **_judge(judged, candidate, means)})

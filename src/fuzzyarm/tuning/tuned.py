@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -26,6 +27,12 @@ UNSEEN = 24
 """Scenarios of the judgement."""
 
 MOST_DIGITS = 8
+
+ALL_DIGITS = 17
+"""Of numbers that are written as they were found."""
+
+JUDGEMENT = 0.2
+"""Share of the time of the whole for the judgement, where there is a limit."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,11 @@ class Plan:
     digits: int = 3
     unseen: int = UNSEEN
     linear: bool = True
+
+    def shared(self, *, judged: bool, linear: bool) -> Budget:
+        """Return the budget of one search: an opponent's is the same, and both are judged."""
+        seconds = self.budget.seconds * (1.0 - JUDGEMENT if judged else 1.0)
+        return replace(self.budget, seconds=0.5 * seconds if linear else seconds)
 
     def __post_init__(self) -> None:
         if self.method not in OPTIMISERS:
@@ -116,6 +128,10 @@ class Tuned:
         How the costs of scenarios became one.
     notes : tuple of str
         What stands in the files.
+    faults : tuple of str
+        What failed, in sentences; the numbers stand whatever it was.
+    alone : str
+        Why there is no linear opponent, where one was asked for.
     """
 
     subject: ControllerText | RuleBase
@@ -134,6 +150,8 @@ class Tuned:
     plan: Plan
     over: str
     notes: tuple[str, ...]
+    faults: tuple[str, ...] = ()
+    alone: str = ""
 
     @property
     def model(self) -> ControllerText | RuleBase:
@@ -164,6 +182,11 @@ class Tuned:
         """Error and chatter of the trials that no other beats in both, by rising error."""
         return front_of(self.found)
 
+    @property
+    def comparisons(self) -> list[Comparison]:
+        """How it compares with the file and with a linear opponent on what was not seen."""
+        return comparisons_of(self)
+
     def diff(self) -> str:
         """Return the lines of all files that differ."""
         return "\n".join(each.diff() for each in self.files if each.changed)
@@ -171,6 +194,10 @@ class Tuned:
     def claim(self) -> str:
         """Return what can be said of it: no more than the unseen scenarios show."""
         return _claim(self)
+
+    def remarks(self) -> Iterator[str]:
+        """Yield what else is to be known of it, a line each."""
+        yield from _remarks(self)
 
     def as_data(self) -> dict[str, Any]:
         """Return the report as JSON takes it; what has no value is None."""
@@ -208,34 +235,111 @@ def front_of(found: Found) -> list[tuple[float, float]]:
 # --- What is said of it ---
 
 
+class Comparison(NamedTuple):
+    """The tuned file beside another row, on what was not seen.
+
+    Attributes
+    ----------
+    other : str
+        Name of the row.
+    better, of : int
+        On how many scenarios it costs less, and of how many; 0 of 0 where the cost is one number
+        for all of them.
+    own, theirs : float
+        The costs.
+    """
+
+    other: str
+    better: int
+    of: int
+    own: float
+    theirs: float
+
+    @property
+    def share(self) -> float:
+        """By what share of the other cost its own is more; less than 0 where it is less."""
+        return (self.own - self.theirs) / abs(self.theirs) if self.theirs else math.nan
+
+    def words(self, over: str) -> str:
+        """Say how it compares."""
+        name = {"as in the file": "the file", LINEAR: f"the {LINEAR}"}.get(self.other, self.other)
+        if not self.of:
+            return f"{self._dearer(name)} on what was not seen"
+        mean = {"mean": "on average", "worst": "at worst"}[over]
+        on = f"better than {name} on {self.better} of {self.of} unseen scenarios"
+        return f"{on}, {self._dearer()} {mean}"
+
+    def _dearer(self, name: str = "") -> str:
+        than, to = (f" than {name}", f" as {name}") if name else ("", "")
+        if self.own == self.theirs:
+            return f"as dear{to}"
+        if not self.share < BEYOND_WORDS:
+            return f"{self.own:.4g} beside {self.theirs:.4g}{f' of {name}' if name else ''}"
+        if self.share > MANIFOLD - 1.0:
+            return f"{self.own / self.theirs:.3g} times as dear{to}"
+        word = "dearer" if self.share > 0.0 else "cheaper"
+        return f"{100.0 * abs(self.share):.3g} % {word}{than}"
+
+
+MANIFOLD = 3.0
+"""From how many times a cost on it is said as such, and not in percent."""
+
+BEYOND_WORDS = 1000.0
+"""From where on the costs themselves say more."""
+
+
+def comparisons_of(tuned: Tuned) -> list[Comparison]:
+    """Return how the tuned file compares with every other row on what was not seen."""
+    own = tuned.row("tuned")
+    if own is None or "unseen" not in own.scores:
+        return []
+    return [
+        Comparison(
+            row.name, *tuned.wins(row.name), own.scores["unseen"].cost, row.scores["unseen"].cost
+        )
+        for row in tuned.rows
+        if row is not own and "unseen" in row.scores
+    ]
+
+
 def _claim(tuned: Tuned) -> str:
-    file, own = tuned.row("as in the file"), tuned.row("tuned")
-    if file is None or own is None or "unseen" not in own.scores:
-        return "no unseen scenarios: nothing is known beyond what it was tuned on"
     if not tuned.changes:
-        return "nothing better was found; the file stays as it is"
-    said = [_than(tuned, own, file, "the file")]
-    for name in (LINEAR, "linear regression"):
-        other = tuned.row(name)
-        if other is not None:
-            said.append(_than(tuned, own, other, f"the {name}" if name == LINEAR else name))
+        best = tuned.found.best.score.cost
+        none = "no candidate has a cost that is a number" if not math.isfinite(best) else ""
+        return f"{none or 'nothing better was found'}; the file stays as it is"
+    said = [each.words(tuned.over) for each in tuned.comparisons]
+    if not said:
+        return "no unseen scenarios: nothing is known beyond what it was tuned on"
+    own = tuned.row("tuned")
+    assert own is not None
     diverged = own.scores["unseen"].diverged
     if diverged:
         said.append(f"{diverged} of {len(tuned.unseen)} runs diverge")
-    return "unseen: " + "; ".join(said)
+    return "; ".join(said)
 
 
-def _than(tuned: Tuned, own: Row, other: Row, name: str) -> str:
-    mine, theirs = own.scores["unseen"].cost, other.scores["unseen"].cost
-    if not math.isfinite(mine - theirs):
-        return f"costs {mine:.4g}, {name} {theirs:.4g}"
-    better, count = tuned.wins(other.name)
-    counted = f" (on {better} of {count})" if count else ""
-    if theirs == mine:
-        return f"costs as much as {name}"
-    change = 100.0 * abs(mine - theirs) / abs(theirs) if theirs else math.inf
-    word = "less" if mine < theirs else "more"
-    return f"costs {change:.3g} % {word} than {name}{counted}"
+def _remarks(tuned: Tuned) -> Iterator[str]:
+    found, plan = tuned.found, tuned.plan
+    if tuned.on_a_bound:
+        yield f"on a bound of its range: {', '.join(tuned.on_a_bound)}"
+    if found.refused:
+        yield f"{_trials(found.refused)} broke an expect or prove line"
+    if found.failed:
+        yield f"{_trials(found.failed)} failed, the first so: {found.failure}"
+    if tuned.alone:
+        yield f"no linear opponent: {tuned.alone}"
+    own = tuned.row("tuned")
+    judged = len(_parts(own, "unseen")) if own is not None else 0
+    if 0 < judged < plan.unseen:
+        yield f"judged by {judged} of {plan.unseen} unseen scenarios, for want of time"
+    if tuned.digits == ALL_DIGITS:
+        yield "the numbers are as they were found, not rounded"
+    elif tuned.digits != plan.digits:
+        yield f"{tuned.digits} digits were needed, not {plan.digits}"
+
+
+def _trials(count: int) -> str:
+    return f"{count} trial{'' if count == 1 else 's'}"
 
 
 def notes_of(tuned: Tuned) -> list[str]:
@@ -251,11 +355,12 @@ def notes_of(tuned: Tuned) -> list[str]:
     others = f" and {more} drawn" if more > 0 else ""
     on = f"{ways}{others}" if ways else "a function"
     count = len(tuned.found.trials)
+    digits = "not rounded" if tuned.digits == ALL_DIGITS else f"{tuned.digits} digits"
     return [
         f"{tuned.cost}, {tuned.over} over {on}",
         *columns,
         f"{tuned.plan.method}, {count} evaluations, seed {tuned.plan.seed},"
-        f" {tuned.digits} digits, fuzzyarm {__version__}",
+        f" {digits}, fuzzyarm {__version__}",
     ]
 
 
@@ -278,6 +383,18 @@ def _as_data(tuned: Tuned) -> dict[str, Any]:
             for row in tuned.rows
         },
         "claim": tuned.claim(),
+        "comparisons": [
+            {
+                "with": each.other,
+                "better_on": each.better,
+                "of": each.of,
+                "dearer_by": _finite(each.share),
+            }
+            for each in tuned.comparisons
+        ],
+        "remarks": list(tuned.remarks()),
+        "faults": list(tuned.faults),
+        "failed": found.failed,
         "parameters": [
             {"name": each.name, "low": each.low, "high": each.high, "start": each.start}
             for each in tuned.parameters
@@ -307,6 +424,9 @@ def _finite(value: float) -> float | None:
 
 
 def _write(tuned: Tuned, out: Path) -> list[Path]:
+    if not tuned.files:
+        message = "what was tuned comes from no file, so none can be written"
+        raise TuneError(message, hint="its numbers are in `candidate`, and `model` runs")
     first, *others = tuned.files
     origin = Path(first.path) if first.path else None
     over = origin is not None and out.exists() and out.resolve() == origin.resolve()

@@ -399,8 +399,6 @@ export const S = {
   rmsOf: (set) => `rms (${set})`,
   chatterOf: (set) => `chatter (${set})`,
   diverge: (count) => `${count} diverge`,
-  onABound: (names) => `On a bound of its range: ${names}.`,
-  refused: (count) => `${count} trials broke an expect or prove line.`,
   changes: "What changes",
   difference: "The lines that differ",
   takeIt: "Take it",

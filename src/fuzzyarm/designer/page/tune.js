@@ -282,8 +282,7 @@ function tunePanes(store, hand) {
       return;
     }
     const found = el("div", {}, table(), el("p", { textContent: report.claim }));
-    if (report.on_a_bound.length) found.append(el("p", { textContent: S.onABound(report.on_a_bound.join(", ")) }));
-    if (report.refused) found.append(el("p", { textContent: S.refused(report.refused) }));
+    for (const line of [...report.remarks, ...report.faults]) found.append(el("p", { textContent: line }));
     if (report.changes.length) found.append(difference());
     const changed = report.changes.length ? [el("div", { class: "listed" }, changes())] : [];
     below.body.replaceChildren(el("div", { class: "two" }, found, ...changed));

@@ -1,0 +1,232 @@
+"""What follows a search: numbers rounded, judged by what was not seen, and beside an opponent.
+
+By then hours may have gone into the search. So its result is handed over first, and what fails
+afterwards is one sentence beside it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzyarm.errors import FuzzyarmError, sentence_of
+from fuzzyarm.tuning.cost import Cost
+from fuzzyarm.tuning.design import Candidate
+from fuzzyarm.tuning.examiner import Panel, Problem, Score, panel
+from fuzzyarm.tuning.linear import NAME as LINEAR
+from fuzzyarm.tuning.promises import Promises
+from fuzzyarm.tuning.search import Found, Journal, Search, Watch
+from fuzzyarm.tuning.tuned import ALL_DIGITS, JUDGEMENT, MOST_DIGITS, Plan, Row, Tuned
+
+WORSE = 0.01
+"""How much a cost may grow when numbers are rounded, before a digit more is kept."""
+
+
+class Job(NamedTuple):
+    """What is tuned on what, and judged by what.
+
+    Attributes
+    ----------
+    problem : Problem
+        What is tuned.
+    judged : dict of str to Problem
+        The same on ``unseen`` and ``noisy`` scenarios or samples.
+    linear : dict of str to Problem
+        All of these of the opponent; empty without one.
+    cost : str
+        What becomes small.
+    names : dict of str to tuple of str
+        What was tuned on, ``train``, and what is judged by, ``unseen``.
+    regression : dict
+        Errors of linear regression on samples.
+    alone : str
+        Why there is no opponent, where one was asked for.
+    """
+
+    problem: Problem
+    judged: dict[str, Problem]
+    linear: dict[str, Problem]
+    cost: str
+    names: dict[str, tuple[str, ...]]
+    regression: dict[str, dict[str, float]]
+    alone: str = ""
+
+
+class Means(NamedTuple):
+    """By what is searched, and who is told.
+
+    `take` gets the result before it is judged, and `tell` in words what follows the search.
+    """
+
+    workers: int | None
+    executor: Executor | None
+    journal: Journal | None
+    watch: Watch
+    watch_linear: Watch
+    take: Callable[[Tuned], None]
+    tell: Callable[[str], None]
+
+
+# --- Numbers as they are written ---
+
+
+def rounded(
+    examining: Panel, promises: Promises, found: Found, digits: int
+) -> tuple[Candidate, int, Score]:
+    """Return the best candidate with rounded numbers, scored again.
+
+    A digit more is kept where rounding breaks a promise or costs more than one percent. Where
+    nothing was found the file stays as it is. Where the rounding itself fails or is interrupted,
+    the numbers stay as they were found.
+    """
+    best, design = found.best, examining.design
+    if np.array_equal(best.point, design.start):
+        return design.as_it_is(), digits, best.score
+    try:
+        for count in range(digits, MOST_DIGITS + 1):
+            candidate = design.at(best.point, count)
+            if promises.expected(candidate) or promises.proof(candidate):
+                continue
+            score = _rescored(examining, candidate)  # here: a cluster may have gone
+            worse = score.cost - best.score.cost > WORSE * abs(best.score.cost)
+            if not score.fault and not worse:
+                return candidate, count, score
+    except KeyboardInterrupt:
+        found.interrupted = True
+    except Exception as error:
+        found.fault = found.fault or f"rounding the numbers: {sentence_of(error)}"
+    return design.at(best.point), ALL_DIGITS, best.score
+
+
+def _rescored(examining: Panel, candidate: Candidate) -> Score:
+    try:
+        return examining.score_of(candidate)
+    except FuzzyarmError as error:
+        return Score(math.inf, fault=str(error))
+
+
+# --- Judged by what was not seen ---
+
+
+def with_judgement(
+    job: Job, plan: Plan, means: Means, made: Tuned, which: tuple[Candidate, Candidate]
+) -> Tuned:
+    """Return what came of a search with the rest of its table.
+
+    Parameters
+    ----------
+    job, plan, means
+        As for the search.
+    made : Tuned
+        What came of it.
+    which : pair of Candidate
+        The file as it is, and tuned.
+    """
+    found, faults = made.found, list(made.faults)
+    rows = [Row(row.name, dict(row.scores)) for row in made.rows]
+    linear = None
+    job = _in_time(job, plan, found)
+    try:
+        for row, candidate in zip(rows, which, strict=True):
+            _judge(row, job.judged, candidate, means, faults)
+        if job.linear and not found.interrupted and not found.fault:
+            with _told(faults, "the linear controller"):
+                linear, opponent, row = _linear(job.linear["train"], plan, means)
+                rows.append(row)
+            if linear is not None:
+                others = {name: job.linear[name] for name in job.judged}
+                _judge(row, others, opponent, means, faults)
+    except KeyboardInterrupt:  # what was found is kept, judged or not
+        found.interrupted = True
+    if job.regression:
+        assert isinstance(job.problem.cost, Cost)
+        scores = {key: Score(job.problem.cost.of(each)) for key, each in job.regression.items()}
+        rows.append(Row("linear regression", scores))
+    return replace(
+        made,
+        rows=tuple(rows),
+        unseen=job.names["unseen"],
+        linear=linear,
+        alone=job.alone,
+        faults=tuple(faults),
+    )
+
+
+def _in_time(job: Job, plan: Plan, found: Found) -> Job:
+    """Return a job with as many unseen scenarios as there is time for, and at least one."""
+    count, seconds = len(job.names["unseen"]), plan.budget.seconds
+    if not math.isfinite(seconds) or not job.judged or not job.problem.scenarios:
+        return job
+    runs = len(found.trials) * len(job.problem.scenarios)
+    room = JUDGEMENT * seconds * runs / max(found.seconds, 1e-9)
+    rows = 3 if job.linear else 2
+    fitting = min(count, int(room / (rows * len(job.judged))))
+    sets = job.judged if fitting else {"unseen": job.judged["unseen"]}
+    fitting = max(fitting, 1)
+
+    def cut(problem: Problem) -> Problem:
+        return replace(problem, scenarios=problem.scenarios[:fitting])
+
+    return job._replace(
+        judged={name: cut(each) for name, each in sets.items()},
+        linear={name: each if name == "train" else cut(each) for name, each in job.linear.items()},
+        names={**job.names, "unseen": job.names["unseen"][:fitting]},
+    )
+
+
+def _judge(
+    row: Row, sets: Mapping[str, Problem], candidate: Candidate, means: Means, faults: list[str]
+) -> None:
+    """Add to a row what a candidate costs on what was not seen."""
+    for name, problem in sets.items():
+        means.tell(f"{row.name}: {_what(problem, name)}")
+        with (
+            _told(faults, f"{row.name}, {name}"),
+            panel(problem, means.workers, means.executor) as examining,
+        ):
+            row.scores[name] = examining.score_of(candidate)
+
+
+def _what(problem: Problem, name: str) -> str:
+    count = len(problem.scenarios)
+    what = f"unseen scenarios, {count}" if count else "unseen samples"
+    return f"{what}, with noise" if name == "noisy" else what
+
+
+@contextmanager
+def _told(faults: list[str], what: str) -> Iterator[None]:
+    """Make a sentence of what fails, whatever it is."""
+    try:
+        yield
+    except Exception as error:
+        faults.append(f"{what}: {sentence_of(error)}")
+
+
+def _linear(problem: Problem, plan: Plan, means: Means) -> tuple[Found, Candidate, Row]:
+    """Tune the linear opponent on the same cost and scenarios, by the same means.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If its search is ended: to beat half an opponent would say nothing.
+    """
+    with panel(problem, means.workers, means.executor) as examining:
+        budget = plan.shared(judged=plan.unseen > 0, linear=True)
+        search = Search(examining, None, budget, watch=means.watch_linear)
+        found = search.run(plan.method, plan.seed)
+        if found.interrupted:
+            raise KeyboardInterrupt
+        if found.fault:
+            raise OpponentError(found.fault)
+        candidate, _, score = rounded(examining, Promises({}), found, plan.digits)
+    return found, candidate, Row(LINEAR, {"train": score})
+
+
+class OpponentError(FuzzyarmError, RuntimeError):
+    """The search of the linear opponent has ended before its time."""
