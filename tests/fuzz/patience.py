@@ -264,9 +264,11 @@ def commands(r: random.Random, text: str) -> Iterator[list[str]]:
     output = ["--output", "u"]
     point = [f"{name}={number(r.uniform(-1, 2))}" for name in inputs]
     yield ["check", "x.frb"]
-    yield ["eval", "x.frb", *point, "--held", "u=0", "--held", "v=0"] if (
-        "output v" in text
-    ) else ["eval", "x.frb", *point, "--held", "u=0"]
+    yield (
+        ["eval", "x.frb", *point, "--held", "u=0", "--held", "v=0"]
+        if ("output v" in text)
+        else ["eval", "x.frb", *point, "--held", "u=0"]
+    )
     yield ["eval", "x.frb", *point, "--held", "u=0", "--explain"]
     yield ["show", "x.frb"]
     yield ["plot", "x.frb", "-o", "x.svg"]

@@ -309,9 +309,15 @@ class Drawing:
                 name = r.choice(["Ke", "Ku", "K_P", "T", "position", *self.inputs()])
                 odd = r.choice((f"{low:.3g}..{high:.3g}", "1..", "2..1", "0..0", "nan..1"))
                 return f"{name}={odd}" + (":2" if metavar.endswith("N") else "")
-            case "NAME=PORT" | "PORT=SIGNAL" | "INPUT=SIGNAL" | "PORT=DEVIATION" | "PORT=STEP" | (
-                "PORT=TIME"
-            ) | "INPUT=LOW..HIGH":
+            case (
+                "NAME=PORT"
+                | "PORT=SIGNAL"
+                | "INPUT=SIGNAL"
+                | "PORT=DEVIATION"
+                | "PORT=STEP"
+                | ("PORT=TIME")
+                | "INPUT=LOW..HIGH"
+            ):
                 port = r.choice(("position", "voltage", "angle", "level2", "level", "drive", "q"))
                 what = r.choice((
                     "step:1", "ramp:0.5", "sine:1,0.5", "quintic:1,2", "samples.csv", "step:",
