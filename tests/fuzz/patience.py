@@ -21,7 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "fuzz")]
 
-from workers import Outcome, Worker  # noqa: E402
+from workers import HUNG, Outcome, Worker  # noqa: E402
 
 from fuzzyarm.expression.kinds import HEDGES, SNORMS, TNORMS  # noqa: E402
 from fuzzyarm.model.rulebase import SAMPLINGS  # noqa: E402
@@ -184,6 +184,21 @@ class Drawing:
             term = r.choice(terms)
             self.lines.append(f"rule if {condition} then {output} is {hedge}{term}{weight}")
 
+    def promises(self, inputs: list[str]) -> None:
+        """Add lines that a check judges, now and then."""
+        r = self.r
+        if r.random() < 0.3:
+            at = ", ".join(f"{name} = {number(r.uniform(-1, 2))}" for name in inputs)
+            self.lines.append(f"expect {at} -> u in -100 .. 100")
+        while r.random() < 0.3:
+            first, bound = inputs[0], number(r.uniform(0, 90))
+            claims = (
+                f"u in -{bound} .. {bound}", f"u rises with {first}", "u covered",
+                f"u slope {first} in -{bound} .. {bound}", "u odd", f"u <= {bound}",
+                f"table of u linear within {bound}", f"table of u nearest within {bound}",
+            )  # fmt: skip
+            self.lines.append(f"prove {r.choice(claims)}")
+
     def norms(self) -> str:
         """Return settings of a block."""
         r = self.r
@@ -255,6 +270,7 @@ def drawn(r: random.Random) -> str:
         more = drawing.output("v", inputs, method_of(r, two_sided=False))
         drawing.lines.append(f"block second: {drawing.norms()}")
         drawing.rules(["u", *inputs[:1]], "v", plain=more)
+    drawing.promises(inputs)
     return "\n".join(drawing.lines) + "\n"
 
 
@@ -319,8 +335,9 @@ def main() -> int:
 def tell(case: int, outcome: Outcome) -> None:
     """Print a finding."""
     print(f"{case}: {outcome.seconds:.1f} s, {outcome.status}: {' '.join(outcome.words)}")
-    if outcome.trace:
-        print("\n".join(outcome.trace.splitlines()[-12:]))
+    lines = outcome.trace.splitlines()
+    if lines:  # the innermost call stands first where it hung, and last where it was raised
+        print("\n".join(lines[:12] if outcome.status == HUNG else lines[-8:]))
     sys.stdout.flush()
 
 

@@ -22,6 +22,7 @@ from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference.arrays import infer_arrays
 from fuzzyarm.inference.engine import infer_many
+from fuzzyarm.inference.plan import part_for
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output
@@ -204,12 +205,15 @@ class DirectRoutine:
             for variable, x in zip(self.rulebase.inputs, inputs, strict=True)
         }
         last = self._last() if held is None else held
-        holding = {o.name: last for o in self.rulebase.outputs if o.no_rule == "hold"}
+        # Other outputs may take longer than this one by far.
+        part = part_for(_forgiving(self.rulebase), (self.name,))
+        needed = {variable.name: named[variable.name] for variable in part.inputs}
+        holding = {o.name: last for o in part.outputs if o.no_rule == "hold"}
         # The array engine divides as the exported program does; where the inference jumps, the
         # kernel, which multiplies by slopes, may stand on the other side by one last bit.
         # (It reduces interval type-2 sets one after the other, which the kernel does at once.)
         evaluate = infer_many if self.rulebase.is_type2 else infer_arrays
-        found = evaluate(_forgiving(self.rulebase), named, holding)[self.name]
+        found = evaluate(part, needed, holding)[self.name]
         return np.broadcast_to(np.asarray(found), np.broadcast_shapes(*(x.shape for x in inputs)))
 
     def _last(self) -> float:
