@@ -7,6 +7,8 @@ import math
 import os
 import re
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import partial
@@ -450,11 +452,39 @@ def _long_work() -> Iterator[Progress]:
         yield display
 
 
+SOON = 1.5
+"""Seconds after which a command that nobody watches on a terminal says what it does."""
+
+TOLD_EVERY = 10.0
+"""Seconds between two lines of progress there."""
+
+
 @contextmanager
-def busy(message: str) -> Iterator[Callable[[str], None] | None]:
-    """Show `message` while something runs, on a terminal only; give what changes it."""
+def announced(words: str, *, shown: bool = True) -> Iterator[None]:
+    """Say in one line on the standard error what is being done, where it takes a while.
+
+    On a terminal nothing is said: a bar is shown there.
+    """
+    if not shown or sys.stderr.isatty():
+        yield
+        return
+    timer = threading.Timer(SOON, print_error, (words,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+@contextmanager
+def busy(message: str) -> Iterator[Callable[[str], None]]:
+    """Show `message` while something runs, elsewhere than on a terminal now and then; give what
+    changes it.
+    """
     if not sys.stderr.isatty():
-        yield None
+        with announced(message):
+            yield _told_now_and_then()
         return
     with _long_work() as display:
         task = display.add_task(message, total=None)
@@ -463,10 +493,34 @@ def busy(message: str) -> Iterator[Callable[[str], None] | None]:
 
 @contextmanager
 def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Callable[[int], None]]:
-    """Show a bar, on a terminal only; give what moves it on."""
-    if not shown or not sys.stderr.isatty():
+    """Show a bar, and elsewhere than on a terminal a line now and then; give what moves it on."""
+    if not shown:
         yield lambda _count: None
+        return
+    if not sys.stderr.isatty():
+        tell, done = _told_now_and_then(), 0
+
+        def advance(count: int) -> None:
+            nonlocal done
+            done += count
+            tell(f"{title}, {100 * done // max(total, 1)} %")
+
+        with announced(title):
+            yield advance
         return
     with _long_work() as display:
         task = display.add_task(title, total=total)
         yield lambda count: display.advance(task, count)
+
+
+def _told_now_and_then() -> Callable[[str], None]:
+    """Return what says words on the standard error, once in `TOLD_EVERY` seconds."""
+    told = time.monotonic()
+
+    def tell(words: str) -> None:
+        nonlocal told
+        if time.monotonic() - told >= TOLD_EVERY:
+            told = time.monotonic()
+            print_error(words)
+
+    return tell
