@@ -14,7 +14,6 @@ import random
 import shutil
 import sys
 import tempfile
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -52,45 +51,43 @@ def shape(r: random.Random, kind: str, span: Range) -> str:
     low, high = span
     width = high - low
 
-    def at(lowest: float = 0.0, highest: float = 1.0) -> float:
-        share = r.choice((r.uniform(lowest, highest), round(r.uniform(lowest, highest) * 8) / 8))
-        return low + width * share
+    def at() -> float:
+        share = r.random()
+        return low + width * r.choice((share, round(8 * share) / 8))
 
-    def sorted_places(count: int) -> list[float]:
-        places = sorted(at() for _ in range(count))
-        if places[-1] - places[0] < 1e-3 * width:
-            places[0], places[-1] = places[0] - 0.1 * width, places[-1] + 0.1 * width
-        return places
+    def places(count: int) -> list[float]:
+        found = sorted(at() for _ in range(count))
+        if found[-1] - found[0] < 1e-3 * width:
+            found[0], found[-1] = found[0] - 0.1 * width, found[-1] + 0.1 * width
+        return found
 
     spread = width * r.choice((0.02, 0.1, 0.2, 0.4))
-    centre = at()
-    match kind:
-        case "triangle" | "trapezoid" | "rectangle" | "pi":
-            numbers = sorted_places({"triangle": 3, "rectangle": 2}.get(kind, 4))
-        case "points":
-            xs = sorted_places(r.randint(2, 6))
-            ys = [r.choice((0.0, 0.25, 0.7, 1.0, r.random())) for _ in xs]
-            ys[r.randrange(len(ys))] = 1.0
-            pairs = zip(xs, ys, strict=True)
-            return "points " + " ".join(f"({number(x)}, {number(y)})" for x, y in pairs)
-        case "ramp" | "arc" | "concave" | "semi-ellipse":
-            numbers = [centre, centre + r.choice((-1, 1)) * spread]
-        case "s" | "z":
-            numbers = sorted_places(2)
-        case "binary":
-            return f"binary {number(centre)} {r.choice(('inf', '-inf'))}"
-        case "gaussian" | "cosine" | "spike":
-            numbers = [centre, spread]
-        case "two-sided-gaussian":
-            numbers = [centre, spread, centre + r.random() * spread, 0.5 * spread]
-        case "bell":
-            numbers = [centre, spread, r.choice((1.0, 2.0, 0.5, 3.5))]
-        case "sigmoid":
-            numbers = [centre, r.choice((-1, 1)) * 5.0 / spread]
-        case "sigmoid-difference":
-            numbers = [centre, 5.0 / spread, centre + 2.0 * spread, 4.0 / spread]
-        case _:
-            numbers = [centre, 5.0 / spread, centre + 2.0 * spread, -5.0 / spread]
+    centre, way = at(), r.choice((-1.0, 1.0))
+    steep, other = 5.0 / spread, centre + 2.0 * spread
+    counts = {"triangle": 3, "rectangle": 2, "s": 2, "z": 2, "trapezoid": 4, "pi": 4}
+    if kind in counts:
+        numbers = places(counts[kind])
+    elif kind == "points":
+        xs = sorted(set(places(r.randint(2, 6))))
+        ys = [r.choice((0.0, 0.25, 0.7, 1.0, r.random())) for _ in xs]
+        ys[r.randrange(len(ys))] = 1.0
+        pairs = zip(map(number, xs), map(number, ys), strict=True)
+        return "points " + " ".join(f"({x}, {y})" for x, y in pairs)
+    elif kind == "binary":
+        return f"binary {number(centre)} {r.choice(('inf', '-inf'))}"
+    elif kind in ("ramp", "arc", "concave", "semi-ellipse"):
+        numbers = [centre, centre + way * spread]
+    else:
+        numbers = {
+            "gaussian": [centre, spread],
+            "cosine": [centre, spread],
+            "spike": [centre, spread],
+            "two-sided-gaussian": [centre, spread, centre + r.random() * spread, 0.5 * spread],
+            "bell": [centre, spread, r.choice((1.0, 2.0, 0.5, 3.5))],
+            "sigmoid": [centre, way * steep],
+            "sigmoid-difference": [centre, steep, other, 0.8 * steep],
+            "sigmoid-product": [centre, steep, other, -steep],
+        }[kind]
     height = " height 0.8" if r.random() < 0.1 else ""
     return f"{kind} {' '.join(map(number, numbers))}{height}"
 
@@ -129,16 +126,14 @@ class Drawing:
         names = self.terms[name] = WORDS[: r.choice((2, 3, 5, 7))]
         for i, word in enumerate(names):
             peak, step = -6 + 12 * i / (len(names) - 1), 12 / (len(names) - 1)
-            upper, lower, height = (
-                r.choice(
-                    (
-                        (f"triangle {peak - step:g} {peak:g} {peak + step:g}",
-                         f"triangle {peak - 0.7 * step:g} {peak:g} {peak + 0.7 * step:g}", 0.9),
-                        (f"gaussian {peak:g} {0.5 * step:g}", f"gaussian {peak:g} {0.3 * step:g}", 1),
-                    )
-                )
-            )  # fmt: skip
-            self.lines.append(f"term {name} {word}: {upper} over {lower} height {height}")
+            kind = r.choice(("triangle", "gaussian"))
+            sides = [
+                f"triangle {peak - share * step:g} {peak:g} {peak + share * step:g}"
+                if kind == "triangle"
+                else f"gaussian {peak:g} {0.5 * share * step:g}"
+                for share in (1.0, 0.7)
+            ]
+            self.lines.append(f"term {name} {word}: {sides[0]} over {sides[1]} height 0.9")
 
     def condition(self, names: list[str], depth: int = 2) -> str:
         """Return an antecedent."""

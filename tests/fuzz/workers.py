@@ -7,6 +7,7 @@ whatever writes to them (a compiler, a thread) is seen.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import select
@@ -116,10 +117,8 @@ class Worker:
         else:
             self._trace = _last(process)
             why = f"ended with {status}"
-        try:
+        with contextlib.suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
-        except ProcessLookupError:
-            pass
         process.wait()
         for stream in (process.stdin, process.stdout, process.stderr):
             assert stream is not None
@@ -173,10 +172,8 @@ def _serve() -> None:
         except BaseException:
             status, trace = "raised", traceback.format_exc()
         for stream in (sys.stdout, sys.stderr):
-            try:
+            with contextlib.suppress(OSError):
                 stream.flush()
-            except OSError:
-                pass
         answers.write(json.dumps({"status": status, "trace": trace}).encode() + b"\n")
         answers.flush()
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm import errors
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
+from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import near_hint, printable, typed
 
 if TYPE_CHECKING:
@@ -315,11 +316,12 @@ def write_text(text: str) -> None:
 
 
 def print_json(data: Any, indent: int | None = None, *, ascii_only: bool = True) -> None:
-    """Print JSON data to the standard output."""
+    """Print data as JSON to the standard output; what is not a finite number is null."""
     import json
 
     ascii_only |= "utf" not in (sys.stdout.encoding or "utf-8").lower()
-    lines = json.dumps(data, indent=indent, ensure_ascii=ascii_only).split("\n")
+    text = json.dumps(jsonable(data), indent=indent, ensure_ascii=ascii_only, allow_nan=False)
+    lines = text.split("\n")
     # JSON itself escapes control characters, but not those that turn the direction of writing.
     print("\n".join(x if x.isprintable() else _UNPRINTABLE.sub(_escaped, x) for x in lines))
 
@@ -448,40 +450,73 @@ def compiling_shown(display: Progress | None = None) -> Iterator[None]:
 @contextmanager
 def _long_work() -> Iterator[Progress]:
     """Give a display, which also shows what is compiled meanwhile."""
+    _shown.set()
     with _display() as display, compiling_shown(display):
         yield display
 
 
-SOON = 1.5
-"""Seconds after which a command that nobody watches on a terminal says what it does."""
+_QUIET = os.environ.get("FUZZYARM_PROGRESS") == "0"
 
-TOLD_EVERY = 10.0
-"""Seconds between two lines of progress there."""
+SOON = math.inf if _QUIET else 1.5
+"""Seconds after which a command says what it does, where no bar shows it."""
+
+TOLD_EVERY = math.inf if _QUIET else 10.0
+"""Seconds between two lines of progress, where no bar shows it."""
+
+_doing: list[str] = []
+"""What is being done, the innermost last."""
+
+_shown, _hushed = threading.Event(), threading.Event()
+"""Whether it has been said, or is shown by a bar; whether no more is to be said."""
+
+
+def hush() -> None:
+    """Say no more of what this command does: its screen or its server shows it."""
+    _hushed.set()
 
 
 @contextmanager
 def announced(words: str, *, shown: bool = True) -> Iterator[None]:
     """Say in one line on the standard error what is being done, where it takes a while.
 
-    On a terminal nothing is said: a bar is shown there.
+    Within another one it takes over what is said there, or says it itself, if that was said.
     """
-    if not shown or sys.stderr.isatty():
+    if not shown or math.isinf(SOON):
         yield
         return
-    timer = threading.Timer(SOON, print_error, (words,))
-    timer.daemon = True
-    timer.start()
+    _doing.append(words)
+    timer = None
+    if len(_doing) == 1:
+        _hushed.clear()
+    if len(_doing) == 1 or (_shown.is_set() and not sys.stderr.isatty()):
+        _shown.clear()
+        timer = threading.Timer(SOON, _say_what_is_done)
+        timer.daemon = True
+        timer.start()
     try:
         yield
     finally:
-        timer.cancel()
+        _doing.pop()
+        if timer is not None:
+            timer.cancel()
+
+
+def _say_what_is_done() -> None:
+    if _doing and not (_shown.is_set() or _hushed.is_set()):
+        _shown.set()
+        print_progress(_doing[-1])
+
+
+def print_progress(words: str) -> None:
+    """Print one line about what is being done, which is no word about how it ends."""
+    stream = sys.stderr
+    with suppress(OSError):
+        print(printable(f"fuzzyarm: {words}"), file=getattr(stream, "stream", stream), flush=True)
 
 
 @contextmanager
 def busy(message: str) -> Iterator[Callable[[str], None]]:
-    """Show `message` while something runs, elsewhere than on a terminal now and then; give what
-    changes it.
-    """
+    """Show `message` while something runs; give what changes it, now and then off a terminal."""
     if not sys.stderr.isatty():
         with announced(message):
             yield _told_now_and_then()
@@ -521,6 +556,6 @@ def _told_now_and_then() -> Callable[[str], None]:
         nonlocal told
         if time.monotonic() - told >= TOLD_EVERY:
             told = time.monotonic()
-            print_error(words)
+            print_progress(words)
 
     return tell

@@ -21,7 +21,6 @@ Examples
 from __future__ import annotations
 
 import argparse
-import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -65,7 +64,7 @@ def _run(arguments: argparse.Namespace) -> int:
     from fuzzyarm.text.files import write_atomically
 
     with busy("fitting") as tell:
-        made = fit(samples, options, tell or (lambda _words: None))
+        made = fit(samples, options, tell)
     write_atomically(arguments.out, made.text)
     report = _report(arguments, samples, made, test)
     if arguments.json:
@@ -177,7 +176,7 @@ def _report(
         "classes": list(samples.classes),
         "rules": len(made.rulebase.rules),
         "structure": made.structure,
-        "shrinkage": None if math.isnan(made.shrinkage) else made.shrinkage,
+        "shrinkage": made.shrinkage,
         "digits": made.digits,
         "training": {
             "error": made.error,

@@ -24,7 +24,6 @@ Examples
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,6 +36,7 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     group,
+    hush,
     print_json,
     progress_bar,
 )
@@ -146,6 +146,7 @@ def _watch(results: list[Run], plant: Plant) -> None:
     from fuzzyarm.show.drawing import make_console
     from fuzzyarm.show.figures.live import play
 
+    hush()
     console = make_console()
     for result in results:
         if result.samples and not play(result, plant, console):
@@ -213,7 +214,7 @@ def _as_json(result: Run) -> dict[str, Any]:
     return {
         "controller": result.controller,
         "trajectory": result.trajectory,
-        **{name: [_number(value) for value in values] for name, values in norms.items()},
+        **norms,
         "samples": result.samples,
         "conventions": result.conventions.name,
         "precision": result.conventions.precision,
@@ -225,11 +226,6 @@ def _as_json(result: Run) -> dict[str, Any]:
         "metrics": {name: each.as_dict() for name, each in result.metrics.items()},
         "seed": result.seed,
     }
-
-
-def _number(value: float) -> float | None:
-    """Return null for what JSON has no number for: a run without samples has no errors."""
-    return float(value) if math.isfinite(value) else None
 
 
 def _as_text(result: Run) -> str:

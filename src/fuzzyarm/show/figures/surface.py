@@ -272,11 +272,8 @@ def table_figure(table: LookupTable, at: Mapping[str, float] | None = None) -> F
         A point to mark.
     """
     at = at or {}
-    sides = [_Side(a.name, a.description, a.low, a.high) for a in table.axes]
-    reach = [float(table.values.min()), float(table.values.max())]
-    low = table.low if table.low is not None and math.isfinite(table.low) else reach[0]
-    high = table.high if table.high is not None and math.isfinite(table.high) else reach[1]
-    target = _Side(table.output, table.description, low, high)
+    sides = [_Side(a.name, a.description, *a.ends) for a in table.axes]
+    target = _Side(table.output, table.description, *table.reach)
     if len(sides) == 1:
         return _table_line(table, sides[0], target, at)
     pages = table.axes[:-2]
