@@ -27,9 +27,9 @@ def display_on(out):
     return Progress(*columns, console=console, transient=True, auto_refresh=False)
 
 
-def test_nothing_is_shown_where_there_is_no_terminal(capsys):
+def test_what_is_soon_done_shows_nothing_where_there_is_no_terminal(capsys):
     with commands.busy("running") as tell:
-        assert tell is None
+        tell("still running")
     with commands.progress_bar("runs", 3) as advance:
         advance(1)
     assert capsys.readouterr() == ("", "")

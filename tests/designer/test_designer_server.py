@@ -6,21 +6,25 @@ import re
 import shutil
 import socket
 import subprocess
+from pathlib import Path
 
 import pytest
-from hypothesis import given
+from budget import cases
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fuzzyarm.designer.assets import PAGE, asset
 from fuzzyarm.designer.changes import ChangeError, applied, difference, merged
 from fuzzyarm.designer.shared import ConflictError, SharedText
-from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, script_source
+from fuzzyarm.designer.written import MODULES, NotWrittenError, page_of, page_of_text, script_source
 from fuzzyarm.inference import infer
 from fuzzyarm.inference.sets import straight_pieces
+from fuzzyarm.language import parse, write
 from fuzzyarm.language.queries import ReshapeError, apply_edits, read, set_cell, set_shapes
 from fuzzyarm.model.rulebase import Shape
 from fuzzyarm.model.shapes import membership_function, polyline
 from fuzzyarm.shipped_files import shipped
+from tests.strategies import rulebases
 
 pytest.importorskip("starlette", reason="the extra designer is not installed")
 
@@ -492,6 +496,26 @@ def test_no_page_is_made_of_what_is_not_a_rule_base():
     for name in ("servo.frb", "thesis-6.1.lut"):
         with pytest.raises(NotWrittenError):
             page_of(shipped(name))
+
+
+@settings(max_examples=cases(10, 200), suppress_health_check=list(HealthCheck))
+@given(rulebases(odd_names=True, decorated=True))
+def test_a_page_is_made_of_any_rule_base(rulebase):
+    text = write(rulebase)
+    assert parse(text).rulebase is not None
+    assert page_of_text(text, Path("any.frb")).endswith("</html>\n")
+
+
+def test_a_page_is_made_of_a_rule_base_whose_inputs_do_not_matter():
+    text = """rulebase constant
+input e -1 .. 1
+output u 0 .. 1
+terms e: triangles N P
+term u A: linear 0.4
+inference u: defuzzifier weighted-average
+rule if e is N or e is P then u is A
+"""
+    assert "linear 0.4" in page_of_text(text, Path("constant.frb"))
 
 
 def test_no_word_of_the_page_stands_twice():

@@ -110,3 +110,29 @@ def test_the_last_line_goes_with_the_break_in_front_of_it():
     last = read(text).model.rules[-1].span.line
     assert last == len(text.splitlines())
     assert edited(text, set_rule, last, "") == "\n".join(text.splitlines()[:-1])
+
+
+SUMS = """rulebase sums
+input e -1 .. 1
+input 'c e' -2 .. 2
+output u -5 .. 5
+output k -5 .. 5
+terms e, 'c e': triangles N P
+term u A: linear 0.5*e - 2*'c e' + 1
+term u B: linear 0
+term k C: linear 4 height 0.5
+term k D: formula "e + 1"
+inference defuzzifier weighted-average
+rule if e is N then u is A, k is C
+rule if 'c e' is P then u is B, k is D
+"""
+
+
+def test_a_sum_and_a_formula_are_written_as_the_text_has_them():
+    model = read(SUMS).model
+    shapes = [(v.name, t.name, t.shape) for v in (*model.inputs, *model.outputs) for t in v.terms]
+    assert read(edited(SUMS, set_shapes, shapes)).model.outputs == model.outputs
+    after = edited(SUMS, set_shapes, [("u", "B", Shape("linear", (0.0, 3.0, -1.0)))])
+    assert "term u B: linear 3*'c e' - 1\n" in after
+    with pytest.raises(ReshapeError, match="a sum of 2 inputs has 3 numbers, not 2"):
+        set_shapes(read(SUMS), [("u", "B", Shape("linear", (3.0, -1.0)))])

@@ -16,6 +16,7 @@ from fuzzyarm.api import (
 )
 from fuzzyarm.cli.command import (
     WordError,
+    announced,
     argument,
     command,
     finding_data,
@@ -64,7 +65,8 @@ def _check(arguments: argparse.Namespace) -> int:
     on = _plant_of(arguments)
     for path in _files(arguments.files):
         try:
-            review = _review_stdin(on) if path == "-" else check_file(path, on)
+            with announced(f"checking {path}"):
+                review = _review_stdin(on) if path == "-" else check_file(path, on)
         except OSError as error:
             print_os_error(error, path)
             failed = True
@@ -78,6 +80,10 @@ def _check(arguments: argparse.Namespace) -> int:
                 print(f"{path}: {_engine_of(review.rulebase)}")
     if arguments.json:
         print_json([finding_data(diagnostic) for diagnostic in found], 2)
+    wrong = any(each.is_error for each in found)
+    if failed and found and (arguments.json or not wrong):
+        summary = Review("", tuple(found)).summary
+        print_error(summary if wrong else f"{summary}; --strict lets no warning pass")
     return int(failed)
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from fuzzyarm import errors
 from fuzzyarm.text.diagnostic import Diagnostic, render_all, split_lines
+from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import near_hint, printable, typed
 
 if TYPE_CHECKING:
@@ -372,11 +373,12 @@ def write_text(text: str) -> None:
 
 
 def print_json(data: Any, indent: int | None = None, *, ascii_only: bool = True) -> None:
-    """Print JSON data to the standard output."""
+    """Print data as JSON to the standard output; what is not a finite number is null."""
     import json
 
     ascii_only |= "utf" not in (sys.stdout.encoding or "utf-8").lower()
-    lines = json.dumps(data, indent=indent, ensure_ascii=ascii_only).split("\n")
+    text = json.dumps(jsonable(data), indent=indent, ensure_ascii=ascii_only, allow_nan=False)
+    lines = text.split("\n")
     # JSON itself escapes control characters, but not those that turn the direction of writing.
     print("\n".join(x if x.isprintable() else _UNPRINTABLE.sub(_escaped, x) for x in lines))
 
@@ -449,29 +451,71 @@ def _display() -> Progress:
     return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
-SOON = 1.5
-"""Seconds after which a command that nobody watches on a terminal says what it does."""
+@contextmanager
+def _long_work() -> Iterator[Progress]:
+    """Give a display; what it shows need not be said."""
+    _shown.set()
+    with _display() as display:
+        yield display
 
-TOLD_EVERY = 10.0
-"""Seconds between two lines of progress there."""
+
+_QUIET = os.environ.get("FUZZYARM_PROGRESS") == "0"
+
+SOON = math.inf if _QUIET else 1.5
+"""Seconds after which a command says what it does, where no bar shows it."""
+
+TOLD_EVERY = math.inf if _QUIET else 10.0
+"""Seconds between two lines of progress, where no bar shows it."""
+
+_doing: list[str] = []
+"""What is being done, the innermost last."""
+
+_shown, _hushed = threading.Event(), threading.Event()
+"""Whether it has been said, or is shown by a bar; whether no more is to be said."""
+
+
+def hush() -> None:
+    """Say no more of what this command does: its screen or its server shows it."""
+    _hushed.set()
 
 
 @contextmanager
 def announced(words: str, *, shown: bool = True) -> Iterator[None]:
     """Say in one line on the standard error what is being done, where it takes a while.
 
-    On a terminal nothing is said: a bar is shown there.
+    Within another one it takes over what is said there, or says it itself, if that was said.
     """
-    if not shown or sys.stderr.isatty():
+    if not shown or math.isinf(SOON):
         yield
         return
-    timer = threading.Timer(SOON, print_error, (words,))
-    timer.daemon = True
-    timer.start()
+    _doing.append(words)
+    timer = None
+    if len(_doing) == 1:
+        _hushed.clear()
+    if len(_doing) == 1 or (_shown.is_set() and not sys.stderr.isatty()):
+        _shown.clear()
+        timer = threading.Timer(SOON, _say_what_is_done)
+        timer.daemon = True
+        timer.start()
     try:
         yield
     finally:
-        timer.cancel()
+        _doing.pop()
+        if timer is not None:
+            timer.cancel()
+
+
+def _say_what_is_done() -> None:
+    if _doing and not (_shown.is_set() or _hushed.is_set()):
+        _shown.set()
+        print_progress(_doing[-1])
+
+
+def print_progress(words: str) -> None:
+    """Print one line about what is being done, which is no word about how it ends."""
+    stream = sys.stderr
+    with suppress(OSError):
+        print(printable(f"fuzzyarm: {words}"), file=getattr(stream, "stream", stream), flush=True)
 
 
 @contextmanager
@@ -481,7 +525,7 @@ def busy(message: str) -> Iterator[Callable[[str], None]]:
         with announced(message):
             yield _told_now_and_then()
         return
-    with _display() as display:
+    with _long_work() as display:
         task = display.add_task(message, total=None)
         yield lambda words: display.update(task, description=words)
 
@@ -503,7 +547,7 @@ def progress_bar(title: str, total: int, *, shown: bool = True) -> Iterator[Call
         with announced(title):
             yield advance
         return
-    with _display() as display:
+    with _long_work() as display:
         task = display.add_task(title, total=total)
         yield lambda count: display.advance(task, count)
 
@@ -516,6 +560,6 @@ def _told_now_and_then() -> Callable[[str], None]:
         nonlocal told
         if time.monotonic() - told >= TOLD_EVERY:
             told = time.monotonic()
-            print_error(words)
+            print_progress(words)
 
     return tell

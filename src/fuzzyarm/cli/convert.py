@@ -146,6 +146,8 @@ def _convert_table(arguments: argparse.Namespace, target: str) -> int:
         data = _as_json(arguments, imported, diagnostics, written=written)
         residual = {"worst": found.worst, "rms": found.rms}
         print_json({**data, "rules": rules, "residual": residual})
+        if not written:
+            print_error(f"{arguments.target}: not written")
         return int(not written)
     _report(arguments, imported, diagnostics, written=written)
     if written and not arguments.quiet:
@@ -194,6 +196,9 @@ def _convert_script(arguments: argparse.Namespace) -> int:
     ]
     if arguments.json:
         _print_systems(arguments, systems, targets, written, diagnostics)
+        for target, done in zip(targets, written, strict=True):
+            if not done:
+                print_error(f"{target}: not written")
         return int(not all(written))
     _say_findings(diagnostics, source)
     for system, target, done in zip(systems, targets, written, strict=True):
@@ -308,6 +313,8 @@ def _report(
 ) -> None:
     if arguments.json:
         print_json(_as_json(arguments, imported, found, written=written), 2)
+        if not written:
+            print_error(f"{arguments.target}: not written")
         return
     stream = sys.stdout if written else sys.stderr
     text = text_to_show(arguments.source) if found else ""

@@ -22,7 +22,7 @@ import argparse
 import contextlib
 from pathlib import Path
 
-from fuzzyarm.cli.command import WordError, argument, command, flag, require_suffix, say
+from fuzzyarm.cli.command import WordError, argument, command, flag, hush, require_suffix, say
 from fuzzyarm.errors import FuzzyarmError, demand_extra
 
 
@@ -45,6 +45,8 @@ def _run(arguments: argparse.Namespace) -> int:
 
     if not path.is_dir() and not (path.is_file() and path.suffix.lower() in SUFFIXES):
         raise DesignerError(f"{arguments.file} is neither a .frb nor a .lut file")
+
+    hush()
 
     def announce(address: str) -> None:
         print(address, flush=True)

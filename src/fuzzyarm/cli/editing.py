@@ -16,6 +16,7 @@ from fuzzyarm.cli.command import (
     at,
     command,
     flag,
+    hush,
     print_error,
     read_assignments,
 )
@@ -58,6 +59,7 @@ def _studio(arguments: argparse.Namespace) -> int:
         raise StudioError("the studio needs a terminal", hint="fuzzyarm show prints a drawing")
     from fuzzyarm.studio.app import Studio
 
+    hush()
     return Studio(document).run() or 0
 
 
@@ -86,7 +88,10 @@ def _watch(arguments: argparse.Namespace) -> int:
     console = make_console()
     _redraw(console, document, arguments)
     if arguments.once:
+        if document.broken:
+            print_error(f"{arguments.file}: {document.summary}")
         return int(document.broken)
+    hush()
     try:
         _follow(console, document, arguments, seen)
     except KeyboardInterrupt:
@@ -164,7 +169,8 @@ def _write_products(document: StudioDocument, arguments: argparse.Namespace) -> 
 def _write_table(document: StudioDocument, rulebase: RuleBase | None, target: str) -> None:
     from fuzzyarm.table import compile_table, write_table
 
-    assert rulebase is not None, "a sound rule base comes with its model"
+    if rulebase is None:
+        raise WordError(f"{document.path} is a controller: a table is made of a rule base")
     write_table(compile_table(rulebase), target)
 
 
@@ -174,6 +180,8 @@ def _write_figure(document: StudioDocument, rulebase: RuleBase | None, target: s
     if rulebase is not None:
         save_figure(rulebase_figure(rulebase), target)
         return
+    if Path(document.path).suffix.lower() == ".frb":
+        raise WordError(f"{document.path} is a controller: a figure is drawn of a rule base")
     from fuzzyarm.table import read_table
 
     save_figure(table_figure(read_table(document.path)), target)
@@ -224,6 +232,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     from fuzzyarm.lsp.server import MessageStream
 
     server = make_server()
+    hush()
     if arguments.tcp is None:
         # The server closes its output when it ends; ours stays open for the farewell.
         stdin = cast("BinaryIO", MessageStream(sys.stdin.buffer))

@@ -188,7 +188,7 @@ def _report(arguments: argparse.Namespace, samples: Samples, made: Fit) -> dict[
         "classes": list(samples.classes),
         "rules": len(made.rulebase.rules),
         "structure": made.structure,
-        "shrinkage": None if math.isnan(made.shrinkage) else made.shrinkage,
+        "shrinkage": made.shrinkage,
         "digits": made.digits,
         "training": {
             "error": made.error,

@@ -11,11 +11,13 @@ import importlib
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import TextIO, cast
 
 from fuzzyarm.cli.command import (
     EXIT_INTERRUPTED,
     Command,
+    announced,
     print_error,
     print_findings,
     print_os_error,
@@ -70,6 +72,13 @@ HEADINGS = {
 EXIT_INPUT = 1
 EXIT_USAGE = 2
 
+ENDINGS = {
+    EXIT_INPUT: "refused: what was found says why",
+    3: "a run diverged: its figures are those until then",
+    4: "not everything is decided: what was printed says what is open",
+}
+"""What is said of an exit status where a command said nothing itself."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
@@ -93,6 +102,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         atexit.register(gc.freeze)
     _prepare_output()
     warnings.formatwarning = _warning_text
+    with _heard() as errors:
+        status = _status(words)
+        if status in ENDINGS and not errors.heard:
+            print_error(ENDINGS[status])
+    return status
+
+
+def _status(words: list[str]) -> int:
+    """Run one command, and turn what it raises into a sentence and an exit status."""
     try:
         status = _run(words)
         sys.stdout.flush()
@@ -114,6 +132,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print_error("interrupted")
         return EXIT_INTERRUPTED
     return status
+
+
+class _ErrorStream:
+    """The standard error, which remembers whether a word was written to it."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+        self.heard = False
+
+    def write(self, text: str) -> int:
+        self.heard = self.heard or bool(text.strip())
+        return self.stream.write(text)
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self.stream, name)
+
+
+@contextlib.contextmanager
+def _heard() -> Iterator[_ErrorStream]:
+    """Listen to the standard error meanwhile."""
+    before = sys.stderr
+    errors = _ErrorStream(before)
+    sys.stderr = cast("TextIO", errors)
+    try:
+        yield errors
+    finally:
+        sys.stderr = before
 
 
 _DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -157,16 +202,27 @@ def _run(words: list[str]) -> int:
     if name not in COMMANDS or words[0] != name:
         return _overview(words, name)
     try:
-        command = find_command(name)
-        return command.run(_parse(command.parser(), words[1:]))
+        with announced(f"at work on: {_shortened(words)}"):
+            command = find_command(name)
+            return command.run(_parse(command.parser(), words[1:]))
     except SystemExit as stop:  # argparse leaves this way after --help or a usage error
         return stop.code if isinstance(stop.code, int) else EXIT_USAGE
+
+
+def _shortened(words: list[str], most: int = 72) -> str:
+    text = " ".join(words)
+    return text if len(text) <= most else f"{text[: most - 1]}…"
 
 
 def _parse(parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namespace:
     """Parse the words behind a command's name; options may stand anywhere among the others."""
     if words and not any(word.startswith("-") for word in words):
         return parser.parse_args(words)  # nothing to intermix: the usage need not be written
+    for word in words:
+        # argparse takes the two dashes away and gives an empty list for them.
+        option, equals, value = word.partition("=")
+        if option.startswith("--") and equals and value == "--":
+            parser.error(f"argument {option}: expected a value, not '--'")
     return parser.parse_intermixed_args(words)  # as in `eval FILE --json e=1 ce=2`
 
 

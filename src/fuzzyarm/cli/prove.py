@@ -105,11 +105,10 @@ def _files(arguments: argparse.Namespace, tolerance: float | None, budget: float
 
 
 def _data(verdict: Verdict) -> dict[str, Any]:
-    bound = verdict.bound
     return {
         "property": verdict.statement,
         "verdict": verdict.verdict,
-        "bound": [_finite(x) for x in bound] if isinstance(bound, tuple) else _finite(bound),
+        "bound": verdict.bound,
         "evidence": list(verdict.evidence),
         "pieces": verdict.pieces,
         "seconds": round(verdict.seconds, 6),
@@ -117,10 +116,6 @@ def _data(verdict: Verdict) -> dict[str, Any]:
         "reason": verdict.reason,
         "line": verdict.line,
     }
-
-
-def _finite(number: float | None) -> float | None:
-    return number if number is not None and math.isfinite(number) else None
 
 
 _WAYS = {
@@ -187,7 +182,7 @@ def _print_single(found: dict[str, Bounds]) -> None:
             return
     low = min(bounds.low for bounds in found.values())
     high = max(bounds.high for bounds in found.values())
-    print_json({"low": _finite(low), "high": _finite(high), "inputs": data}, 2)
+    print_json({"low": low, "high": high, "inputs": data}, 2)
 
 
 def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
@@ -201,8 +196,8 @@ def _single_data(key: str, bounds: Bounds) -> dict[str, Any]:
             **facts,
         }
     return {
-        "low": _finite(bounds.low),
-        "high": _finite(bounds.high),
+        "low": bounds.low,
+        "high": bounds.high,
         "at_low": bounds.at_low,
         "at_high": bounds.at_high,
         **facts,

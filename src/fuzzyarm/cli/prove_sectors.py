@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -295,13 +294,4 @@ def _drive_data(found: DriveProof) -> dict[str, Any]:
     data = asdict(found)
     head = {"drive": f"{found.axis}.{found.port}"}
     data.pop("axis"), data.pop("port")
-    return head | {key: _finite(value) for key, value in data.items()}
-
-
-def _finite(value: Any) -> Any:
-    """Return data with None for what JSON has no number."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: _finite(each) for key, each in value.items()}
-    return [_finite(each) for each in value] if isinstance(value, list | tuple) else value
+    return head | data

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ from fuzzyarm.cli.command import (
 )
 from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.text.names import typed
+from fuzzyarm.text.numbers import number_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -127,8 +129,8 @@ def _without_spans(data: Any) -> Any:
         return {key: _without_spans(value) for key, value in data.items() if key != "span"}
     if isinstance(data, (list, tuple)):
         return [_without_spans(value) for value in data]
-    if isinstance(data, float) and not -1e308 < data < 1e308:
-        return str(data)  # JSON has no infinity
+    if isinstance(data, float) and math.isinf(data):
+        return number_text(data)  # null would not say which way a shoulder or a step goes
     return data
 
 

@@ -26,8 +26,8 @@ Examples
 from __future__ import annotations
 
 import argparse
-import math
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +39,7 @@ from fuzzyarm.cli.command import (
     command,
     flag,
     group,
+    hush,
     print_json,
     progress_bar,
 )
@@ -155,6 +156,7 @@ def _watch(results: list[Run], plant: Plant) -> None:
     from fuzzyarm.show.drawing import make_console
     from fuzzyarm.show.figures.live import play
 
+    hush()
     console = make_console()
     for result in results:
         if result.samples and not play(result, plant, console):
@@ -227,7 +229,7 @@ def run_as_json(result: Run) -> dict[str, Any]:
     return {
         "controller": result.controller,
         "trajectory": result.trajectory,
-        **{name: [_number(value) for value in values] for name, values in norms.items()},
+        **norms,
         "samples": result.samples,
         "conventions": result.conventions.name,
         "precision": result.conventions.precision,
@@ -241,11 +243,6 @@ def run_as_json(result: Run) -> dict[str, Any]:
         "metrics": {name: each.as_dict() for name, each in result.metrics.items()},
         "seed": result.seed,
     }
-
-
-def _number(value: float) -> float | None:
-    """Return null for what JSON has no number for: a run without samples has no errors."""
-    return float(value) if math.isfinite(value) else None
 
 
 def _as_text(result: Run) -> str:

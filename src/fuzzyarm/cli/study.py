@@ -48,6 +48,10 @@ def _reproduce(arguments: argparse.Namespace) -> int:
     from fuzzyarm.study import find_rows
 
     rows = find_rows(arguments.rows)
+    if arguments.list and arguments.json:
+        names = ("identifier", "row", "condition")
+        print_json([{name: getattr(row, name) for name in names} for row in rows], 1)
+        return 0
     if arguments.list:
         for row in rows:
             print(f"{row.identifier:<24}{row.row:<20}{row.condition}")

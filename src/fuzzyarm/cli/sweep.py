@@ -464,7 +464,6 @@ ERRORS = ("rms", "max", "final", "overshoot")
 
 def _as_json(many: Many, asked: Asked, arguments: argparse.Namespace) -> dict[str, Any]:
     metric = arguments.metric
-    import numpy as np
 
     found: dict[str, Any] = {
         "controller": many.controller,
@@ -491,10 +490,7 @@ def _as_json(many: Many, asked: Asked, arguments: argparse.Namespace) -> dict[st
     if not arguments.out:
         columns = many.columns()
         found["columns"] = list(columns)
-        found["rows"] = [
-            [None if np.isnan(value) else value.item() for value in row]
-            for row in zip(*columns.values(), strict=True)
-        ]
+        found["rows"] = list(zip(*columns.values(), strict=True))
     return found
 
 

@@ -56,7 +56,7 @@ from fuzzyarm.cli.command import (
     saved,
     say,
 )
-from fuzzyarm.cli.experiment import CONVENTIONS, TRAJECTORY, experiment_of
+from fuzzyarm.cli.experiment import CONVENTIONS, TRAJECTORY, conventions_of, experiment_of
 from fuzzyarm.cli.plants import (
     MOTORS,
     PLANT,

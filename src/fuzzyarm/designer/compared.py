@@ -16,6 +16,7 @@ from fuzzyarm.model.rulebase import RuleBase
 from fuzzyarm.show.diff import compare_rulebases, table_change_words, table_summary
 from fuzzyarm.show.figures.surface import with_gaps
 from fuzzyarm.table import LookupTable, compare_tables
+from fuzzyarm.text.jsonable import jsonable
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.jobs import Job
@@ -143,14 +144,10 @@ def _slice(
         "held": held,
         "xs": xs.tolist(),
         "ys": ys.tolist(),
-        "before": _finite(values[0]),
-        "after": _finite(values[1]),
+        "before": jsonable(values[0].ravel()),
+        "after": jsonable(values[1].ravel()),
         "worst": where,
     }
-
-
-def _finite(values: Array) -> list[float | None]:
-    return [x if math.isfinite(x) else None for x in values.ravel().tolist()]
 
 
 def _where(difference: Array, points: Mapping[str, Array]) -> dict[str, Any] | None:

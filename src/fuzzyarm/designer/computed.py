@@ -12,6 +12,7 @@ from fuzzyarm.inference.arrays import firing_strengths
 from fuzzyarm.inference.engine import compiled
 from fuzzyarm.lsp.session import Session
 from fuzzyarm.model.rulebase import Input, RuleBase
+from fuzzyarm.text.jsonable import jsonable
 
 __all__ = ["surface"]
 
@@ -52,7 +53,7 @@ def surface(session: Session, asked: dict[str, Any], job: Job) -> None:
     if asked.get("fired"):
         strengths, _ = firing_strengths(model, dict(zip(names, point, strict=True)))
         values = compiled(model).at(*point)
-        job.tell({"strengths": strengths.tolist(), "outputs": [_number(each) for each in values]})
+        job.tell({"strengths": strengths.tolist(), "outputs": jsonable(values)})
     _tell_surface(model, point, asked, job)
 
 
@@ -71,7 +72,7 @@ def _tell_surface(model: RuleBase, point: list[float], asked: dict[str, Any], jo
         job.check()
         given = columns if row is None else {**columns, y.name: row}
         found = np.broadcast_to(run(given)[output.name], (across,))
-        z += [_number(float(value)) for value in found]
+        z += jsonable(found)
     job.tell({"z": z, "across": across})
 
 
@@ -81,7 +82,3 @@ def _ends(variable: Input, asked: list[float]) -> tuple[float, float]:
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise ValueError("the ends of an axis")
     return max(low, variable.low), min(high, variable.high)
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None

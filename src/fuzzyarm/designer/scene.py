@@ -29,6 +29,7 @@ from fuzzyarm.model.rulebase import (
 )
 from fuzzyarm.model.shapes import centre
 from fuzzyarm.text.diagnostic import Span
+from fuzzyarm.text.jsonable import jsonable
 
 __all__ = ["Positions", "held_numbers", "scene_of"]
 
@@ -115,10 +116,6 @@ def held_numbers(rulebase: RuleBase, variable: str) -> dict[str, Any] | None:
         return None
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
 def _number(value: float) -> float | str:
     """Return a number for JSON, which has no infinite ones."""
     return value if math.isfinite(value) else "Infinity" if value > 0.0 else "-Infinity"
@@ -130,8 +127,8 @@ def _variable(
     return {
         "name": variable.name,
         "description": variable.description,
-        "low": _finite(variable.low),
-        "high": _finite(variable.high),
+        "low": jsonable(variable.low),
+        "high": jsonable(variable.high),
         "outside": variable.outside,
         "terms": [
             _term(each, variable, functions, positions, lower.get((variable.name, each.name), ""))
@@ -203,7 +200,7 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
                         upper.get(member.term.name, member.term.name),
                     ]
                 ),
-                "value": None if member.value is None else _finite(member.value),
+                "value": jsonable(member.value),
                 "curve": curve
                 and {"address": curve.address, "numbers": list(map(_number, curve.numbers))},
                 "implication": norm_number(TNORMS[member.implication], "T", functions),
@@ -215,7 +212,7 @@ def _output(output: Output, made: Plan, functions: Functions, lower: LowerNames)
         "discrete": found.discrete,
         "interval": output.defuzzifier.method in KARNIK_MENDEL,
         "twoSided": bool(found.sides),
-        "noRule": output.no_rule if isinstance(output.no_rule, str) else _finite(output.no_rule),
+        "noRule": jsonable(output.no_rule),
         "members": members,
         "asserted": [list(each) for each in found.contributions],
     }

@@ -54,6 +54,7 @@ from fuzzyarm.designer.tuning import tunable, tune
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.shipped_files import shipped_folder
 from fuzzyarm.text.files import confined
+from fuzzyarm.text.jsonable import jsonable
 
 if TYPE_CHECKING:
     from fuzzyarm.designer.run import Running
@@ -101,7 +102,7 @@ class Window:
     async def tell(self, message: dict[str, Any]) -> None:
         """Send a message; a window that has gone hears nothing."""
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-            await self.socket.send_text(json.dumps(message, ensure_ascii=True))
+            await self.socket.send_text(json.dumps(jsonable(message)))
 
 
 class Designer:

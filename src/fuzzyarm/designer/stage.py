@@ -14,6 +14,7 @@ from fuzzyarm.plant.driven_arm import Arm
 from fuzzyarm.plant.own import PLANTS, find_plant
 from fuzzyarm.plant.plant import Address, Interface, Plant, PlantError, parameter
 from fuzzyarm.show.figures.plants import DRAWN, Area, Drawing, Line, Mark, Scene, Words
+from fuzzyarm.text.jsonable import jsonable
 
 Loads = dict[Address, float]
 
@@ -114,7 +115,8 @@ def _part(part: Line | Area | Mark | Words) -> dict[str, Any] | None:
 
 def short(value: float, digits: int = 6) -> float | None:
     """Return a number as a page needs it; None where it is not finite."""
-    return float(f"{value:.{digits}g}") if math.isfinite(value) else None
+    shortened: float | None = jsonable(float(f"{value:.{digits}g}"))
+    return shortened
 
 
 class Painter:

@@ -38,6 +38,7 @@ from fuzzyarm.plant.trajectory import TRAJECTORIES
 from fuzzyarm.shipped_files import shipped_folder
 from fuzzyarm.text.diagnostic import RuleBaseError
 from fuzzyarm.text.files import confined
+from fuzzyarm.text.jsonable import jsonable
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -477,8 +478,8 @@ class Teller:
         news: dict[str, Any] = {
             "phase": phase,
             "from": first,
-            "costs": [_finite(trial.score.cost) for trial in trials[first:]],
-            "best": _finite(found.best.score.cost),
+            "costs": jsonable([trial.score.cost for trial in trials[first:]]),
+            "best": jsonable(found.best.score.cost),
             "refused": found.refused,
             "seconds": round(seconds, 2),
         }
@@ -489,7 +490,3 @@ class Teller:
             pairs = zip(self.design.parameters, best, strict=True)
             news["values"] = [each.value(float(share)) for each, share in pairs]
         self.pipe.send(news)
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

@@ -36,6 +36,7 @@ from fuzzyarm.inference.row_functions import Curve
 from fuzzyarm.inference.sets import formula_of
 from fuzzyarm.model.rulebase import KARNIK_MENDEL, POSITION, Hedge, RuleBase, Shape
 from fuzzyarm.model.shapes import polyline
+from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.names import printable
 from fuzzyarm.version import __version__
 
@@ -372,8 +373,7 @@ def _comment(title: str, source: str) -> list[str]:
 
 
 def _range(variable: Any) -> dict[str, Any]:
-    ends = (variable.low, variable.high)
-    low, high = (end if math.isfinite(end) else None for end in ends)
+    low, high = jsonable((variable.low, variable.high))
     return {"name": variable.name, "low": low, "high": high, "description": variable.description}
 
 

@@ -21,6 +21,7 @@ from fuzzyarm.export.routine import Accuracy, Argument, Cost, CWriter, Vectors
 from fuzzyarm.expression.kinds import SHAPES
 from fuzzyarm.expression.nodes import Constant
 from fuzzyarm.inference.engine import infer_many
+from fuzzyarm.inference.plan import part_for
 from fuzzyarm.model.rulebase import Input, RuleBase
 from fuzzyarm.model.shapes import corner_points, polyline
 from fuzzyarm.table.compiler import choose_output
@@ -203,8 +204,11 @@ class DirectRoutine:
             for variable, x in zip(self.rulebase.inputs, inputs, strict=True)
         }
         last = self._last() if held is None else held
-        holding = {o.name: last for o in self.rulebase.outputs if o.no_rule == "hold"}
-        found = infer_many(_forgiving(self.rulebase), named, holding)[self.name]
+        # Other outputs may take longer than this one by far.
+        part = part_for(_forgiving(self.rulebase), (self.name,))
+        needed = {variable.name: named[variable.name] for variable in part.inputs}
+        holding = {o.name: last for o in part.outputs if o.no_rule == "hold"}
+        found = infer_many(part, needed, holding)[self.name]
         return np.broadcast_to(np.asarray(found), np.broadcast_shapes(*(x.shape for x in inputs)))
 
     def _last(self) -> float:

@@ -278,8 +278,7 @@ class TableRoutine:
     def output(self) -> Argument:
         """The result."""
         table = self.core.table
-        low = float(table.values.min()) if table.low is None else table.low
-        high = float(table.values.max()) if table.high is None else table.high
+        low, high = table.reach
         scaling = _scaling(self.core.scales[-1])
         return Argument(table.output, low, high, table.description, scaling)
 

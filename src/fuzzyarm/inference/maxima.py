@@ -108,20 +108,75 @@ def _plateaus(plan: OutputPlan, fired: Fired) -> Intervals:
                 edges |= {*interval}
     cells = list(pairwise(sorted(edges)))
     heights: Heights = [(value(x), x, x) for x in edges]
-    for x0, x1 in cells:
-        if searched:
+    curves: Intervals = []
+    if searched:
+        level, curves = _cells_to_search(
+            plan, fired, cells, max(height for height, _, _ in heights)
+        )
+        heights += level
+        for x0, x1 in curves:
             heights += _greatest_on_curves(value, x0, x1)
-        else:
+    else:
+        for x0, x1 in cells:
             heights += _greatest_on_lines(plan, fired, x0, x1)
     greatest = max(height for height, _, _ in heights)
     if not greatest > 0.0:
         return []
     found = [each for each in heights if each[0] >= greatest * (1.0 - SAME)]
     wide = [(a, b) for _, a, b in found if b > a]
-    if searched:
-        wide = _widened(value, sorted({x for _, x, _ in found}), greatest, cells)
+    wide += _widened(value, sorted({x for _, x, _ in found}), greatest, curves)
     near = NEAR * (output.high - output.low)
     return _apart(found, near) + [(a, b) for a, b in _joined(wide) if b - a > near]
+
+
+def _cells_to_search(
+    plan: OutputPlan, fired: Fired, cells: Intervals, reached: float
+) -> tuple[Heights, Intervals]:
+    """Return cells over which an aggregate is level, and those where it may exceed `reached`.
+
+    In a cell every set is a part of one of its monotone pieces, so that its ends bound it, and
+    norms rise with every degree: most cells need no search.
+    """
+    norm = SNORMS[plan.output.aggregation].scalar
+    ends = {index: _degrees_at_ends(plan.members[index], cells) for index, _ in fired}
+    parts = [
+        (TNORMS[plan.members[index].implication].scalar, strength, ends[index])
+        for index, strength in fired
+    ]
+    bounds = []
+    for k, (x0, x1) in enumerate(cells):
+        low = high = 0.0
+        for implication, strength, own in parts:
+            least, most = own[k]
+            low = norm(low, implication(strength, least))
+            high = norm(high, implication(strength, most))
+        bounds.append((low, high, x0, x1))
+    reached = max(reached, *(low for low, _, _, _ in bounds))
+    ceiling = max(high for _, high, _, _ in bounds)
+    level: Heights = []
+    curves: Intervals = []
+    for low, high, x0, x1 in bounds:
+        if low == high or low >= ceiling * (1.0 - SAME):
+            level.append((low, x0, x1))
+        elif high >= reached * (1.0 - 2.0 * SAME):
+            curves.append((x0, x1))
+    return level, curves
+
+
+def _degrees_at_ends(member: Member, cells: Intervals) -> list[tuple[float, float]]:
+    """Return the least and the greatest degree of a set in each cell."""
+    pieces, found, k = member.pieces, [], 0
+    for x0, x1 in cells:
+        while k + 1 < len(pieces) and pieces[k].x1 <= x0:
+            k += 1
+        piece = pieces[k]
+        if piece.y0 == piece.y1:
+            found.append((piece.y0, piece.y0))
+            continue
+        left = piece.y0 if x0 <= piece.x0 else member.membership(x0)
+        right = piece.y1 if x1 >= piece.x1 else member.membership(x1)
+        found.append((left, right) if left <= right else (right, left))
+    return found
 
 
 def _joined(stretches: Intervals) -> Intervals:

@@ -32,6 +32,7 @@ from fuzzyarm.model.rulebase import (
     propositions,
 )
 from fuzzyarm.model.shapes import apply_hedges
+from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.shown import Drawn, one_line
 
 SAMPLES = 201
@@ -200,7 +201,7 @@ class Trace(Drawn):
 
         Infinite ranges and values that are NaN become None.
         """
-        written: dict[str, Any] = _finite(asdict(self))
+        written: dict[str, Any] = jsonable(_without_absent(asdict(self)))
         return written
 
     @property
@@ -218,14 +219,12 @@ class Trace(Drawn):
 _OF_TYPE_2 = {"lower", "lower_value", "lower_curve", "lower_aggregate", "left", "right"}
 
 
-def _finite(value: Any) -> Any:
+def _without_absent(value: Any) -> Any:
+    """Return data without what nothing of type 1 has."""
     if isinstance(value, dict):
-        # What nothing of type 1 has stands only where it is.
         absent = {key for key in _OF_TYPE_2 & value.keys() if value[key] in (None, ())}
-        return {key: _finite(each) for key, each in value.items() if key not in absent}
-    if isinstance(value, list | tuple):
-        return [_finite(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        return {key: _without_absent(each) for key, each in value.items() if key not in absent}
+    return [_without_absent(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def explain(

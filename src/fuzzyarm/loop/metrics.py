@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzyarm.loop.loop import rms, signed_maximum
+from fuzzyarm.text.jsonable import jsonable
 
 Vector = NDArray[np.float64]
 
@@ -71,11 +72,10 @@ class Metrics:
 
     def as_dict(self) -> dict[str, float | None]:
         """Return it by name; what is not finite is None."""
-        found = {each.name: getattr(self, each.name) for each in fields(self)}
-        return {
-            name: None if value is None or not math.isfinite(value) else float(value)
-            for name, value in found.items()
-        }
+        found: dict[str, float | None] = jsonable(
+            {each.name: getattr(self, each.name) for each in fields(self)}
+        )
+        return found
 
 
 def metric_unit(metric: str, error: str, drives: Sequence[str]) -> str:

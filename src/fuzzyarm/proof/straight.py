@@ -224,8 +224,8 @@ class _Reading:
             values,
             areas,
             output.defuzzifier.method == "weighted-sum",
-            Fraction(output.low) if bounded else -math.inf,
-            Fraction(output.high) if bounded else math.inf,
+            _exact(output.low) if bounded else -math.inf,
+            _exact(output.high) if bounded else math.inf,
             float(no_rule) if isinstance(no_rule, int | float) else None,
         )
 

@@ -363,7 +363,9 @@ def curve_blocks(curve: Curve, low: float, high: float, width: int) -> str:
 
 
 def marker(value: float, low: float, high: float, width: int) -> str:
-    """Return a line with ``^`` where `value` lies between `low` and `high`."""
+    """Return a line with ``^`` where `value` lies between `low` and `high`; empty for NaN."""
+    if not math.isfinite(value):
+        return ""
     column = round((value - low) / (high - low) * (width - 1))
     return " " * max(0, min(width - 1, column)) + "^"
 

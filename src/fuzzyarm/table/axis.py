@@ -101,6 +101,13 @@ class Axis:
         object.__setattr__(self, "low", low)
         object.__setattr__(self, "high", high)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The range of the input; where an end is infinite, the outermost level."""
+        low = self.low if math.isfinite(self.low) else self.levels[0]
+        high = self.high if math.isfinite(self.high) else self.levels[-1]
+        return low, high
+
     def thresholds(self, mode: str) -> tuple[float, ...]:
         """Return the thresholds between the cells for ``bins`` or ``nearest``.
 

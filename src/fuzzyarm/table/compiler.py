@@ -75,7 +75,8 @@ def compile_table(
     Returns
     -------
     LookupTable
-        Its axes are the inputs that the output depends on, in the order of the rule base.
+        Its axes are the inputs that the output depends on, in the order of the rule base. Of an
+        output without a range it states none.
 
     Raises
     ------
@@ -95,12 +96,13 @@ def compile_table(
         rounding = rulebase.lookup.round if rulebase.lookup else None
     values = sample(rulebase, target.name, axes, rounding or None)
     values.setflags(write=False)
+    has_range = math.isfinite(target.low) or math.isfinite(target.high)
     return LookupTable(
         axes,
         target.name,
         values,
-        low=target.low,
-        high=target.high,
+        low=target.low if has_range else None,
+        high=target.high if has_range else None,
         description=target.description,
         rounding=rounding or None,
         mode=mode,

@@ -164,7 +164,7 @@ def _drawn_points(axes: Sequence[Axis]) -> _Points | None:
     draw = np.random.default_rng(len(axes))
     points = []
     for axis in axes:
-        values = draw.uniform(*_ends(axis), count)
+        values = draw.uniform(*axis.ends, count)
         besides = draw.choice(_besides(axis)[0], count)
         points.append(np.where(draw.random(count) < 0.5, values, besides))
     return points
@@ -187,7 +187,7 @@ def _dense_grid(axes: Sequence[Axis], wanted: int = _DENSE_POINTS) -> tuple[_Poi
     """
     count = max(3, round(wanted ** (1.0 / len(axes))))
     most = _MOST_POINTS if wanted == _DENSE_POINTS else 5 * wanted
-    even = [np.linspace(*_ends(axis), count) for axis in axes]
+    even = [np.linspace(*axis.ends, count) for axis in axes]
     for besides in zip(*map(_besides, axes), strict=True):
         points = [np.unique(np.concatenate(pair)) for pair in zip(even, besides, strict=True)]
         if math.prod(x.size for x in points) <= most:
@@ -196,19 +196,13 @@ def _dense_grid(axes: Sequence[Axis], wanted: int = _DENSE_POINTS) -> tuple[_Poi
     return points, weights
 
 
-def _ends(axis: Axis) -> tuple[float, float]:
-    low = axis.low if math.isfinite(axis.low) else axis.levels[0]
-    high = axis.high if math.isfinite(axis.high) else axis.levels[-1]
-    return low, high
-
-
 def _besides(axis: Axis) -> _Points:
     """Return what the grid has besides even points: all of it, less, and nothing."""
     levels, middles = np.array(axis.levels), np.array(axis.thresholds("nearest"))
     edges = np.array([*axis.thresholds("bins"), *middles])
     both_sides = [edges, np.nextafter(edges, np.inf)]
     choices = [[levels, *both_sides], [levels, middles], [levels], [np.empty(0)]]
-    low, high = _ends(axis)
+    low, high = axis.ends
     return [x[(x >= low) & (x <= high)] for x in map(np.concatenate, choices)]
 
 

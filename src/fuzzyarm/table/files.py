@@ -37,6 +37,7 @@ from fuzzyarm.table.text import (
 )
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.files import write_atomically
+from fuzzyarm.text.jsonable import jsonable
 from fuzzyarm.text.numbers import column_of_numbers, number_text
 
 if TYPE_CHECKING:
@@ -259,32 +260,34 @@ def _plain_cells(line_number: int, line: str, diagnostics: list[Diagnostic]) -> 
 
 def header_data(table: TableHeader) -> dict[str, Any]:
     """Return the header of `table` as plain data for JSON; an infinite end is null."""
-    return {
+    data: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
         "output": {
             "name": table.output,
-            "low": _finite(table.low),
-            "high": _finite(table.high),
+            "low": table.low,
+            "high": table.high,
             "bounded": table.low is not None,
             "description": table.description,
         },
-        "index": list(table.names),
+        "index": table.names,
         "axes": [
             {
                 "name": axis.name,
-                "low": _finite(axis.low),
-                "high": _finite(axis.high),
+                "low": axis.low,
+                "high": axis.high,
                 "description": axis.description,
-                "levels": list(axis.levels),
-                "bins": None if axis.bins is None else list(axis.bins),
+                "levels": axis.levels,
+                "bins": axis.bins,
             }
             for axis in table.axes
         ],
         "round": table.rounding,
         "mode": table.mode,
-        "provenance": [list(pair) for pair in table.provenance],
+        "provenance": table.provenance,
     }
+    whole: dict[str, Any] = jsonable(data)
+    return whole
 
 
 def _write_json(table: PlainTable) -> str:
@@ -297,7 +300,7 @@ def _write_json(table: PlainTable) -> str:
 def _parse_json(text: str, path: str = "<text>") -> ParsedTable:
     """Read what :func:`_write_json` writes; any fault is a diagnostic."""
     try:
-        data = json.loads(text)
+        data = json.loads(text, parse_constant=_refused)
     except json.JSONDecodeError as error:
         span = Span(error.lineno, error.colno, error.lineno, error.colno + 1)
         return _fault("bad-json", f"not JSON: {error.msg}", path, span)
@@ -313,6 +316,11 @@ def _parse_json(text: str, path: str = "<text>") -> ParsedTable:
         return _fault("bad-table", error.message, path)
     except (TypeError, ValueError, AttributeError, OverflowError):
         return _fault("bad-table", "the object is not of the form of a table", path)
+
+
+def _refused(word: str) -> None:
+    """Refuse what Python takes and JSON does not have."""
+    raise ValueError(f"{word} is not a number of JSON")
 
 
 def _header_from(data: Any) -> TableHeader:
@@ -349,10 +357,6 @@ def _axis(data: dict[str, Any]) -> Axis:
         high=math.inf if high is None else high,
         description=_text(data.get("description") or ""),
     )
-
-
-def _finite(x: float | None) -> float | None:
-    return None if x is None or math.isinf(x) else x
 
 
 def _end(value: Any, otherwise: float | None) -> float | None:
@@ -421,7 +425,7 @@ def _npz_bytes(table: LookupTable) -> bytes:
     data = header_data(table)
     arrays = {f"levels_{k}": np.array(axis.levels) for k, axis in enumerate(table.axes)}
     out = io.BytesIO()
-    header = np.array(json.dumps(data, ensure_ascii=False))
+    header = np.array(json.dumps(data, ensure_ascii=False, allow_nan=False))
     arrays |= {"values": table.values, "header": header}
     np.savez_compressed(out, allow_pickle=False, **arrays)
     return out.getvalue()

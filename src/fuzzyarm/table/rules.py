@@ -124,8 +124,7 @@ def _input(axis: Axis) -> Input:
 
 
 def _output(table: LookupTable, terms: int) -> Output:
-    low = float(table.values.min()) if table.low is None else table.low
-    high = float(table.values.max()) if table.high is None else table.high
+    low, high = table.reach
     if not high > low:
         low, high = low - 1.0, high + 1.0
     return Output(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -63,6 +64,17 @@ class LookupTable(TableHeader):
 
     def __hash__(self) -> int:
         return hash((*self.head().values(), self.values.tobytes()))
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """The range of the output; where an end is not stated or infinite, that of its values."""
+        ends = (self.low, self.high)
+        reached = (float(self.values.min()), float(self.values.max()))
+        low, high = (
+            own if end is None or not math.isfinite(end) else end
+            for end, own in zip(ends, reached, strict=True)
+        )
+        return low, high
 
     def lookup(self, *inputs: ArrayLike, mode: str | None = None, **named: ArrayLike) -> Any:
         """Return the value at the inputs.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from fuzzyarm.errors import FuzzyarmError
 from fuzzyarm.language.controllers import ControllerHeading, GainNode
-from fuzzyarm.language.phrases import Kind, ShapeNode
+from fuzzyarm.language.phrases import Kind
 from fuzzyarm.language.queries.fixes import Edit, apply_edits
 from fuzzyarm.language.queries.reading import Reading, read
 from fuzzyarm.language.queries.references import rename
@@ -20,9 +20,9 @@ from fuzzyarm.language.statements import (
     TermNode,
     VariableNode,
 )
-from fuzzyarm.language.tokens import Figure, Word, name_text
+from fuzzyarm.language.tokens import Figure, name_text
 from fuzzyarm.language.tune import TuneItem, TuneNode
-from fuzzyarm.language.writer import tuning_node
+from fuzzyarm.language.writer import shape_node, tuning_node
 from fuzzyarm.model.alike import UnlikeError, alike
 from fuzzyarm.model.rulebase import PeakTuning, Shape, Tuning
 from fuzzyarm.text.diagnostic import Span
@@ -68,10 +68,10 @@ def set_shapes(reading: Reading, shapes: Sequence[Reshaped | tuple[str, str, Sha
         variable, term, shape, lower = Reshaped(*each)
         own = _own_line(reading, variable, term)
         if own is not None:
-            edits.append(Edit(own, _shape_text(shape, lower)))
+            edits.append(Edit(own, _shape_text(reading, shape, lower)))
             continue
         line = _line_behind_family(reading, variable, term)
-        behind.setdefault(line, []).append(_term_text(variable, term, shape, lower))
+        behind.setdefault(line, []).append(_term_text(reading, variable, term, shape, lower))
     edits += [_behind(reading, line, added) for line, added in behind.items()]
     return edits
 
@@ -119,17 +119,26 @@ def set_kind(reading: Reading, variable: str, term: str, kind: str) -> list[Edit
     return edits
 
 
-def _shape_text(shape: Shape, lower: Shape | None) -> str:
-    return str(_node(shape)._replace(lower=None if lower is None else _node(lower)))
+def _shape_text(reading: Reading, shape: Shape, lower: Shape | None = None) -> str:
+    """Return a shape, or one over another, as a line of the text has it."""
+    names = [each.name for each in reading.model.inputs]
+    nodes = []
+    for each in (shape, lower):
+        if each is None:
+            continue
+        if each.kind == "linear" and len(each.parameters) != len(names) + 1:
+            message = f"a sum of {len(names)} inputs has {len(names) + 1} numbers"
+            raise ReshapeError(f"{message}, not {len(each.parameters)}")
+        nodes.append(shape_node(each, names))
+    upper, *under = nodes
+    return str(upper._replace(lower=under[0] if under else None))
 
 
-def _node(shape: Shape) -> ShapeNode:
-    height = None if shape.height == 1.0 else Figure(shape.height)
-    return ShapeNode(Word(shape.kind), tuple(map(Figure, shape.parameters)), height=height)
-
-
-def _term_text(variable: str, term: str, shape: Shape, lower: Shape | None) -> str:
-    return f"term {name_text(variable)} {name_text(term)}: {_shape_text(shape, lower)}"
+def _term_text(
+    reading: Reading, variable: str, term: str, shape: Shape, lower: Shape | None = None
+) -> str:
+    words = _shape_text(reading, shape, lower)
+    return f"term {name_text(variable)} {name_text(term)}: {words}"
 
 
 def _behind(reading: Reading, line: int, added: Sequence[str]) -> Edit:
@@ -215,7 +224,7 @@ def add_term(reading: Reading, variable: str, term: str, shape: Shape) -> list[E
         if term in names:
             raise ReshapeError(f"'{variable}' has a term '{term}' already, on line {lines[-1]}")
     line = _last_lines(reading)[max(lines)]
-    return [_behind(reading, line, [_term_text(variable, term, shape, None)])]
+    return [_behind(reading, line, [_term_text(reading, variable, term, shape)])]
 
 
 def _declaration(reading: Reading, variable: str) -> VariableNode:
@@ -284,7 +293,7 @@ def _without_family(reading: Reading, node: EvenTermsNode, variable: str, term: 
     own = {each.name.text for each in _terms(reading, variable)}
     lines = [
         _term_text(
-            variable, word.text, reading.model.variable(variable).term(word.text).shape, None
+            reading, variable, word.text, reading.model.variable(variable).term(word.text).shape
         )
         for word in node.names
         if word.text != term and word.text not in own

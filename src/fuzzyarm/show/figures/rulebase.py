@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fuzzyarm.model.rulebase import AnyRuleBase, RuleBase, Shape, Term, Variable
+from fuzzyarm.model.rulebase import AnyRuleBase, Output, RuleBase, Shape, Term, Variable
 from fuzzyarm.model.shapes import centre, corner_points, membership
 from fuzzyarm.show.drawing import number_words
 from fuzzyarm.show.figures.labels import (
@@ -423,6 +423,16 @@ def _draw_consequent(axes: Axes, each: ConsequentTrace, colour: Any, *, named: b
         axes.vlines(each.value, 0, each.strength, colors=colour, linewidth=3, label=label)
 
 
+def _reach_of(variable: Output, output: OutputTrace) -> tuple[float, float]:
+    """Return what is drawn of an output: its range, or where it has none, what came out too."""
+    low, high = visible_range(variable)
+    if not math.isfinite(output.high - output.low):
+        places = [output.value, *(each.value for each in output.consequents)]
+        known = [x for x in places if x is not None and math.isfinite(x)]
+        low, high = min([low, *known]), max([high, *known])
+    return low, high
+
+
 def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     """Draw the clipped sets of an output, their union and the value."""
     variable = rulebase.output(output.name)
@@ -445,7 +455,7 @@ def _draw_output(axes: Axes, rulebase: RuleBase, output: OutputTrace) -> None:
     axes.axvline(output.value, color=COLOURS[3], linewidth=1.8)
     axes.plot(output.value, 0, "^", color=COLOURS[3], markersize=9, clip_on=False, zorder=5)
     tidy(axes)
-    set_range(axes, output.low, output.high)
+    set_range(axes, *_reach_of(variable, output))
     axes.set_ylim(0, 1.05)
     axes.set_xlabel(axis_label(output.name, variable.description), fontsize=LABEL)
     axes.set_ylabel("membership", fontsize=8)

@@ -1,0 +1,32 @@
+"""Data as JSON has it: no NaN, no infinite numbers, lists for arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+
+def jsonable(data: Any) -> Any:
+    """Return data as JSON can hold it.
+
+    Parameters
+    ----------
+    data : object
+        Mappings, sequences, text, numbers, booleans and None, one within the other; arrays and
+        scalars of NumPy, too.
+
+    Returns
+    -------
+    dict, list, str, int, float, bool or None
+        What is not a finite number is None, for which JSON has ``null``.
+    """
+    if data is None or isinstance(data, str | int):
+        return data
+    if isinstance(data, float):
+        return float(data) if math.isfinite(data) else None
+    if isinstance(data, Mapping):
+        return {key: jsonable(each) for key, each in data.items()}
+    if hasattr(data, "tolist"):
+        return jsonable(data.tolist())
+    return [jsonable(each) for each in data]
