@@ -94,6 +94,24 @@ from fuzzyarm.lazy import lazily
 from fuzzyarm.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from fuzzyarm import api as api
+    from fuzzyarm import controller as controller
+    from fuzzyarm import export as export
+    from fuzzyarm import expression as expression
+    from fuzzyarm import formats as formats
+    from fuzzyarm import inference as inference
+    from fuzzyarm import language as language
+    from fuzzyarm import learning as learning
+    from fuzzyarm import live as live
+    from fuzzyarm import loop as loop
+    from fuzzyarm import model as model
+    from fuzzyarm import plant as plant
+    from fuzzyarm import proof as proof
+    from fuzzyarm import show as show
+    from fuzzyarm import sklearn as sklearn
+    from fuzzyarm import study as study
+    from fuzzyarm import table as table
+    from fuzzyarm import tuning as tuning
     from fuzzyarm.api import FileWarning, check_file, check_text, load
     from fuzzyarm.builder import RuleBase
     from fuzzyarm.errors import FuzzyarmError
@@ -167,29 +185,30 @@ PACKAGES = (
 )
 """Packages and modules with public names of their own: those of their ``__all__``."""
 
-__getattr__, __dir__ = lazily(
-    __name__,
-    {
-        "api": ("FileWarning", "check_file", "check_text", "load"),
-        "builder": ("RuleBase",),
-        "errors": ("FuzzyarmError",),
-        "expression.kinds": ("kinds",),
-        "expression.op": ("op",),
-        "inference": ("compiled", "explain", "infer", "infer_interval"),
-        "language": ("RuleBaseError", "Shape", "parse", "write"),
-        "live": ("from_live",),
-        "loop": ("simulate", "simulate_many"),
-        "proof": ("prove",),
-        "shipped_files": ("shipped",),
-        "table": (
-            "LookupTable",
-            "compile_table",
-            "compile_with_report",
-            "read_table",
-            "write_table",
-        ),
-        "tuning": ("tune",),
-    },
-    ("__version__",),
-    PACKAGES,
-)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(
+        __name__,
+        {
+            "api": ("FileWarning", "check_file", "check_text", "load"),
+            "builder": ("RuleBase",),
+            "errors": ("FuzzyarmError",),
+            "expression.kinds": ("kinds",),
+            "expression.op": ("op",),
+            "inference": ("compiled", "explain", "infer", "infer_interval"),
+            "language": ("RuleBaseError", "Shape", "parse", "write"),
+            "live": ("from_live",),
+            "loop": ("simulate", "simulate_many"),
+            "proof": ("prove",),
+            "shipped_files": ("shipped",),
+            "table": (
+                "LookupTable",
+                "compile_table",
+                "compile_with_report",
+                "read_table",
+                "write_table",
+            ),
+            "tuning": ("tune",),
+        },
+        ("__version__",),
+        PACKAGES,
+    )

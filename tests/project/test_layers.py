@@ -13,8 +13,8 @@ MODULES = sorted(path for path in SOURCE.rglob("*.py"))
 
 ORDER = (
     "version",
-    "lazy",
     "errors",
+    "lazy",
     "text",
     "machine_code",
     "kernels",

@@ -12,6 +12,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.controller.catalogue import CATALOGUE, Sources, UnknownControllerError, controller
 from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.controller.law import Gain, GainError
@@ -34,4 +36,5 @@ __all__ = [
     "find_controller",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

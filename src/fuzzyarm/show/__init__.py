@@ -3,6 +3,8 @@
 The drawings are renderables of rich: ``make_console().print(rulebase_view(model))``.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.lazy import lazily
 from fuzzyarm.show.diff import compare_rulebases, rulebase_diff_view, table_diff_view
 from fuzzyarm.show.drawing import HeatGrid, Scale, make_console, number_words, plain_text, scale_of
@@ -40,4 +42,5 @@ __all__ = [
     "visible_range",
 ]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)

@@ -4,10 +4,13 @@ The scenes named here need rich alone, and ``fuzzyarm watch`` shows them too;
 :mod:`fuzzyarm.studio.app` needs the extra ``fuzzyarm[studio]``.
 """
 
+from typing import TYPE_CHECKING
+
 from fuzzyarm.lazy import lazily
 from fuzzyarm.studio.document import StudioDocument
 from fuzzyarm.studio.scene import RulebaseScene, Scene, TableScene
 
 __all__ = ["RulebaseScene", "Scene", "StudioDocument", "TableScene"]
 
-__getattr__, __dir__ = lazily(__name__, {}, __all__)
+if not TYPE_CHECKING:
+    __getattr__, __dir__ = lazily(__name__, {}, __all__)
