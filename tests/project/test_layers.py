@@ -13,6 +13,7 @@ MODULES = sorted(path for path in SOURCE.rglob("*.py"))
 
 ORDER = (
     "version",
+    "extras",
     "errors",
     "lazy",
     "text",

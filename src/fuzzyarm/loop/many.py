@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
 from fuzzyarm.controller.text import ControllerText
-from fuzzyarm.errors import FuzzyarmError
+from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.loop.blocks import (
     Block,
     Rows,
@@ -150,6 +150,7 @@ class Many:
 
     def frame(self) -> Any:
         """Return it as a pandas DataFrame with a row for each run."""
+        demand_extra("pandas", "data", "a DataFrame")
         import pandas as pd
 
         return pd.DataFrame(self.columns(), index=pd.RangeIndex(len(self), name="run"))

@@ -14,6 +14,7 @@ from fuzzyarm.compilers import foreseen
 from fuzzyarm.controller.controller import CompiledController, Controller
 from fuzzyarm.controller.on_plant import Site, TextLaw, controller_on, driven_by, site_of
 from fuzzyarm.controller.text import ControllerText
+from fuzzyarm.errors import demand_extra
 from fuzzyarm.loop.course import Course, Motion, Options, arm_motion, motion
 from fuzzyarm.loop.loop import SQUARES, final, rms, signed_maximum
 from fuzzyarm.loop.metrics import Metrics, metrics_of
@@ -180,6 +181,7 @@ class Run(Shown):
 
     def frame(self) -> Any:
         """Return the samples as a pandas DataFrame with the time as its index."""
+        demand_extra("pandas", "data", "a DataFrame")
         import pandas as pd
 
         return pd.DataFrame(self.columns(), index=pd.Index(self.time, name="time"))

@@ -1,6 +1,6 @@
 """The language server: what :mod:`fuzzyarm.language.queries` answers, over the protocol.
 
-Needs the extra ``fuzzyarm[lsp]``: :func:`fuzzyarm.lsp.features.make_server`. The open files
+Needs the extra ``lsp``: :func:`fuzzyarm.lsp.features.make_server`. The open files
 named here know nothing of the protocol's library.
 """
 

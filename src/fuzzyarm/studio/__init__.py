@@ -1,7 +1,7 @@
 """The studio: a rule base on the left, what it means on the right, redrawn while it is typed.
 
 The scenes named here need rich alone, and ``fuzzyarm watch`` shows them too;
-:mod:`fuzzyarm.studio.app` needs the extra ``fuzzyarm[studio]``.
+:mod:`fuzzyarm.studio.app` needs the extra ``studio``.
 """
 
 from typing import TYPE_CHECKING
