@@ -192,7 +192,7 @@ def _text(value: Any) -> str:
 
 _DRAWINGS: dict[str, Callable[[Any], str]] = {
     "fuzzyarm.api.Review": _text,
-    "fuzzyarm.builder.rulebase.Variable": _variable,
+    "fuzzyarm.builder.rulebase.VariableBuilder": _variable,
     "fuzzyarm.controller.text.ControllerText": _text,
     "fuzzyarm.inference.trace.Trace": _drawn,
     "fuzzyarm.learning.validation.Validation": _validation,

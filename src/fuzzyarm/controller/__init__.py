@@ -19,12 +19,14 @@ from fuzzyarm.controller.controller import CompiledController, Controller, Sum
 from fuzzyarm.controller.law import Gain, GainError
 from fuzzyarm.controller.own import OwnControllerError, find_controller
 from fuzzyarm.controller.program import SourceError
+from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.lazy import lazily
 
 __all__ = [
     "CATALOGUE",
     "CompiledController",
     "Controller",
+    "ControllerText",
     "Gain",
     "GainError",
     "OwnControllerError",

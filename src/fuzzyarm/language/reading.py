@@ -199,7 +199,10 @@ def load_rulebase(path: str | os.PathLike[str]) -> RuleBase:
 def _not_a_rulebase(parsed: Parsed, path: str) -> Diagnostic:
     """Describe a file that has a controller and no rule base."""
     span = parsed.document.statements[0].node.span
-    hint = "fuzzyarm simulate runs it; its rule bases stand in its use lines"
+    hint = (
+        "`fuzzyarm simulate` runs it, fuzzyarm.load_controller reads it; "
+        "its rule bases stand in its use lines"
+    )
     message = "this is a controller, not a rule base"
     return Diagnostic("not-a-rule-base", message, span, hint=hint, path=path)
 
