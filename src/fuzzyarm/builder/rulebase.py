@@ -60,7 +60,7 @@ from fuzzyarm.language.writer import write
 from fuzzyarm.model.rulebase import AnyRuleBase, Defuzzifier, Input, Output, RuleBase, outline
 from fuzzyarm.text.diagnostic import Diagnostic, RuleBaseError, Span, split_lines
 from fuzzyarm.text.names import shortened
-from fuzzyarm.text.shown import Shown, one_line
+from fuzzyarm.text.shown import Plotted, one_line
 
 if TYPE_CHECKING:
     from fuzzyarm.language.declarations import Scope
@@ -717,7 +717,7 @@ def _by_input(
     return list(given.items()) if isinstance(given, Mapping) else [(None, given)]
 
 
-class VariableBuilder(Shown):
+class VariableBuilder(Plotted):
     """An input or output of a rule base that is being written.
 
     Attributes

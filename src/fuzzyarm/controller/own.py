@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -32,7 +33,7 @@ class OwnControllerError(FuzzyarmError, RuntimeError):
 
 
 def find_controller(
-    name: str,
+    name: str | os.PathLike[str],
     *,
     start: Start = "warm",
     variant: Variant = "as-printed",
@@ -42,7 +43,7 @@ def find_controller(
 
     Parameters
     ----------
-    name : str
+    name : str or path-like
         Names of the catalogue, ``FILE.frb``, ``FILE.py`` or ``FILE.py:CLASS``, with plus signs
         between.
     start, variant, sources
@@ -57,7 +58,7 @@ def find_controller(
     OwnControllerError
         For a file without a usable controller.
     """
-    choice = Choice(start, variant, sources)
+    choice, name = Choice(start, variant, sources), os.fspath(name)
     if name.endswith(".frb"):
         return text_controller(name, choice)
     if name in CATALOGUE or not _is_file(name):

@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzyarm.controller.controller import Controller
-from fuzzyarm.controller.text import ControllerText
 from fuzzyarm.errors import FuzzyarmError, demand_extra
 from fuzzyarm.loop.blocks import (
     Block,
@@ -34,8 +33,10 @@ from fuzzyarm.loop.blocks import (
 from fuzzyarm.loop.course import Course, Motion, Options, Sensor, arm_motion, arm_of
 from fuzzyarm.loop.metrics import Metrics
 from fuzzyarm.loop.program import shown_units
-from fuzzyarm.loop.reference import Signal
+from fuzzyarm.loop.reference import AnySignal, AnyTime
 from fuzzyarm.loop.run import (
+    AnyController,
+    AnyWay,
     ClosedLoop,
     Run,
     as_controller,
@@ -179,8 +180,8 @@ class Experiment:
     shared: Changes = field(default_factory=dict)
     conventions: Conventions = PLAIN
     options: Options = field(default_factory=Options)
-    references: Mapping[str, Signal] | None = None
-    duration: float | None = None
+    references: Mapping[str, AnySignal] | None = None
+    duration: AnyTime | None = None
     connect: Mapping[str, str] | None = None
 
 
@@ -426,8 +427,8 @@ def _column(name: str, runs: Sequence[Changes]) -> Vector:
 
 
 def simulate_many(
-    controller: Controller | ControllerText | str,
-    on: Trajectory | Plant | Motion | str,
+    controller: AnyController,
+    on: AnyWay,
     runs: Sequence[Changes] | Mapping[str, ArrayLike],
     *,
     executor: Executor | None = None,
@@ -437,8 +438,8 @@ def simulate_many(
     shared: Changes | None = None,
     conventions: Conventions = PLAIN,
     options: Options | None = None,
-    references: Mapping[str, Signal] | None = None,
-    duration: float | None = None,
+    references: Mapping[str, AnySignal] | None = None,
+    duration: AnyTime | None = None,
     connect: Mapping[str, str] | None = None,
     watch: Callable[[int], None] | None = None,
 ) -> Many:
@@ -514,8 +515,8 @@ def simulate_many(
 
 
 def experiment_of(
-    controller: Controller | ControllerText | str,
-    on: Trajectory | Plant | Motion | str,
+    controller: AnyController,
+    on: AnyWay,
     *,
     payload: bool | float = False,
     segments: Sequence[int] | None = None,

@@ -17,7 +17,7 @@ from fuzzyarm.model.questions import Questions, new_or_begun, of_builder
 from fuzzyarm.text.diagnostic import NOWHERE, RuleBaseError, Span
 from fuzzyarm.text.names import near_hint, shortened
 from fuzzyarm.text.numbers import number_text
-from fuzzyarm.text.shown import Shown, one_line
+from fuzzyarm.text.shown import Plotted, one_line
 
 SAMPLINGS = ("endpoints", "midpoints", "left", "trapezoid", "joined")
 """How a sampled defuzzifier spreads N points over the range of an output.
@@ -198,7 +198,7 @@ class Defuzzifier:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Variable(Shown):
+class Variable(Plotted):
     """What inputs and outputs have in common: a name, a range and its terms.
 
     Attributes

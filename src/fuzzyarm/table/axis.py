@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fuzzyarm.errors import FuzzyarmError
-from fuzzyarm.text.shown import Drawn, one_line
+from fuzzyarm.text.shown import Drawn, Plotted, one_line
 
 SUFFIXES = (".lut", ".csv", ".npz", ".json")
 """The formats of files that are read back to an identical table."""
@@ -140,7 +140,7 @@ def _require_increasing(numbers: tuple[float, ...], what: str) -> None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TableHeader(Drawn):
+class TableHeader(Plotted, Drawn):
     """The axes of a table, its output, and where it came from.
 
     Attributes
