@@ -21,7 +21,7 @@ Read, check, write
     write               Return canonical text that parses to rulebase again.
     shipped             Return the path of the shipped file name, for instance pd7.frb.
 
-Rule bases and controllers, and how Python writes one
+Rule bases and controllers in Python
     RuleBase            A whole fuzzy system as a value: variables, rules, and how the rules are
                         evaluated.
     RuleBaseBuilder     A rule base that is being written; what it means by now is its model.

@@ -15,8 +15,6 @@ from shutil import which
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-__all__ = ["installing"]
-
 
 def installing(extra: str) -> str:
     """Return the command that installs an extra into the Python that runs.

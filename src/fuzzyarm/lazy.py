@@ -17,8 +17,6 @@ from typing import Any
 
 from fuzzyarm.errors import MissingExtraError
 
-__all__ = ["lazily"]
-
 
 def lazily(
     package: str,
